@@ -16,6 +16,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::{Layout, Panel};
+use tilescope_workbench::state::Settings;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -89,7 +90,10 @@ fn main() {
         Command::Run,
     ];
     shoot("analysis-large", large);
-    harness.state_mut().state.window.layout = Layout::alone(Panel::Analysis);
+    harness.state_mut().state.restore(Settings {
+        layout: Some(Layout::alone(Panel::Analysis)),
+        ..Settings::default()
+    });
     save(&mut harness, &folder, "analysis-alone", vec![]);
     let light = vec![Command::Appearance(AppearanceCommand::Look(Look::Light))];
     save(&mut harness, &folder, "analysis-alone-light", light);

@@ -99,10 +99,10 @@ fn apply(harness: &mut Harness<'_, App>, commands: Vec<Command>) {
 
 /// Goes to the first pass of this name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
-    let passes = |harness: &Harness<'_, App>| harness.state().state.runs.first.passes.is_some();
+    let passes = |harness: &Harness<'_, App>| harness.state().state.runs().first.passes.is_some();
     assert!(passes(harness), "the passes have not been run");
     let state = &harness.state().state;
-    let entries = state.runs.first.passes.iter().flat_map(Passes::entries);
+    let entries = state.runs().first.passes.iter().flat_map(Passes::entries);
     let index = entries
         .map(|entry| entry.report.name)
         .position(|name| name == pass);
@@ -110,7 +110,7 @@ fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
     apply(harness, vec![Command::Passes(select)]);
     let state = &harness.state().state;
     let visit = state
-        .runs
+        .runs()
         .first
         .passes
         .as_ref()

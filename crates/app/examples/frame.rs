@@ -160,7 +160,7 @@ fn main() {
         bench
             .app
             .state
-            .runs
+            .runs()
             .first
             .session
             .as_ref()
@@ -190,7 +190,7 @@ fn main() {
     measure(&mut bench, "end, fitted, with the analysis");
     bench.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     for layer in Layer::ALL {
-        if !bench.app.state.appearance.layers(None).has(layer) {
+        if !bench.app.state.appearance().layers(None).has(layer) {
             bench.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
         }
     }

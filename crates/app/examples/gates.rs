@@ -30,7 +30,7 @@ fn main() -> Result<(), Fault> {
         .with_max_steps(50_000)
         .wgpu()
         .build_eframe(|creation| App::new(&creation.egui_ctx));
-    let shelf = &harness.state().state.lessons.shelf;
+    let shelf = &harness.state().state.lessons().shelf;
     let names: Vec<String> = shelf.iter().map(|lesson| lesson.name.to_string()).collect();
     for name in names {
         if !wanted.is_empty() && !wanted.contains(&name) {
@@ -38,7 +38,7 @@ fn main() -> Result<(), Fault> {
         }
         send(&mut harness, LessonCommand::Open(name.clone()));
         send(&mut harness, LessonCommand::Language(language.clone()));
-        let open = harness.state().state.lessons.open.as_ref();
+        let open = harness.state().state.lessons().open.as_ref();
         let lesson = open.ok_or("no lesson is open")?.learner.lesson().clone();
         for (number, (step, _)) in lesson.gates().enumerate() {
             send(&mut harness, LessonCommand::Go(step.name.clone()));
@@ -46,7 +46,7 @@ fn main() -> Result<(), Fault> {
             keep(&mut harness, &file.with_extension("open"))?;
 
             // The second click shows the answer; a trace has one for each event.
-            while harness.state().state.lessons.open_question().is_some() {
+            while harness.state().state.lessons().open_question().is_some() {
                 send(&mut harness, LessonCommand::GiveUp);
             }
             keep(&mut harness, &file.with_extension("closed"))?;

@@ -44,7 +44,7 @@ fn main() {
     }
     for size in [[1280.0, 720.0], [1920.0, 1080.0]] {
         let mut harness = window(size, "20000");
-        let end = harness.state().state.runs.first.session.clone();
+        let end = harness.state().state.runs().first.session.clone();
         let ends = end.expect("a session").ends();
         for look in [Look::Dark, Look::Light, Look::Projector] {
             for (name, count, panel) in [

@@ -267,10 +267,10 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         let state = &harness.state().state;
         let at = thing_near(state, name, position, radii);
         let pos = state
-            .runs
+            .runs()
             .first
             .camera
-            .screen_from_domain(state.runs.first.viewport, at);
+            .screen_from_domain(state.runs().first.viewport, at);
         harness.hover_at(pos);
         save(harness, folder, name);
     }
@@ -393,14 +393,14 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
 fn thing_near(state: &State, name: &str, position: [f64; 2], radii: f64) -> [f64; 2] {
     // If there is a gap in view, the pointer goes there.
     let deepest = state.shown().and_then(|shown| {
-        let tessellation = state.runs.first.geometry.of(&shown)?;
+        let tessellation = state.runs().first.geometry.of(&shown)?;
         let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
             let deepest = gap.deepest.0;
             (deepest[0] - position[0]).hypot(deepest[1] - position[1]) < 0.4 * radii
         };
         tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
     });
-    let nearest = state.runs.first.session.as_ref().map(|session| {
+    let nearest = state.runs().first.session.as_ref().map(|session| {
         let distance = |id: &u32| {
             let at = session.position(*id);
             ((at[0] - position[0]).hypot(at[1] - position[1]) * 1e6) as u64

@@ -14,7 +14,6 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::state::Notice;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -97,11 +96,7 @@ fn sheets(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     save(harness, folder, &format!("{name}-actions"));
     harness.key_press(Key::Escape);
     harness.run();
-    harness.state_mut().state.messages.notice = Some(Notice {
-        text: "The file /a/place/of/some/length/samples.ply could not be read: its head names more points than it holds.".to_owned(),
-        is_error: true,
-        folder: None,
-    });
+    harness.state_mut().state.report("The file /a/place/of/some/length/samples.ply could not be read: its head names more points than it holds.".to_owned());
     save(harness, folder, &format!("{name}-notice"));
     // The menu, its second part open.
     harness.get_by_label("Menu").click();

@@ -181,7 +181,7 @@ const NO_SESSION: &str = "There is no session yet.";
 
 /// Returns why nothing can be done with the first run before it is made.
 fn no_session(state: &State) -> Option<&'static str> {
-    state.runs.first.session.is_none().then_some(NO_SESSION)
+    state.runs().first.session.is_none().then_some(NO_SESSION)
 }
 
 static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
@@ -197,7 +197,7 @@ pub const NO_EVENTS_OF_LEVELS: &str =
 
 /// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
-    match &state.runs.first {
+    match &state.runs().first {
         run if run.debugger.is_some() => None,
         run if run.session.is_none() => Some(NO_SESSION),
         _ if state.shows_combination() => {
@@ -324,9 +324,9 @@ impl List {
     /// Gives Escape to one action: of a caption, a selection, a brush, an open panel and the projector mode, the first
     /// that can be closed or left.
     fn escape(&mut self, state: &State) {
-        let projector = (state.appearance.look.is_projector())
+        let projector = (state.appearance().look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
-        let caption = state.scene.map(|_| Command::Scene(SceneCommand::Leave));
+        let caption = state.scene().map(|_| Command::Scene(SceneCommand::Leave));
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
@@ -359,7 +359,7 @@ fn edit(list: &mut List, state: &State) {
     let redo = list.add("Redo", Command::Redo);
     redo.on_keys(COMMAND | SHIFT, Key::Z).refused(no_future);
     list.add("Reset parameters", Command::Form(FormCommand::Reset));
-    let run = &state.runs.first;
+    let run = &state.runs().first;
     let is_nothing = run.selected.is_none() && run.place.is_none();
     list.group();
     let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
@@ -387,7 +387,7 @@ fn help(list: &mut List) {
 
 /// Adds the scenes. In the tour the space key, which plays otherwise, goes to the next scene.
 fn scenes(list: &mut List, state: &State) {
-    let has_scenes = state.scene.is_some() || !state.scenes(SceneList::Own).is_empty();
+    let has_scenes = state.scene().is_some() || !state.scenes(SceneList::Own).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
     let add_scene = Command::Scene(SceneCommand::Add);
@@ -401,7 +401,7 @@ fn scenes(list: &mut List, state: &State) {
     }
     let previous = list.add("Previous scene", step(Direction::Backwards));
     previous.on_key(Key::PageUp).refused(no_scenes);
-    if state.scene.is_some() {
+    if state.scene().is_some() {
         let leave = Command::Scene(SceneCommand::Leave);
         list.add("Close the scene's caption", leave);
     }
@@ -428,7 +428,7 @@ fn view(list: &mut List, state: &State) {
     let follow = Command::Appearance(AppearanceCommand::ToggleFollow);
     list.add("Follow the events with the camera", follow)
         .on_keys(SHIFT, Key::F)
-        .marked(state.appearance.follows_events);
+        .marked(state.appearance().follows_events);
     list.within(Submenu::Camera, |list| camera(list, state));
     list.group();
     list.within(Submenu::Panels, |list| panels(list, state));
@@ -441,9 +441,9 @@ fn view(list: &mut List, state: &State) {
     let command = Command::Window(WindowCommand::ToggleFullScreen);
     let full = list.add("Full screen", command);
     full.on_keys(Modifiers::ALT, Key::Enter)
-        .refused(state.window.full_screen.refusal());
-    full.is_on = state.window.is_full;
-    let drawer = &state.window.drawer;
+        .refused(state.window().full_screen.refusal());
+    full.is_on = state.window().is_full;
+    let drawer = &state.window().drawer;
     if drawer.arrangement.is_compact() {
         let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
@@ -475,7 +475,7 @@ const TIMELINE_KEYS: (Modifiers, Key) = (SHIFT, Key::F4);
 
 /// Returns why the panels cannot be reached, if so.
 const fn no_panels(state: &State) -> Option<&'static str> {
-    if state.appearance.look.is_projector() {
+    if state.appearance().look.is_projector() {
         Some("The projector mode shows no panels: F2 leaves it.")
     } else {
         None
@@ -484,7 +484,7 @@ const fn no_panels(state: &State) -> Option<&'static str> {
 
 /// Adds the panels: each is brought into view.
 fn panels(list: &mut List, state: &State) {
-    let window = &state.window;
+    let window = state.window();
     let no_panels = no_panels(state);
     for panel in Panel::all() {
         let command = Command::Window(WindowCommand::OpenPanel(panel));
@@ -515,7 +515,7 @@ fn panels(list: &mut List, state: &State) {
 /// Adds what hides the panels that are in view.
 fn hidden_panels(list: &mut List, state: &State) {
     let no_panels = no_panels(state);
-    for panel in Panel::all().filter(|panel| state.window.can_hide(*panel)) {
+    for panel in Panel::all().filter(|panel| state.window().can_hide(*panel)) {
         let command = Command::Window(WindowCommand::HidePanel(panel));
         let action = list.add(format!("Hide the panel: {}", panel.name()), command);
         action.refused(no_panels.filter(|_| panel != Panel::Analysis));
@@ -530,10 +530,10 @@ fn layers(list: &mut List, state: &State) {
     let automatic = Command::Appearance(AppearanceCommand::AutomaticLayers);
     list.add("Layers: automatic", automatic)
         .on_key(Key::T)
-        .marked(state.appearance.chosen_layers.is_none());
+        .marked(state.appearance().chosen_layers.is_none());
     list.group();
-    let shown = state.appearance.layers(state.current_stage());
-    let is_nested = state.runs.first.kind() == SessionKind::Nested;
+    let shown = state.appearance().layers(state.current_stage());
+    let is_nested = state.runs().first.kind() == SessionKind::Nested;
     let hidden = state.hidden_layers();
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
@@ -555,20 +555,20 @@ fn colours(list: &mut List, state: &State) {
         ("Colour by level", Colouring::Level),
     ] {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
-        let kind = state.runs.first.kind();
+        let kind = state.runs().first.kind();
         let refusal = match kind {
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             _ => "Only nested levels have levels.",
         };
         list.add(name, command)
             .refused((colouring.of(kind) != colouring).then_some(refusal))
-            .marked(state.appearance.colouring.of(kind) == colouring);
+            .marked(state.appearance().colouring.of(kind) == colouring);
     }
 }
 
 /// Adds the looks and the choice of less motion.
 fn look(list: &mut List, state: &State) {
-    let shown = state.appearance.look;
+    let shown = state.appearance().look;
     for look in Look::ALL {
         if look == Look::Projector {
             let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
@@ -583,7 +583,7 @@ fn look(list: &mut List, state: &State) {
     list.group();
     let motion = Command::Appearance(AppearanceCommand::ToggleReducedMotion);
     list.add("Reduced motion", motion)
-        .marked(state.appearance.reduced_motion);
+        .marked(state.appearance().reduced_motion);
 }
 
 /// How far a key pans the view, in screen points.
@@ -602,7 +602,7 @@ fn camera(list: &mut List, state: &State) {
         action.on_keys(SHIFT, key).refused(no_session(state));
     }
     list.group();
-    let middle = state.runs.first.viewport.center();
+    let middle = state.runs().first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let action = list.add(name, run_a(ViewCommand::Zoom(middle, factor)));
         action.on_key(key).refused(no_session(state));
@@ -630,7 +630,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 fn debug(list: &mut List, state: &State) {
     list.menu = Menu::Debug;
     let no_events = no_events(state);
-    if let Some(debugger) = &state.runs.first.debugger
+    if let Some(debugger) = &state.runs().first.debugger
         && let Some(event) = debugger.event()
     {
         let line = event.line();
@@ -655,7 +655,7 @@ fn debug(list: &mut List, state: &State) {
 
 /// Adds the breakpoints that are set, each to be switched, and the way to the panel with their conditions.
 fn breakpoints(list: &mut List, state: &State) {
-    let run = &state.runs.first;
+    let run = &state.runs().first;
     if let (Some(debugger), Some(session)) = (&run.debugger, &run.session) {
         let parameters = &session.run().parameters;
         for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {

@@ -24,11 +24,10 @@ use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::files::FileCommand;
-#[cfg(not(target_arch = "wasm32"))]
 use tilescope_workbench::files::MAX_RECENT;
 use tilescope_workbench::layout::{Layout, OldLayout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
-use tilescope_workbench::state::{FullScreen, State};
+use tilescope_workbench::state::{FrameStart, Settings, State};
 
 pub use stage::stage_accent;
 
@@ -69,11 +68,14 @@ impl App {
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
         let mut state = State::new(Arc::new(move || waker.request_repaint()));
-        state.lessons.now = now();
-        theme::install(ctx, state.appearance.look);
+        state.begin_frame(FrameStart {
+            now: now(),
+            is_full: None,
+        });
+        theme::install(ctx, state.appearance().look);
         ctx.add_plugin(Presses::default());
         Self {
-            shown_look: state.appearance.look,
+            shown_look: state.appearance().look,
             shown_input_style: InputStyle::default(),
             state,
             canvas: Canvas::default(),
@@ -108,8 +110,8 @@ impl App {
     #[must_use]
     pub fn scrolls_at(&self, ctx: &Context, pos: Pos2) -> bool {
         let is_below = |layer: egui::LayerId| layer.order == egui::Order::Background;
-        self.state.window.embedding.is_some()
-            && self.state.runs.first.viewport.contains(pos)
+        self.state.window().embedding.is_some()
+            && self.state.runs().first.viewport.contains(pos)
             && ctx.layer_id_at(pos).is_none_or(is_below)
     }
 
@@ -125,35 +127,37 @@ impl App {
 
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
-        self.state.lessons.now = now();
+        self.state.begin_frame(FrameStart {
+            now: now(),
+            is_full: ui.input(|input| input.viewport().fullscreen),
+        });
         language::speak(ui.ctx(), self.state.language());
-        if self.state.window.embedding.is_none() && self.state.talks.open.is_none() {
+        if self.state.window().embedding.is_none() && self.state.talks().open.is_none() {
             panels::lesson::show(ui, &self.state, &mut self.commands);
         }
         self.arrange(ui);
         self.follow_look(ui.ctx());
-        self.copy(ui.ctx());
-        self.state.window.is_full = ui.input(|input| input.viewport().fullscreen);
         let dt = ui.input(|i| i.stable_dt);
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
-        if self.state.talks.open.is_some() {
+        self.follow_requests(ui.ctx());
+        if self.state.talks().open.is_some() {
             return self.show_talk(ui);
         }
         self.leave_stage(ui.ctx());
-        if self.state.window.embedding.is_none() {
+        if self.state.window().embedding.is_none() {
             self.take_dropped(ui);
         }
-        let window = &self.state.window;
+        let window = self.state.window();
         let is_covered =
-            window.finder.is_some() || window.help.is_some() || self.state.files.has_sheet();
+            window.finder.is_some() || window.help.is_some() || self.state.files().has_sheet();
         focus::keep_arrows(ui.ctx(), is_covered);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
         }
         if let Some(embedding) = self.embedding() {
-            self.commands.retain(Command::works_in_frame);
+            self.commands.retain(|command| command.rules().in_frame);
             panels::show_embedded(
                 ui,
                 embedding,
@@ -162,43 +166,39 @@ impl App {
                 &mut self.commands,
             );
             // A long press would otherwise open a panel.
-            self.commands.retain(Command::works_in_frame);
-        } else if self.state.window.drawer.arrangement.is_compact() {
+            self.commands.retain(|command| command.rules().in_frame);
+        } else if self.state.window().drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
-        } else if self.state.appearance.look.is_projector() {
+        } else if self.state.appearance().look.is_projector() {
             panels::show_projector(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else {
-            if !self.state.window.bare {
+            if !self.state.window().bare {
                 panels::show_bars(ui, &self.state, &mut self.commands);
             }
             self.show_tiles(ui);
         }
-        if self.state.window.embedding.is_none() {
+        if self.state.window().embedding.is_none() {
             panels::show_floating(ui, &self.state, &mut self.commands);
         }
-        let is_playing = self.state.time.playback.is_playing();
+        let is_playing = self.state.time().playback.is_playing();
         ui.ctx()
             .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
         focus::ring(
             ui.ctx(),
-            tilescope_drawing::palette::Palette::of(self.state.appearance.look),
+            tilescope_drawing::palette::Palette::of(self.state.appearance().look),
         );
         self.follow_focus(ui.ctx());
         self.apply_commands(ui.ctx());
-        #[cfg(target_arch = "wasm32")]
-        self.download();
-        #[cfg(not(target_arch = "wasm32"))]
-        self.open_folder();
     }
 
     /// Returns the part of the window that is shown, if not all of it: as embedded in another page, and beside a lesson
     /// where there is no room for panels.
     fn embedding(&self) -> Option<Embedding> {
         let is_small =
-            self.state.window.drawer.arrangement.is_compact() || self.state.lessons.on_page;
-        let is_lesson = self.state.lessons.open.is_some() && is_small;
+            self.state.window().drawer.arrangement.is_compact() || self.state.lessons().on_page;
+        let is_lesson = self.state.lessons().open.is_some() && is_small;
         let player = is_lesson.then_some(Embedding::Player);
-        self.state.window.embedding.or(player)
+        self.state.window().embedding.or(player)
     }
 
     /// Requests another frame when the focus has moved: a page accepts text only then.
@@ -240,7 +240,9 @@ impl App {
     /// if the window opens with the default session (`is_default`) rather than with a link or a command.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn keep_in(&mut self, folder: KeptFolder, is_default: bool) {
-        folder.read_results(&mut self.state.lessons);
+        if let Some(results) = folder.results() {
+            self.state.take_results(&results);
+        }
         if is_default && let Ok(text) = std::fs::read_to_string(folder.last_session()) {
             self.state.offer_session(text);
         }
@@ -250,36 +252,12 @@ impl App {
     /// Stores the results of lessons, if there are new ones.
     #[cfg(not(target_arch = "wasm32"))]
     fn keep_results(&mut self) {
-        let lessons = &mut self.state.lessons;
+        let state = &mut self.state;
         if let Some(kept) = &self.kept
-            && lessons.has_unstored_results()
-            && let Err(text) = kept.store_results(lessons)
+            && state.lessons().has_unstored_results()
+            && let Err(text) = kept.store_results(|stored| state.store_results(stored))
         {
-            let notice = tilescope_workbench::state::Notice::new(text, true);
-            self.state.messages.notice = Some(notice);
-        }
-    }
-
-    /// Hands finished downloads to the browser.
-    #[cfg(target_arch = "wasm32")]
-    fn download(&mut self) {
-        for file in self.state.files.take_downloads() {
-            if let Err(text) = tilescope_workbench::download::start(&file) {
-                let notice = tilescope_workbench::state::Notice::new(text, true);
-                self.state.messages.notice = Some(notice);
-            }
-        }
-    }
-
-    /// Opens the folder that the user asked for.
-    #[cfg(not(target_arch = "wasm32"))]
-    fn open_folder(&mut self) {
-        if let Some(folder) = self.state.files.folder_to_open.take()
-            && let Err(error) = open::that_detached(&folder)
-        {
-            let text = format!("{} cannot be opened: {error}.", folder.display());
-            let notice = tilescope_workbench::state::Notice::new(text, true);
-            self.state.messages.notice = Some(notice);
+            state.report(text);
         }
     }
 
@@ -298,7 +276,7 @@ impl App {
     }
 
     fn show_tiles(&mut self, ui: &mut Ui) {
-        let before = &self.state.window.layout;
+        let before = &self.state.window().layout;
         let mut layout = before.clone();
         let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
@@ -329,23 +307,35 @@ impl App {
         }
     }
 
-    /// Copies pending text to the clipboard.
-    fn copy(&mut self, ctx: &Context) {
-        if let Some(text) = self.state.links.copied.take()
+    /// Does what the state asks the window for.
+    fn follow_requests(&mut self, ctx: &Context) {
+        let requests = self.state.take_requests();
+        if let Some(text) = requests.copied
             && !(self.copier)(&text)
         {
             ctx.copy_text(text);
         }
-    }
-
-    fn turn_full_screen(&mut self, ctx: &Context) {
-        if self.state.window.full_screen != FullScreen::Asked {
-            return;
-        }
-        self.state.window.full_screen = FullScreen::Free;
-        if !(self.screener)() {
+        if requests.turns_full_screen && !(self.screener)() {
             let is_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+        }
+        if requests.quits {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
+
+        #[cfg(target_arch = "wasm32")]
+        for file in requests.downloads {
+            if let Err(text) = tilescope_workbench::download::start(&file) {
+                self.state.report(text);
+            }
+        }
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(folder) = requests.folder
+            && let Err(error) = open::that_detached(&folder)
+        {
+            let folder = folder.display();
+            self.state
+                .report(format!("{folder} cannot be opened: {error}."));
         }
     }
 
@@ -361,11 +351,7 @@ impl App {
 
     /// Carries out commands that concern the window itself.
     fn follow_commands(&mut self, ctx: &Context) {
-        self.copy(ctx);
-        self.turn_full_screen(ctx);
-        if std::mem::take(&mut self.state.window.quits) {
-            ctx.send_viewport_cmd(ViewportCommand::Close);
-        }
+        self.follow_requests(ctx);
         self.follow_look(ctx);
         ctx.request_repaint();
     }
@@ -373,12 +359,12 @@ impl App {
     /// Arranges the panels for the window's size. A layout that was arranged for less than a whole window is kept.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
-        if self.state.appearance.look.is_projector() {
+        if self.state.appearance().look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
-        let lessons = &self.state.lessons;
-        let look = self.state.appearance.look;
-        let arrangement = if self.state.window.layout.is_whole() {
+        let lessons = self.state.lessons();
+        let look = self.state.appearance().look;
+        let arrangement = if self.state.window().layout.is_whole() {
             if lessons.open.is_some() || lessons.lists {
                 Arrangement::beside_lesson(size, look)
             } else {
@@ -387,7 +373,7 @@ impl App {
         } else {
             Arrangement::Tiles
         };
-        if arrangement != self.state.window.drawer.arrangement {
+        if arrangement != self.state.window().drawer.arrangement {
             let command = DrawerCommand::Arrange(arrangement);
             self.state
                 .apply(Command::Window(WindowCommand::Drawer(command)));
@@ -395,12 +381,12 @@ impl App {
     }
 
     fn follow_look(&mut self, ctx: &Context) {
-        let is_compact = self.state.window.drawer.arrangement.is_compact();
+        let is_compact = self.state.window().drawer.arrangement.is_compact();
         let input_style = InputStyle {
             touch: is_compact,
-            still: self.state.appearance.reduced_motion,
+            still: self.state.appearance().reduced_motion,
         };
-        let look = self.state.appearance.look;
+        let look = self.state.appearance().look;
         if (self.shown_look, self.shown_input_style) == (look, input_style) {
             return;
         }
@@ -426,23 +412,24 @@ impl App {
             self.state.apply(Command::Scene(SceneCommand::Tour));
         }
         let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
-        if let Some(layout) = settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
-            self.state.window.layout = layout;
-        }
-        #[cfg(not(target_arch = "wasm32"))]
-        if let Some(recent) = storage.get_string(RECENT_KEY) {
+        let recent = storage.get_string(RECENT_KEY).map(|recent| {
             let paths = recent.lines().map(str::to_owned).take(MAX_RECENT);
-            self.state.files.recent = paths.collect();
-        }
+            paths.collect()
+        });
+        // Older versions did not store who had chosen reduced motion.
+        let chosen = settings::get_value::<(Look, Option<bool>)>(storage, LOOK_KEY);
+        let older = || settings::get_value::<(Look, bool)>(storage, LOOK_KEY);
+        let look = chosen.map(|(look, _)| look);
+        self.state.restore(Settings {
+            layout: settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old),
+            // A page does not read files by their paths.
+            recent: recent.filter(|_| cfg!(not(target_arch = "wasm32"))),
+            look: look.or_else(|| older().map(|(look, _)| look)),
+            reduced_motion: chosen.map(|(_, motion)| motion),
+            is_bare: None,
+        });
         if let Some(results) = storage.get_string(RESULTS_KEY) {
-            self.state.lessons.take_stored(&results);
-        }
-        if let Some((look, chosen)) = settings::get_value(storage, LOOK_KEY) {
-            self.state.appearance.choose_look(look);
-            self.state.choose_motion(chosen);
-        } else if let Some((look, _)) = settings::get_value::<(Look, bool)>(storage, LOOK_KEY) {
-            // Older versions did not store who had chosen reduced motion.
-            self.state.appearance.choose_look(look);
+            self.state.take_results(&results);
         }
     }
 }
@@ -472,7 +459,6 @@ const LOOK_KEY: &str = "look";
 /// The key under which the native window of older versions stored the results of lessons, and a page does.
 const RESULTS_KEY: &str = "lessons";
 /// The paths of the files that were opened or saved last, each in a line.
-#[cfg(not(target_arch = "wasm32"))]
 const RECENT_KEY: &str = "recent";
 
 impl eframe::App for App {
@@ -491,12 +477,12 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         settings::set_value(storage, LAYOUT_KEY, self.state.layout_to_store());
         let look = (
-            self.state.appearance.look,
-            self.state.appearance.motion_chosen(),
+            self.state.appearance().look,
+            self.state.appearance().motion_chosen(),
         );
         settings::set_value(storage, LOOK_KEY, &look);
         #[cfg(not(target_arch = "wasm32"))]
-        storage.set_string(RECENT_KEY, self.state.files.recent.join("\n"));
+        storage.set_string(RECENT_KEY, self.state.files().recent.join("\n"));
         #[cfg(not(target_arch = "wasm32"))]
         self.keep_session();
     }
@@ -571,7 +557,7 @@ impl Behavior<Panel> for Shower<'_> {
             });
         }
         let id = egui::Id::unique("seen tab").with(tile);
-        if !self.state.window.layout.shows(panel) {
+        if !self.state.window().layout.shows(panel) {
             button.ctx.data_mut(|data| data.remove::<u8>(id));
             return button;
         }
@@ -604,7 +590,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> egui::Color32 {
-        tilescope_drawing::palette::Palette::of(self.state.appearance.look).outside
+        tilescope_drawing::palette::Palette::of(self.state.appearance().look).outside
     }
 }
 

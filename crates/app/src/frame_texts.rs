@@ -70,7 +70,7 @@ impl Unseen {
         self.app.state.apply(Command::Lesson(command));
         for _ in 0..MAX_RUNS {
             self.app.state.settle();
-            let open = self.app.state.lessons.open.as_ref();
+            let open = self.app.state.lessons().open.as_ref();
             // In practice a run without the moment of the question is followed by another.
             if open.is_none_or(|open| open.fault.is_some() || open.learner.scene().is_some()) {
                 break;
@@ -115,7 +115,7 @@ pub struct Asked {
 pub fn asked(name: &str, text: &str) -> Result<Vec<Asked>, String> {
     let mut window = Unseen::new();
     window.send(LessonCommand::Read(name.to_owned(), text.to_owned()));
-    let open = window.app.state.lessons.open.as_ref();
+    let open = window.app.state.lessons().open.as_ref();
     let lesson = open.map(|open| Arc::clone(open.learner.lesson()));
     let lesson = lesson.ok_or_else(|| format!("the window cannot show the lesson {name}"))?;
 
@@ -127,7 +127,7 @@ pub fn asked(name: &str, text: &str) -> Result<Vec<Asked>, String> {
         for command in commands {
             window.send(command);
             let texts = window.texts();
-            let open = window.app.state.lessons.open.as_ref();
+            let open = window.app.state.lessons().open.as_ref();
             let question = open.and_then(|open| open.learner.question().cloned());
             // A run without the moment is a fault that the check names elsewhere.
             all.extend(question.map(|question| Asked {

@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use tilescope_formats::write_whole;
-use tilescope_workbench::lessons::Lessons;
+use tilescope_workbench::lessons::ResultsToStore;
 
 /// The results of lessons.
 const RESULTS: &str = "results.json";
@@ -34,20 +34,23 @@ impl KeptFolder {
         self.folder.join(LAST)
     }
 
-    /// Adds the results in the folder to those of the window. A file that cannot be read is left as it is until there are
-    /// new results, which are written beside it.
-    pub fn read_results(&self, lessons: &mut Lessons) {
-        if let Ok(bytes) = fs::read(self.folder.join(RESULTS)) {
-            lessons.take_stored(&String::from_utf8_lossy(&bytes));
-        }
+    /// Returns the text of the results in the folder, if it has such a file. One that cannot be read is left as it is until
+    /// there are new results, which are written beside it.
+    #[must_use]
+    pub fn results(&self) -> Option<String> {
+        let bytes = fs::read(self.folder.join(RESULTS)).ok()?;
+        Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Writes the results, merged with those that other windows have written.
+    /// Writes the results, which `merge` returns from those that other windows have written.
     ///
     /// # Errors
     ///
     /// A sentence, if the folder cannot be written; the window still has the results.
-    pub fn store_results(&self, lessons: &mut Lessons) -> Result<(), String> {
+    pub fn store_results(
+        &self,
+        merge: impl FnOnce(Option<&str>) -> ResultsToStore,
+    ) -> Result<(), String> {
         let path = self.folder.join(RESULTS);
         let failed = |error: &dyn std::fmt::Display| {
             let place = path.display();
@@ -66,7 +69,7 @@ impl KeptFolder {
             // Without the old results the new ones would replace them.
             Err(error) => return Err(failed(&error)),
         };
-        let results = lessons.store_results(stored.as_deref());
+        let results = merge(stored.as_deref());
         if results.unreadable {
             fs::rename(&path, free_name(&self.folder)).map_err(|error| failed(&error))?;
         }
@@ -104,6 +107,7 @@ fn free_name(folder: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use tilescope_lessons::results::Entry;
+    use tilescope_workbench::lessons::Lessons;
 
     use super::*;
 
@@ -132,7 +136,9 @@ mod tests {
 
     fn gates(kept: &KeptFolder) -> Vec<String> {
         let mut lessons = Lessons::default();
-        kept.read_results(&mut lessons);
+        if let Some(results) = kept.results() {
+            lessons.take_stored(&results);
+        }
         let entries = lessons.results.entries.into_iter();
         let mut gates: Vec<String> = entries.map(|entry| entry.gate).collect();
         gates.sort();
@@ -148,7 +154,8 @@ mod tests {
                 let kept = kept.clone();
                 scope.spawn(move || {
                     let mut lessons = with_entry(&format!("gate-{number}"));
-                    kept.store_results(&mut lessons).unwrap();
+                    kept.store_results(|stored| lessons.store_results(stored))
+                        .unwrap();
                 });
             }
         });
@@ -163,7 +170,9 @@ mod tests {
         let damaged = "{\"version\":1,\"entr";
         fs::write(folder.path().join(RESULTS), damaged).unwrap();
         assert!(gates(&kept).is_empty());
-        kept.store_results(&mut with_entry("new")).unwrap();
+        let mut lessons = with_entry("new");
+        kept.store_results(|stored| lessons.store_results(stored))
+            .unwrap();
         assert_eq!(gates(&kept), ["new"]);
         let aside = folder.path().join("results-unreadable-1.json");
         assert_eq!(fs::read_to_string(aside).unwrap(), damaged);
@@ -175,7 +184,9 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         let kept = KeptFolder::new(file.clone());
-        let error = kept.store_results(&mut with_entry("new")).unwrap_err();
+        let error = kept
+            .store_results(|stored| with_entry("new").store_results(stored))
+            .unwrap_err();
         assert!(error.contains(&*file.to_string_lossy()), "{error}");
     }
 }

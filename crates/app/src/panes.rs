@@ -45,14 +45,14 @@ impl<'a> CanvasContext<'a> {
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {
-            palette: Palette::of(state.appearance.look),
-            look: state.appearance.look,
-            runs: &state.runs,
+            palette: Palette::of(state.appearance().look),
+            look: state.appearance().look,
+            runs: state.runs(),
             subjects: [state.subject(), state.second_subject()],
             rows: state.buffers_on_canvas(),
-            is_embedded: state.window.embedding.is_some(),
-            is_stage: state.talks.open.is_some(),
-            is_compact: state.window.drawer.arrangement.is_compact(),
+            is_embedded: state.window().embedding.is_some(),
+            is_stage: state.talks().open.is_some(),
+            is_compact: state.window().drawer.arrangement.is_compact(),
         }
     }
 }

@@ -41,6 +41,7 @@ pub mod link;
 pub mod passes;
 pub mod pen;
 pub mod remote;
+pub mod rules;
 pub mod scene_lesson;
 mod scene_view;
 pub mod scenes;

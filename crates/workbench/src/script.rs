@@ -106,7 +106,7 @@ fn carry_out<E>(
 fn refusal_before(state: &State, command: &Command) -> Option<String> {
     match command {
         Command::Run => state.run_refusal(),
-        Command::File(FileCommand::Go) => match &state.files.sheet {
+        Command::File(FileCommand::Go) => match &state.files().sheet {
             None => Some("No file sheet is open.".to_owned()),
             Some(form) if form.path.trim().is_empty() => Some("No file is named.".to_owned()),
             Some(_) => None,
@@ -118,16 +118,16 @@ fn refusal_before(state: &State, command: &Command) -> Option<String> {
 /// Applies a command and waits for its work. Returns why it was refused or failed, if it was.
 fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option<String> {
     // An older notice must not be taken for one about this command.
-    let before = state.messages.notice.take();
+    let before = state.exchange_notice(None);
     state.apply(command.clone());
     state.settle();
 
-    let notice = state.messages.notice.as_ref();
+    let notice = state.messages().notice.as_ref();
     // A file that was written is no failure, whatever the notice says of the set in it.
     let failed = notice.filter(|notice| notice.is_error && notice.folder.is_none());
     let failed = failed.map(|notice| notice.text.clone());
     if notice.is_none() && !matches!(command, Command::DismissNotice) {
-        state.messages.notice = before;
+        state.exchange_notice(before);
     }
 
     // The first command that would replace a file only asks; the same command once more is the answer.

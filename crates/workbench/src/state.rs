@@ -23,8 +23,9 @@ use crate::thumbnails::Thumbnails;
 use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
+pub use frame::{FrameStart, Requests, Settings};
 pub use gpu::GpuState;
-pub use lessons::{HIDDEN_LAYER, veiled};
+pub use lessons::HIDDEN_LAYER;
 pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
@@ -97,48 +98,39 @@ impl FullScreen {
 /// The state of the window.
 pub struct State {
     /// The input of the next run.
-    pub form: Form,
+    form: Form,
     /// The runs that are shown.
-    pub runs: Runs,
+    runs: Runs,
     /// Playback.
-    pub time: Time,
+    time: Time,
     /// The appearance of moments.
-    pub appearance: Appearance,
+    appearance: Appearance,
     /// Panels, drawer, list of actions, full screen.
-    pub window: WindowState,
+    window: WindowState,
     /// Files and exports.
-    pub files: FileState,
+    files: FileState,
     /// The engine and the GPU.
-    pub gpu: GpuState,
+    gpu: GpuState,
     /// The analysis.
-    pub analysis: Analysis,
+    analysis: Analysis,
     /// The scene that is shown, if one is.
-    pub scene: Option<ShownScene>,
+    scene: Option<ShownScene>,
     /// Lessons: the one that is open, the list, the results.
-    pub lessons: Lessons,
+    lessons: Lessons,
     /// Presenter mode.
-    pub talks: Talks,
+    talks: Talks,
     /// The picture of the next step of a talk.
-    pub next_picture: NextPicture,
+    next_picture: NextPicture,
     /// The scenes' pictures.
-    pub thumbnails: Thumbnails,
+    thumbnails: Thumbnails,
     /// Links.
-    pub links: Links,
+    links: Links,
     /// Messages to the user.
-    pub messages: Messages,
+    messages: Messages,
     /// What a lesson or the tour has replaced.
     borrowed: Option<Box<borrowed::Borrowed>>,
     history: undo::History,
     jobs: JobContext,
-}
-
-/// Returns whether a command is work of the user's own, which begins where the user was before the tour. What the tour
-/// itself offers is carried out by [`State::take_offer`].
-const fn ends_tour(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::Form(_) | Command::Run | Command::Combine(_) | Command::Compare(_)
-    )
 }
 
 impl State {
@@ -223,7 +215,9 @@ impl State {
         if self.refuse_veiled(&command) || self.refuse_index(&command) {
             return;
         }
-        if self.is_touring() && ends_tour(&command) {
+        let rules = command.rules();
+        // What the tour itself offers is carried out by `take_offer`.
+        if self.is_touring() && rules.ends_tour {
             self.leave_scene();
         }
         self.draft_from_canvas(&command);
@@ -240,7 +234,7 @@ impl State {
         match command {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
-            command => match undo::concerns(&command) {
+            command => match rules.undo {
                 Some(part) => {
                     let before = self.memento();
                     let remembered = command.clone();
@@ -348,12 +342,6 @@ impl State {
         }
     }
 
-    /// Restores the user's earlier choice of reduced motion.
-    pub fn choose_motion(&mut self, chosen: Option<bool>) {
-        self.appearance.choose_motion(chosen);
-        self.end_flights();
-    }
-
     /// Sets the system's preference of reduced motion, which counts until the user chooses.
     pub fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.appearance.prefer_reduced_motion(reduced);
@@ -451,6 +439,99 @@ impl State {
     }
 }
 
+/// The parts, to be read. The user changes them by commands, the window by the functions of `state/frame.rs`.
+impl State {
+    /// Returns the input of the next run.
+    #[must_use]
+    pub const fn form(&self) -> &Form {
+        &self.form
+    }
+
+    /// Returns the runs that are shown.
+    #[must_use]
+    pub const fn runs(&self) -> &Runs {
+        &self.runs
+    }
+
+    /// Returns playback.
+    #[must_use]
+    pub const fn time(&self) -> &Time {
+        &self.time
+    }
+
+    /// Returns the appearance of moments.
+    #[must_use]
+    pub const fn appearance(&self) -> &Appearance {
+        &self.appearance
+    }
+
+    /// Returns panels, drawer, list of actions, full screen.
+    #[must_use]
+    pub const fn window(&self) -> &WindowState {
+        &self.window
+    }
+
+    /// Returns files and exports.
+    #[must_use]
+    pub const fn files(&self) -> &FileState {
+        &self.files
+    }
+
+    /// Returns the engine and the GPU.
+    #[must_use]
+    pub const fn gpu(&self) -> &GpuState {
+        &self.gpu
+    }
+
+    /// Returns the analysis.
+    #[must_use]
+    pub const fn analysis(&self) -> &Analysis {
+        &self.analysis
+    }
+
+    /// Returns the scene that is shown, if one is.
+    #[must_use]
+    pub const fn scene(&self) -> Option<ShownScene> {
+        self.scene
+    }
+
+    /// Returns lessons: the one that is open, the list, the results.
+    #[must_use]
+    pub const fn lessons(&self) -> &Lessons {
+        &self.lessons
+    }
+
+    /// Returns presenter mode.
+    #[must_use]
+    pub const fn talks(&self) -> &Talks {
+        &self.talks
+    }
+
+    /// Returns the picture of the next step of a talk.
+    #[must_use]
+    pub const fn next_picture(&self) -> &NextPicture {
+        &self.next_picture
+    }
+
+    /// Returns the scenes' pictures.
+    #[must_use]
+    pub const fn thumbnails(&self) -> &Thumbnails {
+        &self.thumbnails
+    }
+
+    /// Returns links.
+    #[must_use]
+    pub const fn links(&self) -> &Links {
+        &self.links
+    }
+
+    /// Returns messages to the user.
+    #[must_use]
+    pub const fn messages(&self) -> &Messages {
+        &self.messages
+    }
+}
+
 mod analysis;
 mod announce;
 mod borrowed;
@@ -461,6 +542,7 @@ mod engine;
 pub mod export;
 mod files;
 mod form;
+mod frame;
 mod gpu;
 mod indices;
 mod lesson_told;

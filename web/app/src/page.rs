@@ -19,6 +19,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::LinkCommand;
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::state::{PageStart, Settings};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
@@ -372,8 +373,6 @@ impl Page {
                 .device
                 .set_device_lost_callback(|_, reason| hooks::lost(&reason));
         }
-        app.state.links.base = address();
-        app.state.lessons.on_page = true;
         app.copy_with(hooks::copy);
         App::speak_to(&creation.egui_ctx, |spoken| {
             hooks::field(&spoken.field);
@@ -387,27 +386,26 @@ impl Page {
         let language = storage.and_then(|storage| restore(&mut app, storage, options));
         // A link may name another language.
         let languages = language.iter().chain(&options.languages);
-        app.state.lessons.language = preferred(languages);
-        let language = language.or_else(|| Some(app.state.lessons.language.clone()));
+        app.state.begin_at(address(), preferred(languages));
+        let language = language.or_else(|| Some(app.state.lessons().language.clone()));
 
         // Opening a link removes earlier notices.
         if !options.link.is_empty() {
             app.state
                 .apply(Command::Link(LinkCommand::Open(options.link.clone())));
         }
-        app.state
-            .begin_on_page(&tilescope_workbench::state::PageStart {
-                display: display.clone(),
-                reason: options.reason.clone(),
-                engine: match options.engine.as_str() {
-                    "cpu" => EngineChoice::Cpu,
-                    "gpu" => EngineChoice::Gpu,
-                    _ => EngineChoice::Auto,
-                },
-                embedding: options.embed.as_deref().and_then(Embedding::named),
-                reduced_motion: options.reduced_motion,
-                full_screen: options.full_screen,
-            });
+        app.state.begin_on_page(&PageStart {
+            display: display.clone(),
+            reason: options.reason.clone(),
+            engine: match options.engine.as_str() {
+                "cpu" => EngineChoice::Cpu,
+                "gpu" => EngineChoice::Gpu,
+                _ => EngineChoice::Auto,
+            },
+            embedding: options.embed.as_deref().and_then(Embedding::named),
+            reduced_motion: options.reduced_motion,
+            full_screen: options.full_screen,
+        });
         pool.open();
         Self {
             app,
@@ -432,13 +430,13 @@ impl Page {
     /// Puts new results into the browser's store. They are merged with those that are there, as another tab may have stored
     /// some.
     fn store_results(&mut self) {
-        let lessons = &mut self.app.state.lessons;
-        if !self.stores || !lessons.has_unstored_results() {
+        let state = &mut self.app.state;
+        if !self.stores || !state.lessons().has_unstored_results() {
             return;
         }
         let mut store = LocalStore;
         let before = store.get_string(RESULTS_KEY);
-        let results = lessons.store_results(before.as_deref());
+        let results = state.store_results(before.as_deref());
         if let Some(before) = before.filter(|_| results.unreadable) {
             store.set_string(UNREADABLE_RESULTS_KEY, before);
         }
@@ -452,11 +450,11 @@ impl Page {
 
     /// Takes the results that another tab has stored.
     fn take_results(&mut self, stored: &str) {
-        let lessons = &mut self.app.state.lessons;
-        if !self.stores || !lessons.take_stored(stored) {
+        let state = &mut self.app.state;
+        if !self.stores || !state.take_results(stored) {
             return;
         }
-        let merged = lessons.results.to_json();
+        let merged = state.lessons().results.to_json();
 
         // Both tabs may have read the store before either wrote: what the other one has replaced is written again.
         if merged != stored {
@@ -466,7 +464,7 @@ impl Page {
 
     /// Stores the language of lessons when the learner or a link has changed it.
     fn store_language(&mut self) {
-        let language = &self.app.state.lessons.language;
+        let language = &self.app.state.lessons().language;
         if self.stores && self.language.as_ref() != Some(language) {
             LocalStore::put(LANGUAGE_KEY, language);
             self.language = Some(language.clone());
@@ -577,7 +575,10 @@ fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<St
 
     // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
     if options.light && storage.get_string(LOOK_KEY).is_none() {
-        app.state.appearance.choose_look(Look::Light);
+        app.state.restore(Settings {
+            look: Some(Look::Light),
+            ..Settings::default()
+        });
     }
     storage.get_string(LANGUAGE_KEY)
 }

@@ -14,14 +14,14 @@ use tilescope_workbench::state::State;
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Analyze;
-    let analysis = &state.analysis;
+    let analysis = state.analysis();
     // With tiles, tabs lead away from the analysis; the projector mode and small windows have no tabs.
     let (name, command) = if !state.analyses() {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
-    } else if state.window.drawer.arrangement.is_compact() {
+    } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);
         ("Hide analysis", WindowCommand::Drawer(close))
-    } else if state.appearance.look.is_projector() {
+    } else if state.appearance().look.is_projector() {
         ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
@@ -69,7 +69,7 @@ fn brushes(list: &mut List, state: &State) {
         let brush = Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
         list.add(name, brush).refused(no_session(state));
     }
-    let is_nothing = state.analysis.brush.is_none();
+    let is_nothing = state.analysis().brush.is_none();
     let clear = Command::Analysis(AnalysisCommand::Brush(None));
     list.add("Clear the brush", clear)
         .refused(is_nothing.then_some("Nothing is brushed."));

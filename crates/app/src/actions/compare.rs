@@ -21,7 +21,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     });
     list.add("Keep this run as B", Command::Compare(CompareCommand::Keep))
         .refused(no_session(state));
-    let second = state.runs.second.as_ref();
+    let second = state.runs().second.as_ref();
     let is_ready = second.is_some_and(|(side, _)| side.session.is_some());
     list.add("Swap A and B", Command::Compare(CompareCommand::Swap))
         .on_key(Key::X)

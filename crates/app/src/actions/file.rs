@@ -15,13 +15,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     let run = list.add("Run with these parameters", Command::Run);
     run.on_keys(COMMAND, Key::Enter)
         .refused(state.run_refusal().as_deref());
-    let is_idle = state.runs.first.sampling.is_none();
+    let is_idle = state.runs().first.sampling.is_none();
     list.add("Cancel the run", Command::Cancel(Which::First))
         .refused(is_idle.then_some("Nothing is being sampled."));
     list.group();
     sessions(list, state);
     list.group();
-    let form = state.files.exports.sheet.as_ref();
+    let form = state.files().exports.sheet.as_ref();
     let sheet = |kind| {
         Command::Export(if form.is_some_and(|form| form.kind == kind) {
             ExportCommand::Close
@@ -44,14 +44,14 @@ pub(super) fn add(list: &mut List, state: &State) {
             _ => action,
         };
     }
-    let is_idle = state.files.exports.fraction().is_none();
+    let is_idle = state.files().exports.fraction().is_none();
     list.add("Cancel the export", Command::Export(ExportCommand::Cancel))
         .refused(is_idle.then_some("Nothing is being exported."));
     list.group();
     list.add("Copy link", Command::Link(LinkCommand::Copy))
         .on_keys(COMMAND | SHIFT, Key::L);
     // A page is left by the browser.
-    if !state.files.in_browser() {
+    if !state.files().in_browser() {
         list.group();
         list.add("Quit", Command::Window(WindowCommand::Quit))
             .on_keys(COMMAND, Key::Q);
@@ -76,7 +76,7 @@ fn toggle<'a>(
 
 /// Adds opening and saving of sessions and patterns.
 fn sessions(list: &mut List, state: &State) {
-    let open = state.files.sheet.as_ref().map(|form| form.purpose);
+    let open = state.files().sheet.as_ref().map(|form| form.purpose);
     let sheet = |purpose| {
         Command::File(if open == Some(purpose) {
             FileCommand::Close
@@ -94,7 +94,7 @@ fn sessions(list: &mut List, state: &State) {
     list.add("Combine nine sets (figure 12)", nine);
     let pattern = sheet(Purpose::Pattern);
     toggle(list, "Use a pattern from a file\u{2026}", pattern, None);
-    let is_generated = state.form.own_pattern.is_none();
+    let is_generated = state.form().own_pattern.is_none();
     let generated = Command::Form(FormCommand::GeneratedPattern);
     list.add("Use a generated pattern", generated)
         .refused(is_generated.then_some("The pattern is already generated."));
@@ -103,10 +103,10 @@ fn sessions(list: &mut List, state: &State) {
 /// Adds the last session and the files that were opened or saved last.
 fn recent(list: &mut List, state: &State) {
     list.within(Submenu::Recent, |list| {
-        let has_last = state.files.last_session.is_some();
+        let has_last = state.files().last_session.is_some();
         let last = list.add("Reopen the last session", Command::File(FileCommand::Last));
         last.refused((!has_last).then_some("No session of an earlier use of the program is kept."));
-        for path in &state.files.recent {
+        for path in &state.files().recent {
             list.add(path, Command::File(FileCommand::Open(path.clone())));
         }
     });

@@ -12,12 +12,12 @@ use tilescope_workbench::state::State;
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Go;
-    let [at_end, at_start] = time_refusals(&state.runs.first, &state.time);
+    let [at_end, at_start] = time_refusals(&state.runs().first, state.time());
     let no_events = no_events(state);
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
-    let [first, last] = match state.runs.first.prefix() {
+    let [first, last] = match state.runs().first.prefix() {
         Some(_) => ["First level", "Last level"],
         None => ["First stage", "Last stage"],
     };
@@ -39,10 +39,10 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.within(Submenu::Ticks, |list| {
         for clock in Clock::ALL {
             let command = Command::Time(TimeCommand::Clock(clock));
-            let name = state.runs.first.clock_name(clock);
+            let name = state.runs().first.clock_name(clock);
             list.add(format!("Step by: {name}"), command)
-                .refused(state.runs.first.clock_refusal(clock))
-                .marked(state.time.playback.clock == clock);
+                .refused(state.runs().first.clock_refusal(clock))
+                .marked(state.time().playback.clock == clock);
         }
     });
     let no_loop = no_events.filter(|_| state.cursor().is_none());
@@ -75,7 +75,7 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
     let way = if back { " backwards" } else { "" };
     let shifted = if back { SHIFT } else { NONE };
     let with_alt = if back { Modifiers::ALT } else { NONE };
-    let [on, into, out] = if state.files.in_browser() {
+    let [on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {
         let out = (SHIFT | with_alt, Key::F11);
@@ -124,11 +124,11 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .into_iter()
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
-    if let Some(id) = state.runs.first.selected {
+    if let Some(id) = state.runs().first.selected {
         let name = format!("event of sample {}", grouped(id as usize));
         targets.push((name, Some(Key::H), Target::Sample(id)));
     }
-    if let Some(event) = state.runs.first.debugger.as_ref().and_then(|d| d.event()) {
+    if let Some(event) = state.runs().first.debugger.as_ref().and_then(|d| d.event()) {
         let name = "execution of this line".to_owned();
         targets.push((name, Some(Key::L), Target::Line(event.line())));
     }

@@ -21,7 +21,7 @@ fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
 
 /// Returns whether a sheet covers the window.
 const fn has_sheet(state: &State) -> bool {
-    state.files.has_sheet() || state.window.help.is_some()
+    state.files().has_sheet() || state.window().help.is_some()
 }
 
 const fn is_function(key: Key) -> bool {
@@ -66,7 +66,7 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
         return false;
     };
     let is_taken = |action: &Action| {
-        let here = state.window.embedding.is_none() || action.command.works_in_frame();
+        let here = state.window().embedding.is_none() || action.command.rules().in_frame;
         here && action.keys().any(|shortcut| {
             shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
         })
@@ -122,13 +122,13 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 
 /// Returns what a press does in the current state, and the modifiers of its shortcut.
 fn meant_by(key: Key, pressed: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
-    let listed = state.window.finder.is_some();
+    let listed = state.window().finder.is_some();
     actions(state).into_iter().find_map(|action| {
         let shortcut = action.keys().find(|shortcut| {
             shortcut.logical_key == key && pressed.matches_exact(shortcut.modifiers)
         })?;
         let is_open = !listed || action.command == Command::Window(WindowCommand::ToggleFinder);
-        let is_here = state.window.embedding.is_none() || action.command.works_in_frame();
+        let is_here = state.window().embedding.is_none() || action.command.rules().in_frame;
         let can = action.refusal.is_none() && is_open && is_here;
         can.then_some((action.command, shortcut.modifiers))
     })
@@ -157,11 +157,11 @@ struct Ahead {
 }
 
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
-    if has_sheet(state) || state.window.embedding.is_some() {
+    if has_sheet(state) || state.window().embedding.is_some() {
         return None;
     }
     let typing = ctx.text_edit_focused();
-    let open = state.window.finder.as_ref();
+    let open = state.window().finder.as_ref();
     ctx.input_mut(|input| {
         let from = match open {
             Some(_) if typing => return None,

@@ -6,7 +6,7 @@ use tilescope_debugger::Direction;
 use tilescope_lessons::Form;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
-use tilescope_workbench::state::{State, veiled};
+use tilescope_workbench::state::State;
 
 use super::{Action, List, Menu, NONE};
 
@@ -30,13 +30,13 @@ fn own<'a>(list: &'a mut List, name: &str, command: LessonCommand) -> &'a mut Ac
 
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Help;
-    let name = if state.lessons.lists {
+    let name = if state.lessons().lists {
         "Close the list of lessons"
     } else {
         "Lessons\u{2026}"
     };
     list.add(name, Command::Lesson(LessonCommand::ToggleList));
-    let Some(open) = &state.lessons.open else {
+    let Some(open) = &state.lessons().open else {
         list.group();
         return;
     };
@@ -54,7 +54,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         .on_key(Key::PageUp)
         .refused((learner.index() == 0).then_some("This is the first step."));
     own(list, "Close the lesson", LessonCommand::Leave);
-    if let Some(question) = state.lessons.open_question() {
+    if let Some(question) = state.lessons().open_question() {
         own(list, "Answer the question", LessonCommand::Answer).on_key(Key::Enter);
         let no_hint = question.hint.is_none();
         own(list, "Hint", LessonCommand::Hint)
@@ -79,7 +79,7 @@ pub(super) fn add(list: &mut List, state: &State) {
 /// While a lesson is open, removes its keys from other actions; while a question is open, refuses the actions that would
 /// show its answer.
 pub(super) fn lead(list: &mut List, state: &State) {
-    if state.lessons.open.is_none() || state.talks.open.is_some() {
+    if state.lessons().open.is_none() || state.talks().open.is_some() {
         return;
     }
     let is_lesson = |command: &Command| matches!(command, Command::Lesson(_) | Command::Talk(_));
@@ -92,7 +92,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
     // Digits choose answers: they open no panels meanwhile.
     let is_digit =
         |keys: KeyboardShortcut| keys.modifiers == NONE && DIGITS.contains(&keys.logical_key);
-    let is_veiled = state.lessons.veil().is_some();
+    let is_veiled = state.lessons().veil().is_some();
     for action in list
         .actions
         .iter_mut()
@@ -103,7 +103,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
                 *keys = None;
             }
         }
-        if is_veiled && veiled(&action.command) {
+        if is_veiled && action.command.rules().reveals {
             action.refusal = Some(
                 "A question of the lesson is open: this would show what comes next.".to_owned(),
             );

@@ -17,7 +17,7 @@ fn own<'a>(list: &'a mut List, name: &str, command: TalkCommand) -> &'a mut Acti
 
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Help;
-    match &state.talks.open {
+    match &state.talks().open {
         Some(talk) => given(list, talk),
         None => begin(list, state),
     }
@@ -26,7 +26,7 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Adds the actions that begin a talk or make a handout.
 fn begin(list: &mut List, state: &State) {
-    let has_lesson = state.lessons.open.is_some();
+    let has_lesson = state.lessons().open.is_some();
     let no_lesson = (!has_lesson).then_some("No lesson is open.");
     // Without a lesson this key is the debugger's.
     let f5 = has_lesson.then_some(Key::F5);
@@ -98,7 +98,7 @@ const fn stays(command: &Command) -> bool {
 /// During a talk, removes the keys of all other actions, except those that [`stays`] names and that no action of the talk
 /// has.
 pub(super) fn lead(list: &mut List, state: &State) {
-    if state.talks.open.is_none() {
+    if state.talks().open.is_none() {
         return;
     }
     let own: Vec<KeyboardShortcut> = list

@@ -6,7 +6,6 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Known, heading};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::state::Notice;
 
 use super::App;
 
@@ -47,7 +46,7 @@ impl App {
             self.closing = Closing::No;
             return;
         }
-        let palette = Palette::of(self.state.appearance.look);
+        let palette = Palette::of(self.state.appearance().look);
         let saves = self.state.unsaved_scenes() > 0 && self.state.save_refusal().is_none();
         let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
             ui.set_width(320.0);
@@ -94,7 +93,7 @@ impl App {
         }
         match kept.store_session(&text) {
             Ok(()) => self.kept_session = Some(text),
-            Err(why) => self.state.messages.notice = Some(Notice::new(why, true)),
+            Err(why) => self.state.report(why),
         }
     }
 }

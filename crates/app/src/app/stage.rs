@@ -42,7 +42,7 @@ impl App {
     pub(super) fn show_talk(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.begin_stage(&ctx);
-        let Some(talk) = &self.state.talks.open else {
+        let Some(talk) = &self.state.talks().open else {
             return;
         };
         // The first window cannot be closed: if its content is closed, that of the other window moves there.
@@ -101,7 +101,7 @@ impl App {
     /// When a talk begins, notes a screen without the first window, for the second one.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
-        let is_beginning = self.state.talks.open.is_some() && self.stage.before.is_none();
+        let is_beginning = self.state.talks().open.is_some() && self.stage.before.is_none();
         let Some(window) = frame.winit_window().filter(|_| is_beginning) else {
             return;
         };
@@ -120,7 +120,7 @@ impl App {
 
     fn begin_stage(&mut self, ctx: &Context) {
         if self.stage.before.is_none() {
-            self.stage.before = Some((ctx.zoom_factor(), self.state.appearance.look));
+            self.stage.before = Some((ctx.zoom_factor(), self.state.appearance().look));
             let screen = ctx.input(|input| input.viewport().monitor_size);
             // The zoom changes with the stage; the size stays, so that the window is not resized later.
             let size = SECOND_SIZE / ctx.zoom_factor();
@@ -134,7 +134,7 @@ impl App {
     pub(super) fn leave_stage(&mut self, ctx: &Context) {
         if let Some((zoom, look)) = self.stage.before.take() {
             // The look may have been changed on the stage, and the projector's look enlarges the window.
-            ctx.set_zoom_factor(zoom * self.state.appearance.look.zoom() / look.zoom());
+            ctx.set_zoom_factor(zoom * self.state.appearance().look.zoom() / look.zoom());
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.stage.was_full));
             ctx.request_repaint();
         }

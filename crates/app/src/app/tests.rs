@@ -61,7 +61,7 @@ impl Window {
 
     /// Returns the share of the window's area that the canvas has.
     fn canvas_share(&self) -> f32 {
-        self.app.state.runs.first.viewport.area() / (self.size.x * self.size.y)
+        self.app.state.runs().first.viewport.area() / (self.size.x * self.size.y)
     }
 
     fn is_known(&self, id: &str) -> bool {
@@ -174,7 +174,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
     window.frame(keys(&[Key::Home, Key::E, Key::E]));
     let state = &window.app.state;
     let recording = state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -190,7 +190,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
         press(Key::Escape, Modifiers::NONE),
     ]);
     window.rest();
-    assert!(window.app.state.window.finder.is_none());
+    assert!(window.app.state.window().finder.is_none());
 }
 
 /// Returns the ids marked as current, among those for which `is_meant` holds.
@@ -238,7 +238,7 @@ fn all_panels_show_the_same_moment() {
         window.apply(Command::Time(TimeCommand::RunTo(target, forwards)));
         let (cursor, recording) = {
             let state = &window.app.state;
-            let session = state.runs.first.session.as_ref().unwrap();
+            let session = state.runs().first.session.as_ref().unwrap();
             (
                 state.cursor().unwrap().0,
                 Arc::clone(session.recording().unwrap()),
@@ -291,7 +291,7 @@ fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
 
 /// Returns cursors: of the event of each kind that has the longest sentence, and of the end of each stage.
 fn longest(window: &Window) -> Vec<usize> {
-    let session = window.app.state.runs.first.session.as_ref().unwrap();
+    let session = window.app.state.runs().first.session.as_ref().unwrap();
     let recording = session.recording().unwrap();
     let mut longest = std::collections::BTreeMap::<&str, (usize, usize)>::new();
     for (index, event) in recording.tape().from(0) {
@@ -321,7 +321,7 @@ fn sentences_are_whole() {
         ([844.0, 390.0], None, None),
     ] {
         let mut window = Window::opened(size);
-        window.app.state.window.embedding = embedding;
+        window.app.state.embed(embedding);
         if let Some(look) = look {
             window.apply(Command::Appearance(AppearanceCommand::Look(look)));
             // What a projector shows is larger.
@@ -358,7 +358,7 @@ fn the_default_session_has_its_gaps_where_it_fits() {
         let mut window = Window::opened(size);
         window.apply(Command::View(Which::First, ViewCommand::Fit));
         while window.app.state.advance(0.1) {}
-        let scale = window.app.state.runs.first.camera.scale;
+        let scale = window.app.state.runs().first.camera.scale;
         assert!(
             scale >= tilescope_drawing::MIN_DISK_SCALE,
             "{size:?}: {scale}"
@@ -376,7 +376,7 @@ fn a_scene_and_a_row_lead_to_the_same_moment() {
     let last = window
         .app
         .state
-        .runs
+        .runs()
         .first
         .debugger
         .as_ref()
@@ -393,21 +393,21 @@ fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
     for size in [[1280.0, 720.0], [1440.0, 900.0], [1920.0, 1080.0]] {
         let mut window = Window::first(size);
         let state = &window.app.state;
-        assert!(state.is_touring() && !state.lessons.lists && !state.window.shows_sides());
+        assert!(state.is_touring() && !state.lessons().lists && !state.window().shows_sides());
         let share = window.canvas_share();
         assert!(share >= 0.6, "{size:?}: {share}");
-        let canvas = state.runs.first.viewport;
+        let canvas = state.runs().first.viewport;
         assert!(canvas.contains_rect(window.rect_of("caption")), "{size:?}");
         // The last card brings the panels and offers the lessons.
         let forwards = SceneCommand::Step(tilescope_debugger::Direction::Forwards);
         for _ in 1..tilescope_workbench::tour::tour().len() {
             window.apply(Command::Scene(forwards.clone()));
         }
-        assert!(window.app.state.is_touring() && window.app.state.window.shows_sides());
+        assert!(window.app.state.is_touring() && window.app.state.window().shows_sides());
         let lessons = window.rect_of("caption-offer-1").center();
         window.frame(click(lessons).to_vec());
         window.rest();
-        assert!(window.app.state.lessons.lists && !window.app.state.is_touring());
+        assert!(window.app.state.lessons().lists && !window.app.state.is_touring());
         assert!(window.is_known("lesson-welcome"), "{size:?}");
     }
 }
@@ -422,7 +422,7 @@ fn the_camera_of_the_first_frame_is_right_in_every_window() {
     ];
     for size in sizes {
         let window = Window::first(size);
-        let run = &window.app.state.runs.first;
+        let run = &window.app.state.runs().first;
         // The first scene shows 26 r across the shorter side of the canvas.
         let shown = f64::from(run.viewport.size().min_elem()) / run.camera.scale;
         assert!((shown - 26.0).abs() < 0.1, "{size:?}: {shown}");
@@ -434,7 +434,7 @@ fn on_a_phone_the_card_of_the_tour_stands_below_a_canvas_of_half_the_height() {
     for size in [[390.0, 844.0], [320.0, 568.0], [360.0, 640.0]] {
         let mut window = Window::first(size);
         for _ in tilescope_workbench::tour::tour() {
-            let canvas = window.app.state.runs.first.viewport;
+            let canvas = window.app.state.runs().first.viewport;
             assert!(
                 canvas.height() >= 0.5 * size[1] - 1.0,
                 "{size:?}: {canvas:?}"
@@ -447,7 +447,7 @@ fn on_a_phone_the_card_of_the_tour_stands_below_a_canvas_of_half_the_height() {
             let forwards = SceneCommand::Step(tilescope_debugger::Direction::Forwards);
             let state = &window.app.state;
             let last = tilescope_workbench::tour::tour().len() - 1;
-            if state.scene.is_some_and(|shown| shown.index < last) {
+            if state.scene().is_some_and(|shown| shown.index < last) {
                 window.apply(Command::Scene(forwards));
             }
         }
@@ -464,22 +464,22 @@ fn on_a_phone_the_card_of_the_tour_stands_below_a_canvas_of_half_the_height() {
 #[test]
 fn panels_that_a_lesson_hides_are_there_after_a_restart() {
     let mut window = Window::opened([1440.0, 900.0]);
-    let layout = window.app.state.window.layout.clone();
+    let layout = window.app.state.window().layout.clone();
     let open = LessonCommand::Open("welcome".to_owned());
     window.apply(Command::Lesson(open));
-    assert_ne!(window.app.state.window.layout, layout);
+    assert_ne!(window.app.state.window().layout, layout);
     let mut storage = MemoryStorage::default();
     eframe::App::save(&mut window.app, &mut storage);
     let mut app = App::new(&Context::default());
     app.remember(&storage, true);
-    assert_eq!(app.state.window.layout, layout);
+    assert_eq!(app.state.window().layout, layout);
 }
 
 #[test]
 fn a_laptops_window_with_a_lesson_keeps_its_tiles_and_the_title_its_place() {
     let mut window = Window::opened([1280.0, 720.0]);
     let names: Vec<String> = {
-        let shelf = window.app.state.lessons.shelf.iter();
+        let shelf = window.app.state.lessons().shelf.iter();
         shelf.map(|lesson| lesson.name.to_string()).collect()
     };
     for language in ["en", "de"] {
@@ -487,7 +487,7 @@ fn a_laptops_window_with_a_lesson_keeps_its_tiles_and_the_title_its_place() {
         window.apply(Command::Lesson(command));
         for name in &names {
             window.apply(Command::Lesson(LessonCommand::Open(name.clone())));
-            let arrangement = window.app.state.window.drawer.arrangement;
+            let arrangement = window.app.state.window().drawer.arrangement;
             assert_eq!(arrangement, Arrangement::Tiles);
             let (title, present) = (
                 window.rect_of("lesson-title"),
@@ -504,7 +504,7 @@ fn a_laptops_window_with_a_lesson_keeps_its_tiles_and_the_title_its_place() {
 #[test]
 fn a_click_on_a_copy_counts_as_one_on_what_it_is_a_copy_of() {
     let mut window = Window::opened([1440.0, 900.0]);
-    let run = &window.app.state.runs.first;
+    let run = &window.app.state.runs().first;
     let session = run.session.clone().unwrap();
     let size = session.size_radii();
     // A sample near the lower border, whose copy stands beyond the upper one.
@@ -521,19 +521,19 @@ fn a_click_on_a_copy_counts_as_one_on_what_it_is_a_copy_of() {
     }
     window.rest();
     let screen = |window: &Window, at: glam::DVec2| {
-        let run = &window.app.state.runs.first;
+        let run = &window.app.state.runs().first;
         run.camera.screen_from_domain(run.viewport, at)
     };
     let at = screen(&window, copy);
     window.frame(click(at).to_vec());
     window.rest();
-    assert_eq!(window.app.state.runs.first.selected, Some(sample));
+    assert_eq!(window.app.state.runs().first.selected, Some(sample));
     // Between samples the place of the domain is selected.
     let place = copy + glam::DVec2::new(0.45, 0.2);
     let at = screen(&window, place);
     window.frame(click(at).to_vec());
     window.rest();
-    let run = &window.app.state.runs.first;
+    let run = &window.app.state.runs().first;
     let selected = run
         .place
         .or_else(|| run.selected.map(|id| session.position(id)));
@@ -549,7 +549,7 @@ fn a_click_on_a_copy_counts_as_one_on_what_it_is_a_copy_of() {
     let at = screen(&window, out);
     window.frame(click(at).to_vec());
     window.rest();
-    let run = &window.app.state.runs.first;
+    let run = &window.app.state.runs().first;
     assert_eq!((run.selected, run.place), (None, None));
 }
 
@@ -603,7 +603,7 @@ fn results_are_in_the_folder_at_the_answer_and_the_last_session_at_the_end() {
         let mut app = App::new(&Context::default());
         app.keep_in(kept.clone(), is_default);
         (
-            app.state.lessons.results.learner.clone(),
+            app.state.lessons().results.learner.clone(),
             app.state.offers_session(),
         )
     };
@@ -653,15 +653,18 @@ fn the_tour_begins_at_the_first_start_of_the_default_session_only() {
 #[test]
 fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     let mut first = Window::opened([1440.0, 900.0]);
-    first.app.state.window.layout.open(Panel::Legend);
+    first
+        .app
+        .state
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
     let mut storage = MemoryStorage::default();
     eframe::App::save(&mut first.app, &mut storage);
     let remembered = |storage: &MemoryStorage| {
         let mut app = App::new(&Context::default());
         app.remember(storage, true);
-        app.state.window.layout.clone()
+        app.state.window().layout.clone()
     };
-    assert_eq!(remembered(&storage), first.app.state.window.layout);
+    assert_eq!(remembered(&storage), first.app.state.window().layout);
 
     let old = "((id:(7),root:Some((3)),tiles:(next_tile_id:4,tiles:{(1):Pane(Canvas),(2):Container(Tabs((children:[(1),(4)],\
                active:Some((4))))),(3):Container(Linear((children:[(2),(5)],dir:Vertical,shares:(shares:{(2):0.7,(5):0.3})))),\

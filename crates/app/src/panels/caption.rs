@@ -40,7 +40,7 @@ struct Card<'a> {
 impl<'a> Card<'a> {
     /// Returns the card of the scene that is shown, if it has a caption.
     fn of(state: &'a State) -> Option<Self> {
-        let shown = state.scene?;
+        let shown = state.scene()?;
         let scenes = state.scenes(shown.list);
         let scene = *scenes.get(shown.index)?;
         let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
@@ -50,8 +50,8 @@ impl<'a> Card<'a> {
             len: scenes.len(),
             scene,
             of_tour,
-            palette: Palette::of(state.appearance.look),
-            size: CAPTION_SIZES[usize::from(state.appearance.look.is_projector())],
+            palette: Palette::of(state.appearance().look),
+            size: CAPTION_SIZES[usize::from(state.appearance().look.is_projector())],
         })
     }
 
@@ -79,13 +79,13 @@ impl<'a> Card<'a> {
 
 /// Returns whether the card stands below the canvas, as in a small window during the tour, and not over it.
 pub fn is_below(state: &State) -> bool {
-    let window = &state.window;
+    let window = state.window();
     state.is_touring() && window.embedding.is_none() && window.drawer.arrangement.is_compact()
 }
 
 /// Shows the caption over the canvas.
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
-    let canvas = state.runs.first.viewport;
+    let canvas = state.runs().first.viewport;
     // Before the first frame has been laid out the card would stand anywhere.
     if is_below(state) || !canvas.is_positive() {
         return;

@@ -48,10 +48,10 @@ struct PartRects {
 /// Returns the minimum height for everything to fit; a lower window scrolls: the side column of a landscape window, or
 /// all of a portrait one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
-    let bar = if state.window.bare { 0.0 } else { BAR };
-    let is_open = state.window.drawer.open.is_some() || caption::is_below(state);
+    let bar = if state.window().bare { 0.0 } else { BAR };
+    let is_open = state.window().drawer.open.is_some() || caption::is_below(state);
     let drawer = if is_open { MIN_DRAWER_HEIGHT } else { 0.0 };
-    let canvas = match state.window.drawer.arrangement {
+    let canvas = match state.window().drawer.arrangement {
         Arrangement::Landscape => 0.0,
         _ => MIN_CANVAS_HEIGHT,
     };
@@ -65,7 +65,7 @@ fn tabs_height(state: &State) -> f32 {
 
 /// Returns the rectangle of everything but the canvas: in a landscape window the side column.
 fn column(room: Rect, state: &State) -> Rect {
-    if state.window.drawer.arrangement != Arrangement::Landscape {
+    if state.window().drawer.arrangement != Arrangement::Landscape {
         return room;
     }
     let beside = BESIDE.min((1.0 - CANVAS) * room.width());
@@ -84,8 +84,8 @@ fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
 impl PartRects {
     /// Divides `room` into the parts.
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
-        let drawer = &state.window.drawer;
-        let bar = if state.window.bare { 0.0 } else { BAR };
+        let drawer = &state.window().drawer;
+        let bar = if state.window().bare { 0.0 } else { BAR };
         let (column, controls) = (column(room, state), controls(ctx, room, state));
         let mut canvas = room;
         let is_landscape = drawer.arrangement == Arrangement::Landscape;
@@ -153,7 +153,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     };
     if needed <= room.height() {
         shown.all(ui, &PartRects::of(ui.ctx(), room, state));
-    } else if state.window.drawer.arrangement == Arrangement::Landscape {
+    } else if state.window().drawer.arrangement == Arrangement::Landscape {
         let rects = PartRects::of(ui.ctx(), high, state);
         shown.canvas(ui, rects.canvas.intersect(room));
         let beside = room.with_min_x(rects.bar.left());
@@ -174,7 +174,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     } else {
         // Over the canvas the wheel zooms.
         let pointer = ui.input(|input| input.pointer.hover_pos());
-        let by_wheel = pointer.is_none_or(|pointer| !state.runs.first.viewport.contains(pointer));
+        let by_wheel = pointer.is_none_or(|pointer| !state.runs().first.viewport.contains(pointer));
         scrolled(ui, high, by_wheel, |ui, high| {
             shown.all(ui, &PartRects::of(ui.ctx(), high, state));
         });
@@ -215,8 +215,8 @@ impl CompactWindow<'_> {
     }
 
     fn bar(&mut self, ui: &mut Ui, rects: &PartRects) {
-        let fill = Palette::of(self.state.appearance.look).panel;
-        if !self.state.window.bare {
+        let fill = Palette::of(self.state.appearance().look).panel;
+        if !self.state.window().bare {
             part(ui, "bar", rects.bar, vec2(10.0, 0.0), fill, |ui| {
                 toolbar::show_compact(ui, self.state, self.commands);
             });
@@ -239,7 +239,7 @@ impl CompactWindow<'_> {
 
     /// Shows the time controls, the tabs and the open panel; during the tour its card instead.
     fn below(&mut self, ui: &mut Ui, rects: &PartRects) {
-        let fill = Palette::of(self.state.appearance.look).panel;
+        let fill = Palette::of(self.state.appearance().look).panel;
         if caption::is_below(self.state) {
             part(
                 ui,
@@ -268,7 +268,7 @@ impl CompactWindow<'_> {
             return;
         }
         part(ui, "drawer", rects.drawer, vec2(0.0, 0.0), fill, |ui| {
-            if let Some(panel) = self.state.window.drawer.open {
+            if let Some(panel) = self.state.window().drawer.open {
                 drawer(ui, panel, self.state, self.canvas, self.commands);
             }
         });
@@ -339,11 +339,11 @@ const fn tab_name(panel: Panel) -> &'static str {
 }
 
 fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        let open = state.window.drawer.open;
-        let buttons = match (open, state.window.drawer.arrangement) {
+        let open = state.window().drawer.open;
+        let buttons = match (open, state.window().drawer.arrangement) {
             (None, _) => 0.0,
             (Some(_), Arrangement::Portrait) => 2.0,
             (Some(_), _) => 1.0,
@@ -365,8 +365,8 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             return;
         }
         let mut push = |command| commands.push(Command::Window(WindowCommand::Drawer(command)));
-        if state.window.drawer.arrangement == Arrangement::Portrait {
-            let is_tall = state.window.drawer.is_tall;
+        if state.window().drawer.arrangement == Arrangement::Portrait {
+            let is_tall = state.window().drawer.is_tall;
             let (icon, name) = if is_tall {
                 (Icon::Shorter, "Less room for the panel")
             } else {

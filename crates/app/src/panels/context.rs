@@ -25,10 +25,10 @@ impl<'a> PanelContext<'a> {
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {
-            palette: Palette::of(state.appearance.look),
-            appearance: &state.appearance,
-            run: &state.runs.first,
-            is_compared: state.runs.second.is_some(),
+            palette: Palette::of(state.appearance().look),
+            appearance: state.appearance(),
+            run: &state.runs().first,
+            is_compared: state.runs().second.is_some(),
             hidden_layers: state.hidden_layers(),
         }
     }
@@ -51,10 +51,10 @@ impl<'a> TimeContext<'a> {
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {
-            palette: Palette::of(state.appearance.look),
-            run: &state.runs.first,
-            time: &state.time,
-            drawer: &state.window.drawer,
+            palette: Palette::of(state.appearance().look),
+            run: &state.runs().first,
+            time: state.time(),
+            drawer: &state.window().drawer,
         }
     }
 }

@@ -26,7 +26,7 @@ pub fn show(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let room = ui.available_rect_before_wrap();
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let height = player.map_or(0.0, |_| player_height(ui.ctx(), room.size(), state));
@@ -42,7 +42,7 @@ pub fn show(
             canvas.show(ui, &CanvasContext::of(state), commands);
         },
     );
-    if state.runs.first.session.is_some() && !state.runs.first.is_fitted() {
+    if state.runs().first.session.is_some() && !state.runs().first.is_fitted() {
         whole_domain(ui, above, palette, commands);
     }
     if let Some(player) = player {
@@ -52,7 +52,7 @@ pub fn show(
     }
     // A canvas without controls shows errors and nothing else.
     let is_wrong = state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .is_some_and(|notice| notice.is_error);

@@ -25,15 +25,15 @@ const NAME_WIDTH: f32 = 92.0;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(form) = &state.files.exports.sheet else {
+    let Some(form) = &state.files().exports.sheet else {
         return;
     };
     let mut sheet = Sheet {
-        exports: &state.files.exports,
+        exports: &state.files().exports,
         source: state.export_source(),
-        in_browser: state.files.in_browser(),
+        in_browser: state.files().in_browser(),
         form,
-        palette: Palette::of(state.appearance.look),
+        palette: Palette::of(state.appearance().look),
         commands: Vec::new(),
     };
     let mut open = true;

@@ -16,7 +16,7 @@ use tilescope_workbench::state::State;
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let mut own = Vec::new();
     dropped(ui, state, &mut own);
-    if let Some(form) = &state.files.sheet {
+    if let Some(form) = &state.files().sheet {
         sheet(ui, state, form, &mut own);
     }
     commands.extend(own.into_iter().map(Command::File));
@@ -38,10 +38,10 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
 }
 
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));
     if let Some(more) = state
-        .files
+        .files()
         .in_browser()
         .then(|| together(form.purpose))
         .flatten()
@@ -98,7 +98,7 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
 /// Shows the field for the file's name. In a browser a name is typed only to save, and files to open are chosen in its
 /// dialog.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
-    let (web, saves) = (state.files.in_browser(), form.purpose == Purpose::Save);
+    let (web, saves) = (state.files().in_browser(), form.purpose == Purpose::Save);
     let label = ui.label(if web && saves { "File name" } else { "File" });
     ui.horizontal(|ui| {
         let mut path = form.path.clone();
@@ -131,7 +131,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let reason = if busy(state).is_some() {
         "A file is being read or written."
     } else if path.is_empty() {
-        if state.files.in_browser() && form.purpose != Purpose::Save {
+        if state.files().in_browser() && form.purpose != Purpose::Save {
             "Choose a file."
         } else {
             "Name a file."
@@ -141,7 +141,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
             .save_refusal()
             .map(str::to_owned)
             .or_else(|| no_folder(path));
-    } else if form.purpose == Purpose::Against && state.runs.first.session.is_none() {
+    } else if form.purpose == Purpose::Against && state.runs().first.session.is_none() {
         "There is no session yet."
     } else {
         return None;
@@ -157,7 +157,7 @@ fn no_folder(path: &str) -> Option<String> {
 
 fn busy(state: &State) -> Option<f32> {
     state
-        .files
+        .files()
         .filing
         .as_ref()
         .map(|filing| filing.job.fraction())
@@ -175,10 +175,10 @@ fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCom
 
 /// Shows that a dropped file is being read, where no sheet says it.
 fn dropped(ui: &Ui, state: &State, own: &mut Vec<FileCommand>) {
-    if state.files.sheet.is_some() || busy(state).is_none() {
+    if state.files().sheet.is_some() || busy(state).is_none() {
         return;
     }
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     Window::new("Opening the dropped file")
         .collapsible(false)
         .resizable(false)

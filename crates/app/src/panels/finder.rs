@@ -24,7 +24,7 @@ const AFTER_MENU: f32 = 10.0;
 
 /// Shows the list, if it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(open) = &state.window.finder else {
+    let Some(open) = &state.window().finder else {
         return;
     };
     let mut found = Vec::new();
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 if found.is_empty() {
                     ui.label(
                         RichText::new("No action has this name.")
-                            .color(Palette::of(state.appearance.look).muted),
+                            .color(Palette::of(state.appearance().look).muted),
                     );
                 }
             });
@@ -116,7 +116,7 @@ fn show_action(
     chosen: bool,
     moved: bool,
 ) -> bool {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     // An action that is refused stays in the list, so that its tooltip can say why.
     let enabled = action.refusal.is_none();
     let sense = if enabled {

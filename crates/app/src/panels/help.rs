@@ -34,10 +34,10 @@ const BIBTEX: &str = "@inproceedings{WangSuda2017,
 
 /// Shows the sheet, if it is open.
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(page) = state.window.help else {
+    let Some(page) = state.window().help else {
         return;
     };
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let modal = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
         let width = match page {
             HelpPage::Keys => WIDTH_OF_KEYS,

@@ -13,24 +13,24 @@ use tilescope_workbench::state::State;
 /// Returns whether the notice is an error that an open sheet shows.
 fn is_in_sheet(state: &State) -> bool {
     let is_error = state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .is_some_and(|notice| notice.is_error);
-    is_error && state.files.has_sheet()
+    is_error && state.files().has_sheet()
 }
 
 /// Shows an error within the open sheet, where it arose.
 pub fn in_sheet(ui: &mut Ui, state: &State) {
     let Some(notice) = state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .filter(|_| is_in_sheet(state))
     else {
         return;
     };
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let text = RichText::new(ui.words(&notice.text)).color(palette.conflict);
     let response = ui.add(egui::Label::new(text).wrap());
     super::common::read_out(ui, &response);
@@ -39,22 +39,22 @@ pub fn in_sheet(ui: &mut Ui, state: &State) {
 
 /// Shows the notice, if there is one, over the canvas; an error of an open sheet is shown there.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(notice) = &state.messages.notice else {
+    let Some(notice) = &state.messages().notice else {
         return;
     };
     if is_in_sheet(state) {
         return;
     }
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let color = if notice.is_error {
         palette.conflict
     } else {
         palette.accent
     };
     // Clear of the time controls, which are below the canvas on a small window; an embedded window has no bar.
-    let (corner, offset) = if state.window.embedding.is_some() {
+    let (corner, offset) = if state.window().embedding.is_some() {
         (Align2::CENTER_TOP, vec2(0.0, 8.0))
-    } else if state.window.drawer.arrangement.is_compact() {
+    } else if state.window().drawer.arrangement.is_compact() {
         (Align2::CENTER_TOP, vec2(0.0, 56.0))
     } else {
         (Align2::CENTER_BOTTOM, vec2(0.0, -128.0))

@@ -117,9 +117,9 @@ impl<'a> AnalysisContext<'a> {
     /// Returns the context of the analysis of run A.
     pub fn of(state: &'a State) -> Self {
         Self {
-            palette: Palette::of(state.appearance.look),
-            run: &state.runs.first,
-            analysis: &state.analysis,
+            palette: Palette::of(state.appearance().look),
+            run: &state.runs().first,
+            analysis: state.analysis(),
             reference_file: state.reference_file(),
             brush_text: state.brush_text(),
         }
@@ -130,9 +130,9 @@ impl<'a> CompareContext<'a> {
     fn of(state: &'a State) -> Self {
         let presets = ComparePreset::ALL.map(|preset| (preset, state.preset_refusal(preset)));
         Self {
-            palette: Palette::of(state.appearance.look),
-            first: &state.runs.first,
-            second: state.runs.second.as_ref(),
+            palette: Palette::of(state.appearance().look),
+            first: &state.runs().first,
+            second: state.runs().second.as_ref(),
             presets: presets.into(),
             parting: state.parting_refusal(),
         }
@@ -142,20 +142,22 @@ impl<'a> CompareContext<'a> {
 impl<'a> FormContext<'a> {
     fn of(state: &'a State) -> Self {
         Self {
-            palette: Palette::of(state.appearance.look),
-            form: &state.form,
-            gpu: &state.gpu,
-            sampling: state.runs.first.sampling.as_ref(),
+            palette: Palette::of(state.appearance().look),
+            form: state.form(),
+            gpu: state.gpu(),
+            sampling: state.runs().first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
-            memory: state.form.draft.memory_needed(),
+            memory: state.form().draft.memory_needed(),
             engine_differs: state.engine_differs(),
-            made: match &state.runs.first.session {
+            made: match &state.runs().first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,
             },
-            engine: state.gpu.engine_text(state.form.draft.parameters.variant),
-            auto_is_gpu: state.gpu.takes(EngineChoice::Auto),
+            engine: state
+                .gpu()
+                .engine_text(state.form().draft.parameters.variant),
+            auto_is_gpu: state.gpu().takes(EngineChoice::Auto),
         }
     }
 }
@@ -168,7 +170,7 @@ pub fn show_panel(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let frame = Frame::new().fill(Palette::of(state.appearance.look).panel);
+    let frame = Frame::new().fill(Palette::of(state.appearance().look).panel);
     let side = frame.inner_margin(Margin {
         left: 12,
         right: 4,

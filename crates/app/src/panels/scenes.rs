@@ -37,7 +37,7 @@ pub fn show(
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("no-scenes");
     }
-    let own = state.scene.filter(|shown| shown.list == SceneList::Own);
+    let own = state.scene().filter(|shown| shown.list == SceneList::Own);
     for (index, scene) in debugger.scenes.iter().enumerate() {
         let is_shown = own.is_some_and(|shown| shown.index == index);
         ui.horizontal_top(|ui| {
@@ -71,15 +71,15 @@ fn picture(
     is_shown: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let [width, height] = THUMBNAIL_SIZE.map(|side| side as f32);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     let name = format!("Picture of scene {}", index + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as(format_args!("scene-{}.picture", index + 1));
-    let session = state.runs.first.session.as_ref();
-    let is_dark = state.appearance.look.is_dark();
-    let thumbnail = session.and_then(|session| state.thumbnails.of(session, scene, is_dark));
+    let session = state.runs().first.session.as_ref();
+    let is_dark = state.appearance().look.is_dark();
+    let thumbnail = session.and_then(|session| state.thumbnails().of(session, scene, is_dark));
     if let Some(thumbnail) = thumbnail {
         let id = Id::unique("picture of a scene").with(index);
         let texture = thumbnail_texture(ui, id, thumbnail).id();

@@ -80,5 +80,5 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
 
 /// Returns whether Escape closes the sheet; the list of actions, if open above it, is closed first.
 pub fn escaped(ui: &Ui, state: &tilescope_workbench::state::State) -> bool {
-    state.window.finder.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
+    state.window().finder.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
 }

@@ -562,7 +562,7 @@ mod tests {
     fn the_sentences_fit_into_the_smallest_player() {
         let mut state = State::new(std::sync::Arc::new(|| {}));
         state.settle();
-        let session = state.runs.first.session.clone().expect("a session");
+        let session = state.runs().first.session.clone().expect("a session");
         let recording = session.recording().expect("events");
         let stages = session.stages.iter();
         let mut sentences: Vec<String> = stages
@@ -573,7 +573,7 @@ mod tests {
         sentences.extend(of_events.max_by_key(String::len));
         let width = 300.0 - 2.0 * PLAYER_MARGIN.x;
         let ctx = egui::Context::default();
-        tilescope_ui::theme::install(&ctx, state.appearance.look);
+        tilescope_ui::theme::install(&ctx, state.appearance().look);
         let mut cut = Vec::new();
         let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
             for text in &sentences {

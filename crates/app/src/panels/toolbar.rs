@@ -27,7 +27,7 @@ const ROOM_FOR_ENGINE: f32 = 740.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
         let verdict = verification::chip_width(ui, &PanelContext::of(state));
         // Where the menus' names are long, the program's name makes room first, then the button of exports.
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(10.0);
         let room = ui.available_width();
         if let Some(session) = state
-            .runs
+            .runs()
             .first
             .session
             .as_ref()
@@ -112,7 +112,7 @@ fn export(ui: &mut Ui, state: &State, verdict: f32, commands: &mut Vec<Command>)
     if ui.available_width() < button_width(ui, &name) + space + verdict {
         return;
     }
-    let export = ui.add_enabled(state.runs.first.session.is_some(), Button::new(name));
+    let export = ui.add_enabled(state.runs().first.session.is_some(), Button::new(name));
     export.known_as("export");
     let why = "There is nothing to export before the first session is ready.";
     if export.on_disabled_hover_text(ui.words(why)).clicked() {
@@ -129,11 +129,11 @@ const LAST_SESSION: &str =
 
 /// Shows how far a running export is while its sheet is closed, with a button that cancels it.
 fn exporting(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let exports = &state.files.exports;
+    let exports = &state.files().exports;
     let Some(fraction) = exports.fraction().filter(|_| exports.sheet.is_none()) else {
         return;
     };
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let cancel = icon_button(ui, Icon::Close, "Cancel the export", None, palette);
     let command = Command::Export(ExportCommand::Cancel);
     cancel.issues("export-chip.cancel", command, commands);
@@ -147,7 +147,7 @@ fn exporting(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Shows the bar of a small window; one menu has the rest.
 pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let button = icon_button(ui, Icon::Menu, "Menu", None, palette);
@@ -168,7 +168,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 .known_as("title");
         }
         if ui.available_width() >= ROOM_FOR_LESSONS {
-            let name = lesson_labels(&state.lessons.language).lessons;
+            let name = lesson_labels(&state.lessons().language).lessons;
             let lessons = Button::new(name).min_size(vec2(FINGER, FINGER));
             let command = Command::Lesson(LessonCommand::ToggleList);
             ui.add(lessons).issues("lessons-list", command, commands);
@@ -194,11 +194,11 @@ const ROOM_FOR_LESSONS: f32 = 290.0;
 
 /// Shows all menus in one: a chosen one opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     ui.spacing_mut().item_spacing.y = 2.0;
     // Clear of the scroll bar.
     ui.set_max_width(ui.available_width() - 14.0);
-    if let Some(session) = &state.runs.first.session {
+    if let Some(session) = &state.runs().first.session {
         let count = grouped(session.summary.count);
         let engine = &session.engine;
         let radius = session.run().parameters.radius;
@@ -268,13 +268,13 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
 }
 
 fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let other = state.appearance.look.other();
+    let other = state.appearance().look.other();
     let icon = if other.is_dark() {
         Icon::Moon
     } else {
         Icon::Sun
     };
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let button = icon_button(ui, icon, other.name(), None, palette);
     let command = Command::Appearance(AppearanceCommand::ToggleTheme);
     button.issues("toggle-theme", command, commands);

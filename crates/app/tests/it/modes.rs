@@ -42,12 +42,12 @@ fn the_projector_mode_returns_to_the_look_before() {
             let names = || actions(&state).into_iter().map(|action| action.name);
             assert!(names().any(|name| name == "Projector mode"));
             assert!(press(&mut state, Modifiers::NONE, Key::F2));
-            assert_eq!(state.appearance.look, Look::Projector);
+            assert_eq!(state.appearance().look, Look::Projector);
             let listed = actions(&state);
             let toggle = |name: &str| listed.iter().any(|action| action.name == name);
             assert!(toggle("Leave the projector mode") && !toggle("Projector mode"));
             assert!(press(&mut state, Modifiers::NONE, way_out));
-            assert_eq!(state.appearance.look, before, "{way_out:?}");
+            assert_eq!(state.appearance().look, before, "{way_out:?}");
         }
     }
     assert!(!escape(&mut state), "there is nothing to leave");
@@ -56,9 +56,9 @@ fn the_projector_mode_returns_to_the_look_before() {
     view.appearance.look = Look::Projector;
     state.apply(Command::Appearance(AppearanceCommand::Look(Look::Light)));
     state.look_as(&view);
-    assert_eq!(state.appearance.look, Look::Projector);
+    assert_eq!(state.appearance().look, Look::Projector);
     assert!(escape(&mut state));
-    assert_eq!(state.appearance.look, Look::Light);
+    assert_eq!(state.appearance().look, Look::Light);
 }
 
 #[test]
@@ -76,10 +76,10 @@ fn escape_leaves_one_thing_after_another() {
     ));
     let entered = |state: &State| {
         [
-            state.runs.first.selected.is_some(),
-            state.analysis.brush.is_some(),
-            state.window.drawer.open.is_some(),
-            state.appearance.look == Look::Projector,
+            state.runs().first.selected.is_some(),
+            state.analysis().brush.is_some(),
+            state.window().drawer.open.is_some(),
+            state.appearance().look == Look::Projector,
         ]
     };
     for left in 0..4 {
@@ -96,9 +96,9 @@ fn the_key_that_opens_a_sheet_or_the_list_closes_it() {
     let both = Modifiers::COMMAND | Modifiers::SHIFT;
     let is_open = |state: &State| {
         (
-            state.files.sheet.as_ref().map(|form| form.purpose),
-            state.files.exports.sheet.as_ref().map(|form| form.kind),
-            state.window.finder.is_some(),
+            state.files().sheet.as_ref().map(|form| form.purpose),
+            state.files().exports.sheet.as_ref().map(|form| form.kind),
+            state.window().finder.is_some(),
         )
     };
     for (modifiers, key, expected) in [
@@ -154,13 +154,13 @@ fn modes_without_a_key_have_an_action_that_leaves_them() {
     state.apply(Command::Compare(start));
     assert!(has(&state, "Close B"));
     state.apply(Command::Compare(CompareCommand::Close));
-    assert!(state.runs.second.is_none());
+    assert!(state.runs().second.is_none());
     // An embedded window has no keys for modes that it could not leave.
     for command in [
         Command::Appearance(AppearanceCommand::ToggleProjector),
         Command::Window(WindowCommand::ToggleFinder),
         Command::Window(WindowCommand::OpenPanel(Panel::Analysis)),
     ] {
-        assert!(!command.works_in_frame());
+        assert!(!command.rules().in_frame);
     }
 }

@@ -11,7 +11,7 @@ use tilescope_workbench::files::Delivery;
 fn on_page() -> State {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
-    state.files.delivery = Delivery::Download;
+    state.deliver(Delivery::Download);
     state
 }
 
@@ -34,7 +34,7 @@ fn browsers_keep_the_keys_by_which_they_are_used() {
     assert!(takes_key(&state, "k", Modifiers::COMMAND));
     // The native window has no page.
     let mut native = on_page();
-    native.files.delivery = Delivery::Disk;
+    native.deliver(Delivery::Disk);
     for name in ["F5", "F11"] {
         assert!(takes_key(&native, name, plain), "{name}");
     }
@@ -44,7 +44,7 @@ fn browsers_keep_the_keys_by_which_they_are_used() {
 fn no_two_actions_have_the_same_keys() {
     let mut state = on_page();
     for delivery in [Delivery::Download, Delivery::Disk] {
-        state.files.delivery = delivery;
+        state.deliver(delivery);
         let mut taken = HashMap::new();
         for action in actions(&state) {
             let Some(keys) = action.shortcut else {

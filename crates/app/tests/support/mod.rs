@@ -85,13 +85,13 @@ pub fn focused<S>(harness: &Harness<'_, S>) -> Option<String> {
 
 /// Returns the session that is shown.
 pub fn session(harness: &Harness<'_, App>) -> Arc<Session> {
-    let session = harness.state().state.runs.first.session.clone();
+    let session = harness.state().state.runs().first.session.clone();
     session.expect("a session")
 }
 
 /// Returns the debugger of the session that is shown.
 pub fn debugger<'a>(harness: &'a Harness<'_, App>) -> &'a Debugger {
-    let debugger = harness.state().state.runs.first.debugger.as_ref();
+    let debugger = harness.state().state.runs().first.debugger.as_ref();
     debugger.expect("events")
 }
 
@@ -106,7 +106,7 @@ pub fn last_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     let debugger = harness
         .state()
         .state
-        .runs
+        .runs()
         .first
         .debugger
         .as_ref()
@@ -117,7 +117,7 @@ pub fn last_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
 
 /// Returns the next event.
 pub fn next_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
-    let debugger = harness.state().state.runs.first.debugger.as_ref();
+    let debugger = harness.state().state.runs().first.debugger.as_ref();
     debugger
         .expect("events")
         .event()

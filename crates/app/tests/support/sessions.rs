@@ -47,7 +47,7 @@ pub fn notice(harness: &Harness<'_, App>) -> (String, bool) {
     let notice = harness
         .state()
         .state
-        .messages
+        .messages()
         .notice
         .clone()
         .expect("a notice");

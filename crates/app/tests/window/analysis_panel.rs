@@ -13,6 +13,7 @@ use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::{Layout, Panel};
+use tilescope_workbench::state::Settings;
 
 use crate::support::sessions::{apply, folder, go, notice, path_text};
 use crate::support::{find, focused, is_disabled, node, opened_at, session, settle, text};
@@ -28,7 +29,10 @@ pub(crate) fn analysing() -> Harness<'static, App> {
         );
     }
     apply(&mut harness, Command::Run);
-    harness.state_mut().state.window.layout = Layout::alone(Panel::Analysis);
+    harness.state_mut().state.restore(Settings {
+        layout: Some(Layout::alone(Panel::Analysis)),
+        ..Settings::default()
+    });
     settle(&mut harness);
     harness
 }
@@ -51,7 +55,7 @@ fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
 fn the_panel_says_the_numbers_and_describes_its_charts() {
     let mut harness = analysing();
     let state = &harness.state().state;
-    let count = state.runs.first.session.as_ref().unwrap().summary.count;
+    let count = state.runs().first.session.as_ref().unwrap().summary.count;
     let count = tilescope_session::words::grouped(count);
     says(&harness, "analysis.status", &[&count, "finish"]);
     says(&harness, SAMPLES, &[&count, "27,8"]);
@@ -92,7 +96,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     );
     apply(&mut harness, Command::File(FileCommand::Go));
     assert!(
-        harness.state().state.files.sheet.is_none(),
+        harness.state().state.files().sheet.is_none(),
         "the sheet is closed"
     );
     let file = harness
@@ -267,15 +271,15 @@ fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
     harness.key_press(Key::Space);
     harness.run();
     settle(&mut harness);
-    let brush = harness.state().state.analysis.brush;
+    let brush = harness.state().state.analysis().brush;
     assert_eq!(brush, Brush::between(BrushAxis::Distance, 1.0, 1.05));
     tab_to(&mut harness, "brush.distance.to");
-    assert!(harness.state().state.runs.first.session.is_some());
+    assert!(harness.state().state.runs().first.session.is_some());
     harness.key_press(Key::Escape);
     harness.run();
     harness.key_press(Key::Escape);
     harness.run();
-    assert_eq!(harness.state().state.analysis.brush, None);
+    assert_eq!(harness.state().state.analysis().brush, None);
 }
 
 #[test]
@@ -289,7 +293,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     harness.run();
     harness.drop_at(at(0.4));
     harness.run();
-    let brush = harness.state().state.analysis.brush.expect("a brush");
+    let brush = harness.state().state.analysis().brush.expect("a brush");
     assert_eq!(brush.axis, BrushAxis::Distance);
     let [low, high] = brush.range;
     assert!(low > 1.0 && high < 2.0 && high - low > 0.3, "{brush:?}");
@@ -302,11 +306,11 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     harness.run();
     harness.drop_at(at(0.4));
     harness.run();
-    let brush = harness.state().state.analysis.brush.expect("a brush");
+    let brush = harness.state().state.analysis().brush.expect("a brush");
     assert!(brush.axis == BrushAxis::Frequency && brush.range[0] < brush.range[1]);
     node(&harness, "chart.P").click();
     harness.run();
-    assert_eq!(harness.state().state.analysis.brush, None);
+    assert_eq!(harness.state().state.analysis().brush, None);
 }
 
 #[test]
@@ -335,7 +339,7 @@ fn oblong_domains_are_drawn_with_the_panel_open() {
 
 /// Counts the pixels of the canvas that differ.
 fn differing(harness: &Harness<'_, App>, a: &[u8], b: &[u8], width: u32) -> usize {
-    let canvas = harness.state().state.runs.first.viewport;
+    let canvas = harness.state().state.runs().first.viewport;
     let pixels = a.chunks(4).zip(b.chunks(4)).enumerate();
     let changed = pixels.filter(|(index, (a, b))| {
         let (x, y) = (*index as u32 % width, *index as u32 / width);

@@ -45,7 +45,7 @@ fn with_passes() -> Harness<'static, App> {
         apply(&mut harness, command);
     }
     apply(&mut harness, Command::OpenPasses);
-    assert!(state(&harness).runs.first.passes.is_some());
+    assert!(state(&harness).runs().first.passes.is_some());
     harness
 }
 
@@ -62,11 +62,17 @@ fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
 
 /// Goes to the first pass of this name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
-    let entries = state(harness).runs.first.passes.as_ref().unwrap().entries();
+    let entries = state(harness)
+        .runs()
+        .first
+        .passes
+        .as_ref()
+        .unwrap()
+        .entries();
     let index = entries.iter().position(|entry| entry.report.name == name);
     pass(harness, PassCommand::Select(index.expect("such a pass")));
     let visit = state(harness)
-        .runs
+        .runs()
         .first
         .passes
         .as_ref()
@@ -95,7 +101,7 @@ fn points(harness: &Harness<'_, App>) -> BTreeSet<(i32, i32)> {
 }
 
 fn samples(harness: &Harness<'_, App>, wanted: impl Fn(Fate) -> bool) -> BTreeSet<(i32, i32)> {
-    let run = state(harness).runs.first.session.as_ref().unwrap().run();
+    let run = state(harness).runs().first.session.as_ref().unwrap().run();
     let first = run
         .iterations
         .first()
@@ -140,8 +146,8 @@ fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     node(&harness, "passes.show-canvas").click();
     harness.run();
     settle(&mut harness);
-    assert!(state(&harness).window.layout.shows(Panel::Canvas));
-    assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
+    assert!(state(&harness).window().layout.shows(Panel::Canvas));
+    assert_eq!(state(&harness).time().playback.clock, Clock::Pass);
     on_canvas(&harness, &["pass 7 tile", "places", "after"]);
     let with = harness.render().expect("a picture");
     pass(&mut harness, PassCommand::OnCanvas(false));
@@ -165,10 +171,10 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     let before = Command::Time(TimeCommand::Clock(Clock::Line));
     apply(&mut harness, before);
     pass(&mut harness, PassCommand::ShowCanvas);
-    assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
+    assert_eq!(state(&harness).time().playback.clock, Clock::Pass);
     assert!(
         state(&harness)
-            .gpu
+            .gpu()
             .engine_text(tilescope_core::Variant::Staged)
             .is_some()
     );
@@ -179,12 +185,12 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     );
     assert_eq!(
         state(&harness)
-            .gpu
+            .gpu()
             .engine_text(tilescope_core::Variant::Staged),
         None
     );
     apply(&mut harness, Command::Run);
-    assert_eq!(state(&harness).time.playback.clock, Clock::Line);
+    assert_eq!(state(&harness).time().playback.clock, Clock::Line);
 }
 
 #[test]
@@ -214,7 +220,7 @@ fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
 fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     let mut harness = with_passes();
     let entries = state(&harness)
-        .runs
+        .runs()
         .first
         .passes
         .as_ref()
@@ -229,7 +235,7 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
     // Moving in the timeline selects a pass, and that selection does not move the timeline back.
     apply(&mut harness, Command::Time(TimeCommand::LastStage));
-    let passes = state(&harness).runs.first.passes.as_ref().unwrap();
+    let passes = state(&harness).runs().first.passes.as_ref().unwrap();
     assert_eq!(passes.selected(), Some(entries.len() - 1));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Finish));
 }

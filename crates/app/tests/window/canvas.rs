@@ -61,13 +61,13 @@ const TILE: usize = 4;
 
 /// The canvas as mean colours of tiles of pixels.
 fn shoot(harness: &mut Harness<'_, App>) -> Vec<f64> {
-    let canvas = harness.state().state.runs.first.viewport;
+    let canvas = harness.state().state.runs().first.viewport;
     shoot_part(harness, canvas)
 }
 
 /// The part of the canvas that shows the domain, without the copies around it, as mean colours of tiles of pixels.
 fn shoot_domain(harness: &mut Harness<'_, App>) -> Vec<f64> {
-    let run = &harness.state().state.runs.first;
+    let run = &harness.state().state.runs().first;
     let size = run.session.as_ref().expect("a session").size_radii();
     let corners = [DVec2::ZERO, size].map(|at| run.camera.screen_from_domain(run.viewport, at));
     let domain = Rect::from_two_pos(corners[0], corners[1]);
@@ -124,7 +124,7 @@ fn instancing_and_meshes_show_the_same() {
             Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
         );
     }
-    let session = on_gpu.state().state.runs.first.session.as_ref();
+    let session = on_gpu.state().state.runs().first.session.as_ref();
     let last = session.expect("a session").stages.len() - 1;
     for (stage, colouring) in [
         (TILE_STAGE, Colouring::Block),
@@ -211,7 +211,7 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     let session = stepping
         .state()
         .state
-        .runs
+        .runs()
         .first
         .session
         .clone()
@@ -248,10 +248,10 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
             let t = 0.05 + 0.9 * f64::from(k) / 40.0;
             let position = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
             let pos = state
-                .runs
+                .runs()
                 .first
                 .camera
-                .screen_from_domain(state.runs.first.viewport, position);
+                .screen_from_domain(state.runs().first.viewport, position);
             f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
         });
         let seen: Vec<f64> = along.collect();
@@ -336,10 +336,10 @@ fn ages_colour_the_samples() {
 fn tag_at(harness: &mut Harness<'_, App>, position: [f64; 2]) -> Option<String> {
     let state = &harness.state().state;
     let pos = state
-        .runs
+        .runs()
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, position);
+        .screen_from_domain(state.runs().first.viewport, position);
     harness.hover_at(pos);
     settle(harness);
     // The tag appears one frame after the pointer.
@@ -448,7 +448,7 @@ fn exposed_arcs_are_there_while_gaps_are_and_a_click_selects_their_sample() {
         apply(&mut harness, command);
     }
     let arcs = |harness: &Harness<'_, App>| {
-        let run = &harness.state().state.runs.first;
+        let run = &harness.state().state.runs().first;
         let exposed = run.geometry.exposed(&run.shown().expect("a moment"));
         exposed.expect("the arcs of the moment").to_vec()
     };
@@ -478,7 +478,7 @@ fn exposed_arcs_are_there_while_gaps_are_and_a_click_selects_their_sample() {
         tag.starts_with(&number) && tag.ends_with("\u{b0} of its circle exposed"),
         "{tag}"
     );
-    let run = &harness.state().state.runs.first;
+    let run = &harness.state().state.runs().first;
     let pos = run.camera.screen_from_domain(run.viewport, on_arc(1.01));
     harness.event(egui::Event::PointerMoved(pos));
     for pressed in [true, false] {
@@ -491,6 +491,6 @@ fn exposed_arcs_are_there_while_gaps_are_and_a_click_selects_their_sample() {
         harness.step();
     }
     settle(&mut harness);
-    let selection = harness.state().state.runs.first.selection();
+    let selection = harness.state().state.runs().first.selection();
     assert_eq!(selection, Selection::Sample(arc.id));
 }

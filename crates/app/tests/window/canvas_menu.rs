@@ -39,8 +39,8 @@ fn the_menu_of_a_sample_leads_to_its_history_and_its_moments() {
     let mut harness = at_sample(40);
     choose(&mut harness, "history");
     let state = &harness.state().state;
-    assert_eq!(state.runs.first.selected, Some(40));
-    assert!(state.window.shows(Panel::Inspector));
+    assert_eq!(state.runs().first.selected, Some(40));
+    assert!(state.window().shows(Panel::Inspector));
     choose(&mut harness, "placed");
     let life = debugger(&harness).recording().life(40).unwrap();
     assert_eq!(cursor(&harness), life.born as usize + 1);
@@ -72,27 +72,27 @@ fn the_menu_key_opens_it_at_the_selection() {
 #[test]
 fn a_place_can_be_asked_about_copied_and_zoomed_to() {
     let mut harness = at_sample(40);
-    let before = harness.state().state.runs.first.camera;
+    let before = harness.state().state.runs().first.camera;
     view(
         &mut harness,
         ViewCommand::Pan(egui::vec2(0.4 * before.scale as f32, 0.0)),
     );
-    let middle = harness.state().state.runs.first.camera.center;
+    let middle = harness.state().state.runs().first.camera.center;
     choose(&mut harness, "place");
-    assert_eq!(harness.state().state.runs.first.selected, None);
-    let place = harness.state().state.runs.first.place.expect("a place");
+    assert_eq!(harness.state().state.runs().first.selected, None);
+    let place = harness.state().state.runs().first.place.expect("a place");
     assert!(place.distance(middle) < 0.1);
     choose(&mut harness, "block");
-    assert!(harness.state().state.runs.first.camera.scale < 0.5 * before.scale);
+    assert!(harness.state().state.runs().first.camera.scale < 0.5 * before.scale);
     let center = glam::dvec2(20.0, 30.0);
     view(&mut harness, ViewCommand::Centre(center));
-    assert_eq!(harness.state().state.runs.first.camera.center, center);
+    assert_eq!(harness.state().state.runs().first.camera.center, center);
     let state = &mut harness.state_mut().state;
     let copy = ViewCommand::CopyPosition(center);
     state.apply(Command::View(Which::First, copy));
     let radius = 0.008_36;
     let expected = format!("{:.6}, {:.6}", 20.0 * radius, 30.0 * radius);
-    assert_eq!(state.links.copied.as_ref(), Some(&expected));
+    assert_eq!(state.links().copied.as_ref(), Some(&expected));
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_gap_is_named_and_flown_to() {
     let show = TimeCommand::ShowStage(stage.expect("the stage"));
     apply(&mut harness, Command::Time(show));
     let deepest = {
-        let run = &harness.state().state.runs.first;
+        let run = &harness.state().state.runs().first;
         let tessellation = run.geometry.of(&run.shown().unwrap()).expect("gaps");
         let mut places = tessellation.gaps.iter().map(|gap| gap.deepest.0);
         // Gaps at the border may be deepest beyond it.
@@ -116,8 +116,8 @@ fn a_gap_is_named_and_flown_to() {
     assert!(find(&harness, "canvas-menu.block").is_none());
     node(&harness, "canvas-menu.gap").click();
     harness.run();
-    let camera = harness.state().state.runs.first.camera;
+    let camera = harness.state().state.runs().first.camera;
     assert!(camera.center.distance(deepest) < 0.1);
     choose(&mut harness, "place");
-    assert!(harness.state().state.runs.first.place.is_some());
+    assert!(harness.state().state.runs().first.place.is_some());
 }

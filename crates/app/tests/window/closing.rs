@@ -7,6 +7,7 @@ use tilescope_app::App;
 use tilescope_workbench::Command;
 use tilescope_workbench::files::Purpose;
 use tilescope_workbench::scenes::SceneCommand;
+use tilescope_workbench::state::Settings;
 
 use crate::support::sessions::{apply, busy, folder, go, path_text};
 use crate::support::{find, is_disabled, node, opened, session, settle, text};
@@ -76,7 +77,7 @@ fn closing_asks_while_a_scene_is_unsaved() {
 
     press(&mut harness, SAVE);
     assert!(find(&harness, STAY).is_none());
-    let sheet = harness.state().state.files.sheet.as_ref();
+    let sheet = harness.state().state.files().sheet.as_ref();
     assert_eq!(sheet.map(|sheet| sheet.purpose), Some(Purpose::Save));
 }
 
@@ -102,13 +103,16 @@ fn files_that_were_saved_are_listed_as_recent_and_open_again() {
     let mut harness = busy();
     go(&mut harness, Purpose::Save, &path);
     let saved = session(&harness).recipe();
-    let recent = harness.state().state.files.recent.clone();
+    let recent = harness.state().state.files().recent.clone();
     assert_eq!(recent, [path_text(&path)]);
     drop(harness);
 
     let mut harness = opened();
     assert_ne!(session(&harness).recipe(), saved);
-    harness.state_mut().state.files.recent = recent;
+    harness.state_mut().state.restore(Settings {
+        recent: Some(recent),
+        ..Settings::default()
+    });
     for step in ["menu.file", "submenu.recent"] {
         press(&mut harness, step);
     }

@@ -13,6 +13,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
+use tilescope_workbench::state::Settings;
 
 use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
 
@@ -65,16 +66,16 @@ fn every_panel_has_a_tab_and_fits() {
         let mut harness = opened_at(size);
         for (tab, panel, part) in TABS {
             click(&mut harness, tab);
-            assert_eq!(harness.state().state.window.drawer.open, Some(panel));
+            assert_eq!(harness.state().state.window().drawer.open, Some(panel));
             assert!(find(&harness, part).is_some(), "{tab} lacks {part}");
             assert_eq!(outside(&harness, size[0]), Vec::<String>::new(), "{tab}");
         }
         click(&mut harness, "drawer.close");
-        assert_eq!(harness.state().state.window.drawer.open, None);
+        assert_eq!(harness.state().state.window().drawer.open, None);
         // The same tab opens and closes.
         click(&mut harness, "tab.legend");
         click(&mut harness, "tab.legend");
-        assert_eq!(harness.state().state.window.drawer.open, None);
+        assert_eq!(harness.state().state.window().drawer.open, None);
     }
 }
 
@@ -85,7 +86,7 @@ fn widgets_outside_the_window_are_found() {
 }
 
 fn canvas(harness: &Harness<'_, App>) -> Rect {
-    harness.state().state.runs.first.viewport
+    harness.state().state.runs().first.viewport
 }
 
 #[test]
@@ -123,8 +124,9 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
         .state
         .apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     settle(&mut harness);
-    let before = harness.state().state.window.layout.clone();
-    let arrangement = |harness: &Harness<'_, App>| harness.state().state.window.drawer.arrangement;
+    let before = harness.state().state.window().layout.clone();
+    let arrangement =
+        |harness: &Harness<'_, App>| harness.state().state.window().drawer.arrangement;
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
     harness.set_size(Vec2::from(PHONE));
     harness.step();
@@ -139,7 +141,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
         .apply(Command::Window(WindowCommand::OpenPanel(Panel::Scenes)));
     settle(&mut harness);
     assert_eq!(
-        harness.state().state.window.drawer.open,
+        harness.state().state.window().drawer.open,
         Some(Panel::Scenes)
     );
     harness.set_size(vec2(844.0, 390.0));
@@ -150,7 +152,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness.run();
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
     // Frames may differ in the active tab they remember; all else is equal.
-    assert_eq!(harness.state().state.window.layout, before);
+    assert_eq!(harness.state().state.window().layout, before);
     node(&harness, "find-events");
 }
 
@@ -174,10 +176,10 @@ fn the_bar_leads_to_the_lessons() {
         let chip = node(&harness, "verdict").rect();
         assert!(!button.intersects(chip), "{button:?} and {chip:?}");
         click(&mut harness, "lessons-list");
-        assert!(harness.state().state.lessons.lists);
+        assert!(harness.state().state.lessons().lists);
         node(&harness, "lesson-welcome");
         click(&mut harness, "lessons-list");
-        assert!(!harness.state().state.lessons.lists);
+        assert!(!harness.state().state.lessons().lists);
     }
 }
 
@@ -191,7 +193,7 @@ fn the_list_of_lessons_ends_the_tour() {
     settle(&mut harness);
     node(&harness, "caption-title");
     click(&mut harness, "lessons-list");
-    assert!(harness.state().state.lessons.lists && !harness.state().state.is_touring());
+    assert!(harness.state().state.lessons().lists && !harness.state().state.is_touring());
     assert!(find(&harness, "caption-title").is_none());
     // The tour, in turn, closes the list.
     harness
@@ -199,7 +201,7 @@ fn the_list_of_lessons_ends_the_tour() {
         .state
         .apply(Command::Scene(SceneCommand::Tour));
     settle(&mut harness);
-    assert!(!harness.state().state.lessons.lists);
+    assert!(!harness.state().state.lessons().lists);
 }
 
 #[test]
@@ -260,20 +262,20 @@ fn every_primary_action_can_be_done() {
     click(&mut harness, "fit");
     // The verdict leads to the conflict or gap that decides it.
     click(&mut harness, "verdict");
-    assert!(harness.state().state.runs.first.witness_mark.is_some());
+    assert!(harness.state().state.runs().first.witness_mark.is_some());
     click(&mut harness, "tab.parameters");
     click(&mut harness, "run");
-    assert!(harness.state().state.runs.first.session.is_some());
+    assert!(harness.state().state.runs().first.session.is_some());
     menu(&mut harness, "view/look", "appearance-look-light");
-    assert_eq!(harness.state().state.appearance.look, Look::Light);
+    assert_eq!(harness.state().state.appearance().look, Look::Light);
     menu(
         &mut harness,
         "view/look",
         "appearance-toggle-reduced-motion",
     );
-    assert!(harness.state().state.appearance.reduced_motion);
+    assert!(harness.state().state.appearance().reduced_motion);
     menu(&mut harness, "compare/presets", "compare-start-next-seed");
-    assert!(harness.state().state.runs.second.is_some());
+    assert!(harness.state().state.runs().second.is_some());
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     menu(&mut harness, "compare", "compare-close");
     menu(&mut harness, "analyze", "window-open-panel-analysis");
@@ -313,11 +315,7 @@ fn sheets_and_notices_fit() {
         harness.run();
         let text =
             "A notice of many words that say what has happened, where, and what can be done. ";
-        harness.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
-            text: text.repeat(3),
-            is_error: true,
-            folder: None,
-        });
+        harness.state_mut().state.report(text.repeat(3));
         harness.run();
         let dismiss = node(&harness, "dismiss").rect();
         assert!(window.contains_rect(dismiss), "{dismiss:?}");
@@ -353,22 +351,26 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     state.prefer_reduced_motion(true);
     assert_eq!(
         (
-            state.appearance.reduced_motion,
-            state.appearance.motion_chosen()
+            state.appearance().reduced_motion,
+            state.appearance().motion_chosen()
         ),
         (true, None)
     );
     // It is not stored as a choice, and may change while the window is open.
-    state.choose_motion(None);
+    let stored = |chosen| Settings {
+        reduced_motion: Some(chosen),
+        ..Settings::default()
+    };
+    state.restore(stored(None));
     state.prefer_reduced_motion(false);
-    assert!(!state.appearance.reduced_motion);
+    assert!(!state.appearance().reduced_motion);
     state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
-    assert_eq!(state.appearance.motion_chosen(), Some(true));
+    assert_eq!(state.appearance().motion_chosen(), Some(true));
     state.prefer_reduced_motion(false);
-    assert!(state.appearance.reduced_motion);
-    state.choose_motion(Some(false));
+    assert!(state.appearance().reduced_motion);
+    state.restore(stored(Some(false)));
     state.prefer_reduced_motion(true);
-    assert!(!state.appearance.reduced_motion);
+    assert!(!state.appearance().reduced_motion);
 }
 
 #[test]
@@ -383,21 +385,21 @@ fn reduced_motion_stops_animations() {
     };
     let fly = Command::View(Which::First, ViewCommand::FlyTo([30.0, 30.0].into(), 10.0));
     harness.state_mut().state.apply(fly.clone());
-    assert!(harness.state().state.runs.first.flight.is_some());
+    assert!(harness.state().state.runs().first.flight.is_some());
     harness
         .state_mut()
         .state
         .apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     // A camera flight in progress ends at once, and no other begins.
     let state = &harness.state().state;
-    assert!(state.runs.first.flight.is_none());
-    assert!((state.runs.first.camera.center[0] - 30.0).abs() < 1e-9);
+    assert!(state.runs().first.flight.is_none());
+    assert!((state.runs().first.camera.center[0] - 30.0).abs() < 1e-9);
     harness
         .state_mut()
         .state
         .apply(Command::View(Which::First, ViewCommand::Fit));
     harness.state_mut().state.apply(fly);
-    assert!(harness.state().state.runs.first.flight.is_none());
+    assert!(harness.state().state.runs().first.flight.is_none());
     harness.run();
     assert_eq!(moves(&harness), [false; 2]);
     for look in [Look::Light, Look::Projector, Look::Dark] {
@@ -423,7 +425,7 @@ fn a_projector_in_a_phone_is_a_light_phone() {
     harness.state_mut().state.apply(projector);
     harness.run();
     let state = &harness.state().state;
-    assert_eq!(state.window.drawer.arrangement, Arrangement::Portrait);
+    assert_eq!(state.window().drawer.arrangement, Arrangement::Portrait);
     assert!((harness.ctx.zoom_factor() - 1.0).abs() < 1e-6);
     node(&harness, "menu");
 }

@@ -223,7 +223,7 @@ fn the_event_browser_finds_and_selects_events_and_shows_errors() {
     let found = harness
         .state()
         .state
-        .runs
+        .runs()
         .first
         .query
         .found
@@ -282,7 +282,7 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     let history = harness
         .state()
         .state
-        .runs
+        .runs()
         .first
         .history_found
         .events()
@@ -293,9 +293,9 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     assert!(cursor(&harness) < at);
     // A sample that does not exist yet stays selected: its history lies ahead.
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
-    assert_eq!(harness.state().state.runs.first.selected, Some(sample));
+    assert_eq!(harness.state().state.runs().first.selected, Some(sample));
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().state.runs.first.selected, None);
+    assert_eq!(harness.state().state.runs().first.selected, None);
 }
 
 #[test]
@@ -345,12 +345,12 @@ fn the_list_of_actions_opens_and_runs_actions_by_keyboard() {
     node(&harness, "find-action").type_text("projector");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    assert_eq!(harness.state().state.appearance.look, Look::Projector);
-    assert!(harness.state().state.window.finder.is_none());
+    assert_eq!(harness.state().state.appearance().look, Look::Projector);
+    assert!(harness.state().state.window().finder.is_none());
     assert!(text(&harness, "status").contains("10,041"));
     press(&mut harness, Modifiers::COMMAND, Key::K);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().state.window.finder.is_none());
+    assert!(harness.state().state.window().finder.is_none());
     // An unavailable action is listed, but does nothing.
     apply(&mut harness, Command::Window(WindowCommand::ToggleFinder));
     apply(
@@ -363,11 +363,11 @@ fn the_list_of_actions_opens_and_runs_actions_by_keyboard() {
 #[test]
 fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
     let mut harness = opened();
-    let start = harness.state().state.window.layout.clone();
+    let start = harness.state().state.window().layout.clone();
     let seed = harness
         .state()
         .state
-        .form
+        .form()
         .draft
         .text(Field::Seed)
         .to_owned();
@@ -377,20 +377,22 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
         &mut harness,
         Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
     );
-    let layers = harness.state().state.appearance.chosen_layers;
+    let layers = harness.state().state.appearance().chosen_layers;
     node(&harness, "tab.scenes").click();
     harness.run();
-    assert!(harness.state().state.window.layout.shows(Panel::Scenes));
+    assert!(harness.state().state.window().layout.shows(Panel::Scenes));
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().state.form.draft.text(Field::Seed), seed);
+    assert_eq!(harness.state().state.form().draft.text(Field::Seed), seed);
     let state = &harness.state().state;
-    assert!(state.window.layout.shows(Panel::Scenes) && state.appearance.chosen_layers == layers);
+    assert!(
+        state.window().layout.shows(Panel::Scenes) && state.appearance().chosen_layers == layers
+    );
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(harness.state().state.form.draft.text(Field::Seed), "7");
+    assert_eq!(harness.state().state.form().draft.text(Field::Seed), "7");
     apply(&mut harness, Command::Window(WindowCommand::ResetLayout));
-    assert_eq!(harness.state().state.window.layout, start);
+    assert_eq!(harness.state().state.window().layout, start);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().state.window.layout.shows(Panel::Scenes));
+    assert!(harness.state().state.window().layout.shows(Panel::Scenes));
 }
 
 #[test]
@@ -400,19 +402,23 @@ fn the_projector_shows_a_way_out() {
     let leave = "leave-projector";
     assert!(find(&harness, leave).is_none());
     press(&mut harness, Modifiers::NONE, Key::F2);
-    assert_eq!(harness.state().state.appearance.look, Look::Projector);
+    assert_eq!(harness.state().state.appearance().look, Look::Projector);
     node(&harness, leave).click();
     harness.run();
-    assert_eq!(harness.state().state.appearance.look, Look::Dark);
+    assert_eq!(harness.state().state.appearance().look, Look::Dark);
     for key in [Key::F2, Key::Escape] {
         press(&mut harness, Modifiers::NONE, Key::F2);
         // Escape first closes what is open.
         node(&harness, "speed").click();
         harness.run();
         press(&mut harness, Modifiers::NONE, Key::Escape);
-        assert_eq!(harness.state().state.appearance.look, Look::Projector);
+        assert_eq!(harness.state().state.appearance().look, Look::Projector);
         press(&mut harness, Modifiers::NONE, key);
-        assert_eq!(harness.state().state.appearance.look, Look::Dark, "{key:?}");
+        assert_eq!(
+            harness.state().state.appearance().look,
+            Look::Dark,
+            "{key:?}"
+        );
     }
     let again = harness.render().expect("a picture");
     assert_eq!(again.dimensions(), window.dimensions());
@@ -435,7 +441,7 @@ fn every_panel_is_drawn_in_every_look() {
                 &mut harness,
                 Command::Window(WindowCommand::OpenPanel(panel)),
             );
-            assert!(harness.state().state.window.layout.shows(panel));
+            assert!(harness.state().state.window().layout.shows(panel));
             let picture = harness.render().expect("a picture");
             pictures.insert(picture.as_raw().clone());
         }
@@ -466,7 +472,7 @@ fn a_query_is_completed_by_known_words() {
         &mut harness,
         Command::Window(WindowCommand::OpenPanel(Panel::Events)),
     );
-    let query = |harness: &Harness<'_, App>| harness.state().state.runs.first.query.text.clone();
+    let query = |harness: &Harness<'_, App>| harness.state().state.runs().first.query.text.clone();
     let apply_query = |harness: &mut Harness<'_, App>, text: &str| {
         apply(
             harness,
@@ -479,7 +485,15 @@ fn a_query_is_completed_by_known_words() {
     settle(&mut harness);
     assert_eq!(query(&harness), "conflict ");
     assert!(find(&harness, "complete-conflict").is_none());
-    let found = harness.state().state.runs.first.query.found.events().len();
+    let found = harness
+        .state()
+        .state
+        .runs()
+        .first
+        .query
+        .found
+        .events()
+        .len();
     assert!(found > 0);
     node(&harness, "query-words").click();
     harness.run();

@@ -17,8 +17,8 @@ use crate::support::{find, focused, node, opened_at, settle};
 fn embedded(embedding: Embedding, size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = opened_at(size);
     let state = &mut harness.state_mut().state;
-    state.window.embedding = Some(embedding);
-    state.appearance.reduced_motion = true;
+    state.embed(Some(embedding));
+    state.prefer_reduced_motion(true);
     harness.run();
     harness
 }
@@ -60,10 +60,10 @@ fn a_player_of_any_size_has_its_controls() {
         assert_eq!(status.accesskit_node().live(), Live::Polite);
         assert!(status.rect().height() > 10.0, "{size:?}");
         node(&harness, "time-step-back").click();
-        let before = harness.state().state.runs.first.stage;
+        let before = harness.state().state.runs().first.stage;
         harness.run();
         assert_eq!(
-            harness.state().state.runs.first.stage,
+            harness.state().state.runs().first.stage,
             before - 1,
             "{size:?}"
         );
@@ -84,12 +84,12 @@ fn wheel(modifiers: Modifiers) -> Event {
 fn the_plain_wheel_is_left_to_the_page_around() {
     for embedding in Embedding::ALL {
         let mut harness = embedded(embedding, [600.0, 400.0]);
-        let before = harness.state().state.runs.first.camera;
-        harness.hover_at(harness.state().state.runs.first.viewport.center());
+        let before = harness.state().state.runs().first.camera;
+        harness.hover_at(harness.state().state.runs().first.viewport.center());
         harness.event(wheel(Modifiers::NONE));
         harness.step();
         harness.step();
-        assert_eq!(harness.state().state.runs.first.camera, before);
+        assert_eq!(harness.state().state.runs().first.camera, before);
         assert_eq!(hint::given(&harness.ctx), Some(Hint::Wheel));
         // The hint disappears by itself.
         for _ in 0..12 {
@@ -98,7 +98,7 @@ fn the_plain_wheel_is_left_to_the_page_around() {
         assert_eq!(hint::given(&harness.ctx), None);
         harness.event(wheel(Modifiers::COMMAND));
         harness.run();
-        assert!(harness.state().state.runs.first.camera.scale > before.scale);
+        assert!(harness.state().state.runs().first.camera.scale > before.scale);
         assert_eq!(hint::given(&harness.ctx), None);
     }
 }
@@ -143,19 +143,19 @@ fn drag(harness: &mut Harness<'_, App>, tracks: &[(Pos2, Vec2)]) {
 #[test]
 fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
     let mut harness = embedded(Embedding::Player, [600.0, 400.0]);
-    let viewport = harness.state().state.runs.first.viewport;
-    let (middle, before) = (viewport.center(), harness.state().state.runs.first.camera);
+    let viewport = harness.state().state.runs().first.viewport;
+    let (middle, before) = (viewport.center(), harness.state().state.runs().first.camera);
     drag(&mut harness, &[(middle, vec2(0.0, 60.0))]);
-    assert_eq!(harness.state().state.runs.first.camera, before);
+    assert_eq!(harness.state().state.runs().first.camera, before);
     assert_eq!(hint::given(&harness.ctx), Some(Hint::Fingers));
     let state = &harness.state().state;
-    assert!(state.runs.first.selected.is_none() && state.runs.first.place.is_none());
+    assert!(state.runs().first.selected.is_none() && state.runs().first.place.is_none());
     let apart = vec2(40.0, 0.0);
     drag(
         &mut harness,
         &[(middle - apart, -apart), (middle + apart, apart)],
     );
-    assert!(harness.state().state.runs.first.camera.scale > 1.5 * before.scale);
+    assert!(harness.state().state.runs().first.camera.scale > 1.5 * before.scale);
     // Only touches of the picture are left to the page; controls and track receive theirs.
     let app = harness.state();
     assert!(app.scrolls_at(&harness.ctx, middle));
@@ -163,11 +163,10 @@ fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
     assert!(!app.scrolls_at(&harness.ctx, moment.center()));
     let mut whole = opened_at([600.0, 400.0]);
     whole.run();
-    assert!(
-        !whole
-            .state()
-            .scrolls_at(&whole.ctx, whole.state().state.runs.first.viewport.center())
-    );
+    assert!(!whole.state().scrolls_at(
+        &whole.ctx,
+        whole.state().state.runs().first.viewport.center()
+    ));
 }
 
 #[test]
@@ -175,7 +174,7 @@ fn a_button_leads_back_to_the_whole_domain() {
     for embedding in Embedding::ALL {
         let mut harness = embedded(embedding, [320.0, 240.0]);
         assert!(find(&harness, "fit").is_none());
-        let before = harness.state().state.runs.first.camera;
+        let before = harness.state().state.runs().first.camera;
         let state = &mut harness.state_mut().state;
         state.apply(Command::View(
             Which::First,
@@ -184,7 +183,7 @@ fn a_button_leads_back_to_the_whole_domain() {
         harness.run();
         node(&harness, "fit").click();
         settle(&mut harness);
-        assert_eq!(harness.state().state.runs.first.camera, before);
+        assert_eq!(harness.state().state.runs().first.camera, before);
         assert!(find(&harness, "fit").is_none());
     }
 }
@@ -238,11 +237,10 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
     backwards.reverse();
     assert_eq!(backwards, forwards);
     // Also with a notice over it.
-    player.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
-        text: "Something went wrong.".to_owned(),
-        is_error: true,
-        folder: None,
-    });
+    player
+        .state_mut()
+        .state
+        .report("Something went wrong.".to_owned());
     player.run();
     let with_notice = tab_through(&mut player, false);
     assert_eq!(with_notice.last().map(String::as_str), Some("dismiss"));

@@ -18,7 +18,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
 }
 
 fn kind(harness: &Harness<'_, App>) -> Option<ExportKind> {
-    let form = harness.state().state.files.exports.sheet.as_ref();
+    let form = harness.state().state.files().exports.sheet.as_ref();
     form.map(|form| form.kind)
 }
 
@@ -50,7 +50,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     let form = harness
         .state()
         .state
-        .files
+        .files()
         .exports
         .sheet
         .clone()
@@ -103,7 +103,7 @@ fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
         let path = &harness
             .state()
             .state
-            .files
+            .files()
             .exports
             .sheet
             .as_ref()

@@ -84,13 +84,13 @@ fn is_cut(rect: Rect, clip: Rect) -> bool {
 /// length varies.
 fn cut_texts(harness: &Harness<'_, App>) -> Vec<String> {
     let state = &harness.state().state;
-    let mut canvas = state.runs.first.viewport.expand(0.5);
-    if let Some((second, _)) = &state.runs.second {
+    let mut canvas = state.runs().first.viewport.expand(0.5);
+    if let Some((second, _)) = &state.runs().second {
         // The two runs have headings.
         canvas = canvas.union(second.viewport.expand(0.5));
         canvas.min.y -= 50.0;
     }
-    let sentence = state.runs.first.debugger.as_ref().map(|debugger| {
+    let sentence = state.runs().first.debugger.as_ref().map(|debugger| {
         let last = debugger.state().cursor().saturating_sub(1);
         tilescope_debugger::sentence(debugger.recording(), last)
     });
@@ -152,7 +152,7 @@ fn no_panel_is_cut_off_on_a_small_screen() {
                 .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             harness.run();
             // Rows of lists vary in length and are shortened; their tooltips have the whole text.
-            let window = &harness.state().state.window;
+            let window = harness.state().state.window();
             let lists = [Panel::Inspector, Panel::Events, Panel::Scenes];
             let listed = lists.into_iter().any(|list| window.shows(list));
             let texts = cut_texts(&harness);
@@ -224,7 +224,7 @@ fn the_bar_has_room_for_long_names_of_menus() {
         settle(&mut harness);
         harness.run();
         // Beside the lesson, the smaller of these windows have the bar of a phone.
-        let is_small = (harness.state().state.window.drawer.arrangement).is_compact();
+        let is_small = (harness.state().state.window().drawer.arrangement).is_compact();
         assert_eq!(is_small, size[0] < 1280.0, "{size:?}");
         assert!(check_bar(&harness, size) > 8 || is_small);
     }
@@ -246,7 +246,7 @@ fn run_is_seen_at_every_size() {
         ))));
         state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
         settle(&mut harness);
-        harness.state_mut().state.messages.notice = None;
+        harness.state_mut().state.apply(Command::DismissNotice);
         let open = Command::Window(WindowCommand::OpenPanel(Panel::Parameters));
         harness.state_mut().state.apply(open);
         for text in ["0.00836", "0"] {
@@ -336,7 +336,7 @@ fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
     let run = |harness: &Harness<'_, App>| node(harness, "run").rect();
     let before = run(&harness);
     let edge = pos2(
-        harness.state().state.runs.first.viewport.left() - 1.0,
+        harness.state().state.runs().first.viewport.left() - 1.0,
         400.0,
     );
     harness.drag_at(edge);
@@ -349,7 +349,7 @@ fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
     harness.run();
     let after = run(&harness);
     assert!(after.width() < before.width() + 0.5);
-    assert!(harness.state().state.runs.first.viewport.left() > 200.0);
+    assert!(harness.state().state.runs().first.viewport.left() > 200.0);
     assert_eq!(cut_texts(&harness), Vec::<String>::new());
     assert_eq!(cut_widgets(&harness), Vec::<String>::new());
 }

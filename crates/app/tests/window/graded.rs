@@ -28,13 +28,13 @@ fn asked(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = opened_at(size);
     let read = LessonCommand::Read("t".to_owned(), text.to_owned());
     lesson(&mut harness, read);
-    assert!(harness.state().state.lessons.open_question().is_some());
+    assert!(harness.state().state.lessons().open_question().is_some());
     harness
 }
 
 /// Returns the indices of the right option, and of the two others.
 fn options(harness: &Harness<'_, App>) -> [usize; 3] {
-    let question = harness.state().state.lessons.open_question();
+    let question = harness.state().state.lessons().open_question();
     let Key::Choice(right) = *question.expect("a question").key() else {
         panic!("a choice");
     };
@@ -194,7 +194,7 @@ fn a_circle_around_the_mark_shows_the_distance_once_the_question_is_closed() {
         lesson(&mut harness, LessonCommand::Read("t".to_owned(), text));
         harness.run();
         let circles = |harness: &Harness<'_, App>| {
-            let open = harness.state().state.lessons.open.as_ref();
+            let open = harness.state().state.lessons().open.as_ref();
             let is_drawn = crate::language::texts(harness).contains("2.5 r");
             let circles = open.expect("a lesson").circles();
             assert_eq!(is_drawn, !circles.is_empty());
@@ -234,7 +234,7 @@ fn a_strip_along_the_edges_of_blocks_is_shown_once_the_question_is_closed() {
             crate::language::texts(&harness).contains("1.5 r"),
             !more.is_empty()
         );
-        let open = harness.state().state.lessons.open.as_ref();
+        let open = harness.state().state.lessons().open.as_ref();
         open.expect("a lesson").strips()
     };
     let (blocks, width) = shown("strip: 1.5\n").expect("a strip");
@@ -264,7 +264,7 @@ fn the_verdict_is_seen_though_the_options_fill_the_panel() {
     let answer = node(&harness, "lesson-answer").rect();
     assert!(answer.top() > 720.0, "{answer:?}");
 
-    let question = harness.state().state.lessons.open_question();
+    let question = harness.state().state.lessons().open_question();
     let Key::Choice(right) = *question.expect("a question").key() else {
         panic!("a choice");
     };
@@ -285,7 +285,7 @@ fn nothing_in_the_panel_is_wider_than_the_panel() {
         for language in ["en", "de"] {
             let mut harness = asked(size);
             lesson(&mut harness, LessonCommand::Language(language.to_owned()));
-            let width = |harness: &Harness<'_, App>| harness.state().state.runs.first.viewport;
+            let width = |harness: &Harness<'_, App>| harness.state().state.runs().first.viewport;
             let before = width(&harness);
             // "Give up" asks once more, in a longer row.
             lesson(&mut harness, LessonCommand::GiveUp);
@@ -320,14 +320,14 @@ fn a_card_at_the_end_says_what_was_learnt_and_what_is_next() {
     let mut harness = opened_at([1280.0, 800.0]);
     lesson(&mut harness, LessonCommand::Open("welcome".to_owned()));
     let open = |harness: &Harness<'_, App>| {
-        let open = harness.state().state.lessons.open.as_ref();
+        let open = harness.state().state.lessons().open.as_ref();
         open.expect("a lesson").learner.lesson().clone()
     };
     let welcome = open(&harness);
     assert!(find(&harness, "lesson-outcome").is_none());
     let last = welcome.steps.last().expect("steps").name.clone();
     lesson(&mut harness, LessonCommand::Go(last));
-    if harness.state().state.lessons.open_question().is_some() {
+    if harness.state().state.lessons().open_question().is_some() {
         assert!(find(&harness, "lesson-outcome").is_none());
         for _ in 0..2 {
             lesson(&mut harness, LessonCommand::GiveUp);
@@ -344,7 +344,7 @@ fn a_card_at_the_end_says_what_was_learnt_and_what_is_next() {
     node(&harness, format!("lesson-again-{step}")).click_accesskit();
     settle(&mut harness);
     harness.run();
-    assert!(harness.state().state.lessons.open_question().is_some());
+    assert!(harness.state().state.lessons().open_question().is_some());
 
     // The last step again, and from there the next lesson of the list.
     let last = welcome.steps.last().expect("steps").name.clone();
@@ -356,7 +356,7 @@ fn a_card_at_the_end_says_what_was_learnt_and_what_is_next() {
     node(&harness, "lesson-next-lesson").click_accesskit();
     settle(&mut harness);
     harness.run();
-    let shelf = &harness.state().state.lessons.shelf;
+    let shelf = &harness.state().state.lessons().shelf;
     assert_eq!(open(&harness).name, shelf[1].name);
 }
 

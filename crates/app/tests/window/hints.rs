@@ -105,7 +105,7 @@ fn the_debug_menu_has_the_breakpoints_and_the_file_menu_quits() {
     assert_eq!(switch.is_on, Some(true));
     apply(&mut harness, switch.command);
     let state = &harness.state().state;
-    let debugger = state.runs.first.debugger.as_ref().expect("a debugger");
+    let debugger = state.runs().first.debugger.as_ref().expect("a debugger");
     assert!(!debugger.breakpoints()[0].enabled);
     assert!(
         all.iter()

@@ -23,7 +23,7 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     if message.1 {
         // The previous session is still shown, and so is the sheet.
         assert_eq!(harness.state().state.saved(), before);
-        assert!(harness.state().state.files.sheet.is_some());
+        assert!(harness.state().state.files().sheet.is_some());
     }
     message
 }

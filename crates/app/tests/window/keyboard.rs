@@ -36,7 +36,7 @@ fn act(harness: &mut Harness<'_, App>, id: &str) {
     harness.run();
     press(harness, NONE, Key::Enter);
     assert!(
-        harness.state().state.window.finder.is_none(),
+        harness.state().state.window().finder.is_none(),
         "{name} was not done"
     );
 }
@@ -57,7 +57,7 @@ fn a_session_needs_no_mouse() {
     let mut harness = opened();
     // A run with another radius, typed into its field.
     act(&mut harness, "view-window-hide-panel-parameters");
-    assert!(!harness.state().state.window.shows(Panel::Parameters));
+    assert!(!harness.state().state.window().shows(Panel::Parameters));
     act(&mut harness, "view-window-open-panel-parameters");
     tab_to(&mut harness, "radius");
     press(&mut harness, Modifiers::COMMAND, Key::A);
@@ -88,7 +88,7 @@ fn a_session_needs_no_mouse() {
         .parse()
         .unwrap();
     assert!(distance < 0.3);
-    assert!(!harness.state().state.runs.first.hits.events().is_empty());
+    assert!(!harness.state().state.runs().first.hits.events().is_empty());
 
     // The event is announced; go to its cause and back.
     let stopped = cursor(&harness);
@@ -109,13 +109,13 @@ fn a_session_needs_no_mouse() {
 
     // Pan, and select at the centre.
     act(&mut harness, "view-view-first-zoom");
-    let before = harness.state().state.runs.first.camera;
+    let before = harness.state().state.runs().first.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
-    let after = harness.state().state.runs.first.camera;
+    let after = harness.state().state.runs().first.camera;
     assert!(after.center[0] > before.center[0]);
     press(&mut harness, NONE, Key::M);
     let state = &harness.state().state;
-    assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
+    assert!(state.runs().first.selected.is_some() || state.runs().first.place.is_some());
 
     // Compare with another seed; both runs go to where they diverge.
     act(&mut harness, "compare-compare-start-next-seed");
@@ -123,20 +123,20 @@ fn a_session_needs_no_mouse() {
     let (second, _) = harness
         .state()
         .state
-        .runs
+        .runs()
         .second
         .as_ref()
         .expect("a second run");
     assert!(second.session.is_some());
     assert!(cursor(&harness) < stopped);
     act(&mut harness, "compare-compare-close");
-    assert!(harness.state().state.runs.second.is_none());
+    assert!(harness.state().state.runs().second.is_none());
 }
 
 #[test]
 fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     let mut harness = opened();
-    let playing = |harness: &Harness<'_, App>| harness.state().state.time.playback.is_playing();
+    let playing = |harness: &Harness<'_, App>| harness.state().state.time().playback.is_playing();
     let space = |harness: &mut Harness<'_, App>| {
         harness.key_press(Key::Space);
         harness.step();
@@ -255,26 +255,26 @@ fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     let last = cursor(&harness);
     node(&harness, "canvas").focus();
     harness.run();
-    let before = harness.state().state.runs.first.camera;
+    let before = harness.state().state.runs().first.camera;
     press(&mut harness, NONE, Key::ArrowRight);
     press(&mut harness, NONE, Key::ArrowDown);
-    let after = harness.state().state.runs.first.camera;
+    let after = harness.state().state.runs().first.camera;
     assert!(after.center[0] > before.center[0] && after.center[1] < before.center[1]);
     assert_eq!(cursor(&harness), last);
     assert_eq!(focused(&harness).as_deref(), Some("canvas"));
     press(&mut harness, NONE, Key::Plus);
-    assert!(harness.state().state.runs.first.camera.scale > after.scale);
+    assert!(harness.state().state.runs().first.camera.scale > after.scale);
     press(&mut harness, NONE, Key::Enter);
     let state = &harness.state().state;
-    assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
+    assert!(state.runs().first.selected.is_some() || state.runs().first.place.is_some());
     // Elsewhere the same keys move in time and leave the focus where it is.
     node(&harness, "time-toggle-play").focus();
     harness.run();
-    let camera = harness.state().state.runs.first.camera;
+    let camera = harness.state().state.runs().first.camera;
     press(&mut harness, NONE, Key::ArrowLeft);
     assert!(cursor(&harness) < last);
     assert_eq!(focused(&harness).as_deref(), Some("time-toggle-play"));
-    assert_eq!(harness.state().state.runs.first.camera, camera);
+    assert_eq!(harness.state().state.runs().first.camera, camera);
 }
 
 #[test]
@@ -282,7 +282,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     let mut harness = opened();
     tab_to(&mut harness, "tab.events");
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.window.shows(Panel::Events));
+    assert!(harness.state().state.window().shows(Panel::Events));
     act(&mut harness, "go-time-first-stage");
     tab_to(&mut harness, "event-0");
     press(&mut harness, NONE, Key::Enter);
@@ -296,7 +296,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     press(&mut harness, NONE, Key::Enter);
     tab_to(&mut harness, "entry.file-file-sheet-save");
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.files.sheet.is_some());
+    assert!(harness.state().state.files().sheet.is_some());
 }
 
 #[test]
@@ -350,10 +350,10 @@ fn text_typed_in_one_slow_frame_goes_to_the_list() {
     harness.step();
     settle(&mut harness);
     assert_eq!(
-        harness.state().state.appearance.look,
+        harness.state().state.appearance().look,
         tilescope_session::look::Look::Projector
     );
-    assert!(harness.state().state.window.finder.is_none());
+    assert!(harness.state().state.window().finder.is_none());
     assert_eq!(cursor(&harness), before);
     // The list is open, but its field does not have the focus yet.
     let events = &mut harness.input_mut().events;
@@ -361,7 +361,7 @@ fn text_typed_in_one_slow_frame_goes_to_the_list() {
     events.extend(letters("lig"));
     harness.step();
     assert_eq!(
-        harness.state().state.window.finder.as_ref().unwrap().text,
+        harness.state().state.window().finder.as_ref().unwrap().text,
         "lig"
     );
     settle(&mut harness);
@@ -369,7 +369,7 @@ fn text_typed_in_one_slow_frame_goes_to_the_list() {
     harness.run();
     press(&mut harness, NONE, Key::Enter);
     assert_eq!(
-        harness.state().state.appearance.look,
+        harness.state().state.appearance().look,
         tilescope_session::look::Look::Light
     );
     // Enter does nothing before anything was typed.
@@ -378,8 +378,8 @@ fn text_typed_in_one_slow_frame_goes_to_the_list() {
     events.push(key(Key::Enter, NONE));
     harness.step();
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.window.finder.is_some());
-    assert!(harness.state().state.runs.first.sampling.is_none());
+    assert!(harness.state().state.window().finder.is_some());
+    assert!(harness.state().state.runs().first.sampling.is_none());
 }
 
 #[test]
@@ -391,7 +391,7 @@ fn escape_in_the_frame_of_ctrl_k_closes_the_list() {
         let events = events.iter().map(|event| (*event).clone());
         harness.input_mut().events.extend(events);
         harness.run();
-        harness.state().state.window.finder.is_some()
+        harness.state().state.window().finder.is_some()
     };
     assert!(!frame(&mut harness, &[&open, &close]), "opened and closed");
     assert!(frame(&mut harness, &[&open]));

@@ -81,16 +81,16 @@ fn played(language: &str, names: &[&str]) -> BTreeMap<String, String> {
         send(&mut harness, LessonCommand::ToggleList);
         note(&harness, format!("{name}, list"));
         send(&mut harness, LessonCommand::ToggleList);
-        let open = harness.state().state.lessons.open.as_ref();
+        let open = harness.state().state.lessons().open.as_ref();
         let steps = open.expect("a lesson").learner.lesson().steps.len();
         for step in 0..steps {
             note(&harness, format!("{name} {step}"));
             // An answer that lacks everything is refused with a sentence.
-            if harness.state().state.lessons.open_question().is_some() {
+            if harness.state().state.lessons().open_question().is_some() {
                 send(&mut harness, LessonCommand::Answer);
                 note(&harness, format!("{name} {step}, without an answer"));
             }
-            while harness.state().state.lessons.open_question().is_some() {
+            while harness.state().state.lessons().open_question().is_some() {
                 for command in drafts(&harness) {
                     let command = match command {
                         // Learners type numbers as their language writes them.

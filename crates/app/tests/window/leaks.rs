@@ -50,7 +50,7 @@ fn the_list_of_texts_has_all_that_the_accessibility_tree_says() {
             settle(&mut harness);
             harness.run();
         }
-        assert!(harness.state().state.lessons.open_question().is_some());
+        assert!(harness.state().state.lessons().open_question().is_some());
 
         let nodes = harness.query_all_by(|_| true);
         let told: BTreeSet<String> = nodes

@@ -34,13 +34,13 @@ fn right(harness: &Harness<'_, App>) -> Vec<usize> {
     let question = harness
         .state()
         .state
-        .lessons
+        .lessons()
         .open_question()
         .expect("a question");
     let open = harness
         .state()
         .state
-        .lessons
+        .lessons()
         .open
         .as_ref()
         .expect("a lesson");
@@ -64,7 +64,7 @@ fn a_lesson_is_done_by_keys_alone() {
     let steps = harness
         .state()
         .state
-        .lessons
+        .lessons()
         .open
         .as_ref()
         .expect("it")
@@ -74,12 +74,12 @@ fn a_lesson_is_done_by_keys_alone() {
         .len();
     for step in 0..steps {
         // While the question is open, the keys of the next step do nothing.
-        while harness.state().state.lessons.open_question().is_some() {
+        while harness.state().state.lessons().open_question().is_some() {
             press(&mut harness, Key::PageDown);
             let index = harness
                 .state()
                 .state
-                .lessons
+                .lessons()
                 .open
                 .as_ref()
                 .expect("it")
@@ -93,7 +93,7 @@ fn a_lesson_is_done_by_keys_alone() {
         }
         press(&mut harness, Key::PageDown);
     }
-    let results = &harness.state().state.lessons.results;
+    let results = &harness.state().state.lessons().results;
     assert_eq!(results.entries.len(), 4);
     assert!(
         (results.share() - 1.0).abs() < 1e-9,
@@ -119,7 +119,7 @@ fn texts_typed_into_a_number_are_not_answers_to_choose() {
     harness.event(Event::Text("0,5".to_owned()));
     harness.run();
     press(&mut harness, Key::Enter);
-    assert!(harness.state().state.lessons.open_question().is_none());
+    assert!(harness.state().state.lessons().open_question().is_none());
 }
 
 /// All texts of the accessibility tree.
@@ -167,7 +167,7 @@ fn the_accessibility_tree_says_nothing_of_what_follows_the_question() {
 
 /// The commands that put together the right answer to the open question.
 pub fn drafts(harness: &Harness<'_, App>) -> Vec<DraftCommand> {
-    let lessons = &harness.state().state.lessons;
+    let lessons = harness.state().state.lessons();
     let question = lessons.open_question().expect("a question");
     let (_, traced) = lessons.open.as_ref().expect("a lesson").learner.tries();
     let chosen = |all: Vec<usize>| all.into_iter().map(DraftCommand::Choose).collect();
@@ -193,7 +193,7 @@ fn every_lesson_can_be_played_to_its_end() {
     let names: Vec<String> = harness
         .state()
         .state
-        .lessons
+        .lessons()
         .shelf
         .iter()
         .map(|lesson| lesson.name.to_string())
@@ -211,7 +211,7 @@ fn every_lesson_can_be_played_to_its_end() {
             let open = harness
                 .state()
                 .state
-                .lessons
+                .lessons()
                 .open
                 .as_ref()
                 .expect("a lesson");
@@ -228,7 +228,7 @@ fn every_lesson_can_be_played_to_its_end() {
             let (index, _, fault) = open(&harness);
             assert_eq!((index, fault), (step, None), "{name}");
             let is_asked = |harness: &Harness<'_, App>| {
-                let question = harness.state().state.lessons.open_question();
+                let question = harness.state().state.lessons().open_question();
                 // A form goes on to the next question by itself.
                 question.is_some() && open(harness).0 == step
             };
@@ -243,7 +243,7 @@ fn every_lesson_can_be_played_to_its_end() {
         }
         harness.run();
     }
-    let results = &harness.state().state.lessons.results;
+    let results = &harness.state().state.lessons().results;
     assert!(
         results.entries.len() > 40 && results.share() > 0.999,
         "{}",

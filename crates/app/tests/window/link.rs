@@ -17,7 +17,7 @@ fn a_window_copies_its_link() {
     let notice = harness
         .state()
         .state
-        .messages
+        .messages()
         .notice
         .clone()
         .expect("a notice");
@@ -46,7 +46,7 @@ fn a_window_copies_its_link() {
     let notice = harness
         .state()
         .state
-        .messages
+        .messages()
         .notice
         .clone()
         .expect("a notice");

@@ -13,7 +13,7 @@ use crate::support::{opened_at, session, settle};
 
 /// Returns how many pixels of the canvas are nearer to one of `colors` than to `other` and the background.
 fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) -> usize {
-    let rect = harness.state().state.runs.first.viewport;
+    let rect = harness.state().state.runs().first.viewport;
     let image = harness.render().expect("a picture");
     let far = |a: &[u8], b: Color32| -> i32 {
         let parts = a.iter().zip(b.to_array());

@@ -10,7 +10,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::Command;
-use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
+use tilescope_workbench::command::{TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::layout::Panel;
 
 use crate::support::{author, find, node, opened, opened_at, settle};
@@ -86,7 +86,7 @@ fn switches_that_are_on_are_marked() {
     for is_on in [false, true] {
         click(&mut harness, "menu.view");
         click(&mut harness, "submenu.layers");
-        let shown = harness.state().state.appearance.layers(None).has(layer);
+        let shown = harness.state().state.appearance().layers(None).has(layer);
         assert_eq!(shown, is_on);
         let toggled = node(&harness, &entry).accesskit_node().toggled();
         assert_eq!(toggled, Some(Toggled::from(is_on)));
@@ -94,8 +94,11 @@ fn switches_that_are_on_are_marked() {
         assert!(find(&harness, &entry).is_none(), "the menu closes");
     }
     // The last entries react, too: they are not scrolled out of sight.
-    let before = harness.state().state.window.layout.clone();
-    harness.state_mut().state.window.layout.open(Panel::Legend);
+    let before = harness.state().state.window().layout.clone();
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
     for step in [
         "menu.view",
         "submenu.panels",
@@ -103,7 +106,7 @@ fn switches_that_are_on_are_marked() {
     ] {
         click(&mut harness, step);
     }
-    assert_eq!(harness.state().state.window.layout, before);
+    assert_eq!(harness.state().state.window().layout, before);
     // Others have no mark.
     click(&mut harness, "menu.view");
     let entry = node(&harness, "entry.view-view-first-fit").accesskit_node();

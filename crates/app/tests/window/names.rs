@@ -159,7 +159,7 @@ fn the_focused_widget_and_its_changes_are_announced() {
     focus(&mut harness, Role::TextInput, "Radius");
     let spoken = taken(&announced);
     let typed = |harness: &Harness<'_, App>| {
-        let draft = &harness.state().state.form.draft;
+        let draft = &harness.state().state.form().draft;
         draft.text(Field::Radius).to_owned()
     };
     let before = typed(&harness);

@@ -26,7 +26,7 @@ fn made(instanced: bool) -> Harness<'static, App> {
 }
 
 fn prefix(harness: &Harness<'_, App>) -> usize {
-    harness.state().state.runs.first.prefix().expect("levels")
+    harness.state().state.runs().first.prefix().expect("levels")
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn legend_layers_and_levels_are_those_of_nested_levels() {
     assert!(find(&harness, "colour.level").is_some() && find(&harness, "colour.block").is_none());
     node(&harness, "colour.age").click();
     harness.run();
-    assert_eq!(harness.state().state.appearance.colouring, Colouring::Age);
+    assert_eq!(harness.state().state.appearance().colouring, Colouring::Age);
     assert!(find(&harness, "ages").is_some());
     assert!(!is_disabled(&harness, "prefix"));
 }
@@ -110,7 +110,7 @@ fn pixels(harness: &mut Harness<'_, App>) -> Vec<[u8; 4]> {
     harness.step();
     harness.step();
     let image = harness.render().expect("a picture");
-    let rect = harness.state().state.runs.first.viewport.shrink(1.0);
+    let rect = harness.state().state.runs().first.viewport.shrink(1.0);
     let columns = rect.left() as u32..rect.right() as u32;
     let rows = rect.top() as u32..rect.bottom() as u32;
     rows.flat_map(|y| columns.clone().map(move |x| (x, y)))

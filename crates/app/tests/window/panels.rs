@@ -15,7 +15,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
 }
 
 fn shows(harness: &Harness<'_, App>, panel: Panel) -> bool {
-    harness.state().state.window.shows(panel)
+    harness.state().state.window().shows(panel)
 }
 
 fn canvas(harness: &Harness<'_, App>) -> egui::Vec2 {
@@ -25,7 +25,7 @@ fn canvas(harness: &Harness<'_, App>) -> egui::Vec2 {
 #[test]
 fn digits_select_a_panel_and_never_hide_one() {
     let mut harness = opened();
-    let all = |harness: &Harness<'_, App>| harness.state().state.window.layout.hidden();
+    let all = |harness: &Harness<'_, App>| harness.state().state.window().layout.hidden();
     let before = all(&harness);
     for key in [
         Key::Num1,
@@ -83,7 +83,7 @@ fn a_column_without_panels_leaves_its_room_to_the_canvas() {
         apply(&mut harness, WindowCommand::HidePanel(panel));
     }
     assert!(canvas(&harness).x > before.x + 200.0);
-    let layout = &harness.state().state.window.layout;
+    let layout = &harness.state().state.window().layout;
     let saved = serde_json::to_string(layout).unwrap();
     assert_eq!(serde_json::from_str::<Layout>(&saved).unwrap(), *layout);
 }
@@ -116,7 +116,7 @@ fn a_digit_opens_the_drawer_of_a_small_window_and_escape_closes_it() {
     );
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!shows(&harness, Panel::Events));
-    let layout = &harness.state().state.window.layout;
+    let layout = &harness.state().state.window().layout;
     assert!(
         layout.hidden().is_empty(),
         "the layout of a large window stays"

@@ -42,7 +42,7 @@ fn every_panel_comes_to_rest() {
 fn a_field_that_has_the_focus_comes_to_rest() {
     let mut harness = opened();
     let seed = |harness: &Harness<'_, App>| {
-        let session = harness.state().state.runs.first.session.clone();
+        let session = harness.state().state.runs().first.session.clone();
         session.expect("a session").run().parameters.seed
     };
     let before = seed(&harness);

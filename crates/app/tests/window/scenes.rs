@@ -45,7 +45,7 @@ fn space_goes_through_the_tour_and_escape_ends_it() {
     assert!(!has_caption(&harness));
     harness.key_press(Key::Space);
     harness.step();
-    assert!(harness.state().state.time.playback.is_playing());
+    assert!(harness.state().state.time().playback.is_playing());
     apply(&mut harness, Command::Time(TimeCommand::TogglePlay));
     apply(&mut harness, Command::Scene(SceneCommand::Tour));
     press(&mut harness, Key::PageDown);
@@ -87,13 +87,13 @@ fn a_scene_is_made_captioned_and_shown_for_a_projector() {
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     apply(&mut harness, Command::Scene(SceneCommand::Show(0)));
     assert_eq!(text(&harness, "caption"), "Who stays?");
-    assert_eq!(harness.state().state.runs.first.stage, 3);
+    assert_eq!(harness.state().state.runs().first.stage, 3);
     let look = AppearanceCommand::Look(Look::Projector);
     apply(&mut harness, Command::Appearance(look));
     assert_eq!(text(&harness, "caption"), "Who stays?");
     press(&mut harness, Key::Escape);
     assert!(!has_caption(&harness));
-    assert_eq!(harness.state().state.appearance.look, Look::Projector);
+    assert_eq!(harness.state().state.appearance().look, Look::Projector);
 }
 
 #[test]
@@ -104,11 +104,11 @@ fn a_caption_lies_within_a_small_canvas() {
         for _ in tour() {
             let state = &harness.state().state;
             // In a small window the card stands below the canvas.
-            let is_below = state.window.drawer.arrangement.is_compact();
+            let is_below = state.window().drawer.arrangement.is_compact();
             let canvas = if is_below {
                 Rect::from_min_size(pos2(0.0, 0.0), size.into())
             } else {
-                state.runs.first.viewport
+                state.runs().first.viewport
             };
             for id in ["caption", "caption-title", "caption-next", "caption-close"] {
                 let rect = node(&harness, id).rect();
@@ -120,7 +120,7 @@ fn a_caption_lies_within_a_small_canvas() {
             if harness
                 .state()
                 .state
-                .scene
+                .scene()
                 .is_some_and(|shown| shown.index + 1 < tour().len())
             {
                 press(&mut harness, Key::PageDown);

@@ -486,7 +486,7 @@ fn go_to(window: &mut Wording, name: &str, buffer: Name) {
             .harness
             .state()
             .state
-            .runs
+            .runs()
             .first
             .passes
             .as_ref()
@@ -500,7 +500,7 @@ fn go_to(window: &mut Wording, name: &str, buffer: Name) {
         .harness
         .state()
         .state
-        .runs
+        .runs()
         .first
         .passes
         .as_ref()
@@ -575,7 +575,7 @@ fn passes_on_a_device() {
     window.after([filter(""), pass(PassCommand::Select(2))]);
     window.shows(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
     window.after([pass(PassCommand::Last)]);
-    let passes = window.harness.state().state.runs.first.passes.as_ref();
+    let passes = window.harness.state().state.runs().first.passes.as_ref();
     let last = format!("pass-{}", passes.expect("passes").entries().len());
     window.shows(&[
         ("passes.place", "pass * of *, stage Finish"),

@@ -49,13 +49,13 @@ fn a_session_is_opened_where_it_was_left() {
     let after = state.saved().expect("a session");
     assert_eq!(after, before);
     assert!(state.verdict().expect("verified").report.valid());
-    assert_eq!(state.runs.first.selected, Some(40));
-    assert_eq!(state.appearance.look, Look::Light);
-    assert!(state.appearance.layers(None).has(Layer::Disks));
-    assert!(state.window.layout.shows(Panel::Events));
-    assert_eq!(state.form.draft.parameters, before.parameters);
+    assert_eq!(state.runs().first.selected, Some(40));
+    assert_eq!(state.appearance().look, Look::Light);
+    assert!(state.appearance().layers(None).has(Layer::Disks));
+    assert!(state.window().layout.shows(Panel::Events));
+    assert_eq!(state.form().draft.parameters, before.parameters);
     assert_eq!(
-        state.runs.first.debugger.as_ref().unwrap().scenes[0].caption,
+        state.runs().first.debugger.as_ref().unwrap().scenes[0].caption,
         "here"
     );
 }
@@ -72,7 +72,7 @@ fn the_second_run_comes_back_too() {
     let (side, _) = other
         .state()
         .state
-        .runs
+        .runs()
         .second
         .as_ref()
         .expect("a second run");
@@ -102,7 +102,7 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
             .unwrap()
             .contains("\"digest\"")
     );
-    assert!(harness.state().state.files.sheet.is_none());
+    assert!(harness.state().state.files().sheet.is_none());
     // The file now belongs to this session.
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run();
@@ -110,13 +110,13 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     node(&harness, "file.go").click();
     harness.run();
     settle(&mut harness);
-    assert!(harness.state().state.files.sheet.is_none());
+    assert!(harness.state().state.files().sheet.is_none());
     harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.run();
     node(&harness, "file.go");
     harness.key_press(Key::Escape);
     harness.run();
-    assert!(harness.state().state.files.sheet.is_none());
+    assert!(harness.state().state.files().sheet.is_none());
 }
 
 /// Returns whether the sheet asks before it replaces a file.
@@ -186,7 +186,7 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     let found = other
         .state()
         .state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -209,7 +209,7 @@ fn files_that_are_not_patterns_are_refused() {
     go(&mut harness, Purpose::Pattern, &bare);
     let (message, is_error) = notice(&harness);
     assert!(is_error && message.contains("certificate"), "{message}");
-    assert!(harness.state().state.form.own_pattern.is_none());
+    assert!(harness.state().state.form().own_pattern.is_none());
     go(&mut harness, Purpose::Pattern, &folder.join("none.csv"));
     assert!(notice(&harness).1);
 }
@@ -232,7 +232,7 @@ fn a_dropped_file_is_opened_by_its_kind() {
         &mut other,
         Command::File(FileCommand::Dropped(vec![path_text(&own)])),
     );
-    assert!(other.state().state.form.own_pattern.is_some());
+    assert!(other.state().state.form().own_pattern.is_some());
     apply(
         &mut other,
         Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
@@ -240,7 +240,7 @@ fn a_dropped_file_is_opened_by_its_kind() {
     assert!(text(&other, "own-pattern").contains(&path_text(&own)));
     node(&other, "generated-pattern").click();
     other.run();
-    assert!(other.state().state.form.own_pattern.is_none());
+    assert!(other.state().state.form().own_pattern.is_none());
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     assert_eq!(session.summary.blocks, 1);
     assert!(state.verdict().unwrap().report.valid());
     for index in 0..session.stages.len() {
@@ -272,7 +272,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
-    let count = state.runs.first.session.as_ref().unwrap().summary.count;
+    let count = state.runs().first.session.as_ref().unwrap().summary.count;
     assert!((15..40).contains(&count), "{count}");
     assert!(state.verdict().unwrap().report.valid());
     let all = [
@@ -346,7 +346,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     )));
     state.apply(Command::Run);
     settle(&mut other);
-    let session = other.state().state.runs.first.session.clone().unwrap();
+    let session = other.state().state.runs().first.session.clone().unwrap();
     assert_eq!(session.run().parameters.seed, 78);
 }
 

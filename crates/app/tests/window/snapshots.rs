@@ -16,6 +16,7 @@ use tilescope_workbench::draft::Field;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::layout::{Layout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
+use tilescope_workbench::state::Settings;
 
 use crate::support::{find, opened_at, settle};
 
@@ -60,13 +61,19 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
 }
 
 fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
-    harness.state_mut().state.window.layout = Layout::alone(panel);
+    harness.state_mut().state.restore(Settings {
+        layout: Some(Layout::alone(panel)),
+        ..Settings::default()
+    });
     settle(harness);
 }
 
 fn every_panel(look: Look) -> SnapshotResults {
     let mut harness = prepared(SIZE);
-    harness.state_mut().state.window.bare = true;
+    harness.state_mut().state.restore(Settings {
+        is_bare: Some(true),
+        ..Settings::default()
+    });
     harness
         .state_mut()
         .state
@@ -169,7 +176,7 @@ fn an_embedded_window_shows_canvas_or_player_alone() {
     state.apply(Command::Compare(CompareCommand::Close));
     let mut results = SnapshotResults::new();
     for embedding in Embedding::ALL {
-        harness.state_mut().state.window.embedding = Some(embedding);
+        harness.state_mut().state.embed(Some(embedding));
         settle(&mut harness);
         for id in ["export", "menu", "layer.disks", "run", "tab.parameters"] {
             let there = find(&harness, id).is_some();
@@ -182,7 +189,7 @@ fn an_embedded_window_shows_canvas_or_player_alone() {
         results.add(try_image_snapshot_options(&image, name, &options()));
     }
     // Without it there are panels again.
-    harness.state_mut().state.window.embedding = None;
+    harness.state_mut().state.embed(None);
     settle(&mut harness);
     assert!(find(&harness, "tab.parameters").is_some());
     results.unwrap();
@@ -193,7 +200,10 @@ fn snapshots_distinguish_panels_and_moments() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
     std::fs::create_dir_all(&folder).unwrap();
     let mut harness = prepared(SIZE);
-    harness.state_mut().state.window.bare = true;
+    harness.state_mut().state.restore(Settings {
+        is_bare: Some(true),
+        ..Settings::default()
+    });
     alone(&mut harness, Panel::Timeline);
     let image = harness.render().expect("a picture");
     image.save(folder.join("known.png")).unwrap();

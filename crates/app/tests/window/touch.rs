@@ -24,7 +24,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     support::settle(&mut harness);
     // Zoomed in so that samples are distinguishable.
     let state = &mut harness.state_mut().state;
-    state.appearance.reduced_motion = true;
+    state.prefer_reduced_motion(true);
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyTo([60.0, 60.0].into(), 12.0),
@@ -88,17 +88,17 @@ fn wait(harness: &mut Harness<'_, App>, secs: f32) {
 }
 
 fn camera(harness: &Harness<'_, App>) -> Camera {
-    harness.state().state.runs.first.camera
+    harness.state().state.runs().first.camera
 }
 
 fn middle(harness: &Harness<'_, App>) -> Pos2 {
-    harness.state().state.runs.first.viewport.center()
+    harness.state().state.runs().first.viewport.center()
 }
 
 /// Returns a valid sample near the middle, and its position on the screen.
 fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     let state = &harness.state().state;
-    let session = state.runs.first.session.as_ref().expect("a session");
+    let session = state.runs().first.session.as_ref().expect("a session");
     let shown = state.shown().expect("a moment");
     let mut best = (f64::INFINITY, 0);
     session
@@ -114,17 +114,17 @@ fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
 
 fn screen_position(harness: &Harness<'_, App>, id: u32) -> Pos2 {
     let state = &harness.state().state;
-    let session = state.runs.first.session.as_ref().expect("a session");
+    let session = state.runs().first.session.as_ref().expect("a session");
     state
-        .runs
+        .runs()
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, session.position(id))
+        .screen_from_domain(state.runs().first.viewport, session.position(id))
 }
 
 fn is_nothing_selected(harness: &Harness<'_, App>) -> bool {
     let state = &harness.state().state;
-    state.runs.first.selected.is_none() && state.runs.first.place.is_none()
+    state.runs().first.selected.is_none() && state.runs().first.place.is_none()
 }
 
 const SIZES: [[f32; 2]; 2] = [[390.0, 844.0], [1440.0, 900.0]];
@@ -135,12 +135,12 @@ fn a_tap_selects_and_leaves_no_hover() {
         let mut harness = opened(size);
         let (id, at) = sample(&harness);
         down(&mut harness, 0, at);
-        assert_eq!(harness.state().state.runs.first.hovered, None);
+        assert_eq!(harness.state().state.runs().first.hovered, None);
         up(&mut harness, 0, at);
         harness.step();
         let state = &harness.state().state;
         assert_eq!(
-            (state.runs.first.selected, state.runs.first.hovered),
+            (state.runs().first.selected, state.runs().first.hovered),
             (Some(id), None)
         );
         // A mouse still hovers.
@@ -149,7 +149,7 @@ fn a_tap_selects_and_leaves_no_hover() {
         harness.hover_at(at);
         harness.step();
         harness.step();
-        assert_eq!(harness.state().state.runs.first.hovered, Some(id));
+        assert_eq!(harness.state().state.runs().first.hovered, Some(id));
     }
 }
 
@@ -176,7 +176,7 @@ fn two_fingers_pinch_about_their_middle_and_pan() {
     let mut harness = opened(SIZES[0]);
     // Away from the middle of the view, so that the fixed point of zooming is tested.
     let between = middle(&harness) + vec2(50.0, -80.0);
-    let view = harness.state().state.runs.first.viewport;
+    let view = harness.state().state.runs().first.viewport;
     let position = camera(&harness).domain_from_screen(view, between);
     let before = camera(&harness);
     let apart = |k: usize| vec2(30.0 + 3.0 * k as f32, 0.0);
@@ -230,7 +230,7 @@ fn two_fingers_select_nothing_however_they_are_lifted() {
         down(&mut harness, 1, beside);
         wait(&mut harness, 1.5);
         assert!(is_nothing_selected(&harness));
-        assert!(!harness.state().state.window.shows(Panel::Inspector));
+        assert!(!harness.state().state.window().shows(Panel::Inspector));
         up(&mut harness, 1, beside);
         up(&mut harness, 0, at);
         // Afterwards one finger selects again.
@@ -257,7 +257,7 @@ fn a_double_tap_flies_to_the_block() {
     );
     // Nothing happened between the two taps, or after them.
     wait(&mut harness, 1.0);
-    assert_eq!(harness.state().state.window.drawer.open, None);
+    assert_eq!(harness.state().state.window().drawer.open, None);
     // Two taps far apart in time are not a double tap.
     let mut harness = opened(SIZES[0]);
     tap(&mut harness, at);
@@ -271,10 +271,10 @@ fn a_double_tap_flies_to_the_block() {
 fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
     let mut harness = opened(SIZES[0]);
     let state = &mut harness.state_mut().state;
-    let (before, camera) = (state.runs.first.viewport, state.runs.first.camera);
+    let (before, camera) = (state.runs().first.viewport, state.runs().first.camera);
     // Above the lower border of the domain: beyond it a tap would select what the other side shows.
     let size = state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -286,27 +286,27 @@ fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
     tap(&mut harness, bottom);
     wait(&mut harness, 0.5);
     let state = &harness.state().state;
-    assert!(state.window.shows(Panel::Inspector));
+    assert!(state.window().shows(Panel::Inspector));
     assert!(
-        state.runs.first.viewport.bottom() < bottom.y,
+        state.runs().first.viewport.bottom() < bottom.y,
         "the panel took a part of {before:?}"
     );
-    let position = match state.runs.first.selected {
+    let position = match state.runs().first.selected {
         Some(id) => state
-            .runs
+            .runs()
             .first
             .session
             .as_ref()
             .expect("a session")
             .position(id),
-        None => state.runs.first.place.expect("a place"),
+        None => state.runs().first.place.expect("a place"),
     };
     let now = state
-        .runs
+        .runs()
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, position);
-    let seen = state.runs.first.viewport;
+        .screen_from_domain(state.runs().first.viewport, position);
+    let seen = state.runs().first.viewport;
     assert!(
         seen.contains(now),
         "{position:?} at {now:?} in {seen:?}, tapped {bottom:?} of {before:?}"
@@ -321,18 +321,18 @@ fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
         .state
         .apply(Command::View(Which::First, ViewCommand::Fit));
     support::settle(&mut harness);
-    let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
+    let corner = harness.state().state.runs().first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
     wait(&mut harness, 0.5);
     assert!(is_nothing_selected(&harness));
-    assert!(!harness.state().state.window.shows(Panel::Inspector));
+    assert!(!harness.state().state.window().shows(Panel::Inspector));
 }
 
 #[test]
 fn a_click_opens_the_inspector_at_once() {
     let mut harness = opened(SIZES[1]);
     let (id, at) = sample(&harness);
-    assert!(!harness.state().state.window.shows(Panel::Inspector));
+    assert!(!harness.state().state.window().shows(Panel::Inspector));
     harness.hover_at(at);
     harness.step();
     harness.drag_at(at);
@@ -340,8 +340,8 @@ fn a_click_opens_the_inspector_at_once() {
     harness.drop_at(at);
     harness.step();
     let state = &harness.state().state;
-    assert_eq!(state.runs.first.selected, Some(id));
-    assert!(state.window.shows(Panel::Inspector));
+    assert_eq!(state.runs().first.selected, Some(id));
+    assert!(state.window().shows(Panel::Inspector));
     assert!(!state.can_undo(), "a selection is nothing to undo");
 }
 
@@ -355,13 +355,13 @@ fn a_long_press_opens_the_history() {
         assert!(is_nothing_selected(&harness));
         wait(&mut harness, 0.8);
         let state = &harness.state().state;
-        assert_eq!(state.runs.first.selected, Some(id));
-        assert!(state.window.shows(Panel::Inspector));
+        assert_eq!(state.runs().first.selected, Some(id));
+        assert!(state.window().shows(Panel::Inspector));
         up(&mut harness, 0, at);
         support::settle(&mut harness);
         let state = &harness.state().state;
         assert_eq!(
-            (state.runs.first.selected, state.runs.first.hovered),
+            (state.runs().first.selected, state.runs().first.hovered),
             (Some(id), None)
         );
         support::node(&harness, "history");
@@ -390,7 +390,7 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
     assert!(is_nothing_selected(&harness));
     assert_eq!(camera(&harness), before);
     assert!(!harness.ctx.input(|input| input.pointer.any_down()));
-    assert_eq!(harness.state().state.runs.first.hovered, None);
+    assert_eq!(harness.state().state.runs().first.hovered, None);
     // Without a cancelled touch no event is added.
     let mut raw = egui::RawInput::default();
     raw.events.push(Event::PointerGone);
@@ -413,13 +413,16 @@ fn the_copy_that_was_tapped_is_marked_where_its_sample_is_out_of_view() {
     for size in SIZES {
         let mut harness = opened(size);
         let state = &mut harness.state_mut().state;
-        let session = state.runs.first.session.clone().expect("a session");
+        let session = state.runs().first.session.clone().expect("a session");
         // Left of the domain there are copies of the samples at its right border.
         let width = session.size_radii().x;
         let beside = ViewCommand::FlyTo([-3.0, 60.0].into(), 6.0);
         state.apply(Command::View(Which::First, beside));
         support::settle(&mut harness);
-        let (camera, view) = (camera(&harness), harness.state().state.runs.first.viewport);
+        let (camera, view) = (
+            camera(&harness),
+            harness.state().state.runs().first.viewport,
+        );
         let state = &harness.state().state;
         let shown = state.shown().expect("a moment");
         let mut copy = None;
@@ -441,7 +444,7 @@ fn the_copy_that_was_tapped_is_marked_where_its_sample_is_out_of_view() {
 
         tap(&mut harness, at);
         harness.step();
-        assert_eq!(harness.state().state.runs.first.selected, Some(id));
+        assert_eq!(harness.state().state.runs().first.selected, Some(id));
         let marked = circles(&harness, radius);
         assert!(
             marked.iter().any(|circle| circle.distance(at) < 1.0),
@@ -463,7 +466,7 @@ fn a_tap_outside_clears_the_selection() {
         .state
         .apply(Command::View(Which::First, ViewCommand::Fit));
     support::settle(&mut harness);
-    let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
+    let corner = harness.state().state.runs().first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
     harness.step();
     assert!(is_nothing_selected(&harness));

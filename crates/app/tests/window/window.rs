@@ -91,9 +91,9 @@ fn an_error_stands_below_its_field_and_covers_no_other() {
             // Enter leaves the focus in the field: what is typed next mends it.
             harness.key_press(egui::Key::Enter);
             harness.run();
-            let hidden = harness.state().state.window.layout.hidden();
+            let hidden = harness.state().state.window().layout.hidden();
             type_into(&mut harness, field, &right);
-            assert_eq!(harness.state().state.window.layout.hidden(), hidden);
+            assert_eq!(harness.state().state.window().layout.hidden(), hidden);
             assert!(find(&harness, error).is_none(), "{field}");
         }
     }
@@ -118,7 +118,7 @@ fn numbers_are_typed_as_people_write_them() {
     let mut harness = opened();
     for typed in ["20,000", "2e4", "20 000", "20'000"] {
         type_into(&mut harness, "count", typed);
-        let radius = harness.state().state.form.draft.parameters.radius;
+        let radius = harness.state().state.form().draft.parameters.radius;
         assert!((radius / 0.0059 - 1.0).abs() < 0.01, "{typed}: {radius}");
         assert!(!is_disabled(&harness, "run"), "{typed}");
     }
@@ -136,7 +136,7 @@ fn reset_is_not_where_cancel_is_and_resets_the_engine() {
     harness.state_mut().state.apply(cpu);
     node(&harness, "reset-parameters").click();
     harness.run();
-    assert_eq!(harness.state().state.gpu.engine, EngineChoice::Auto);
+    assert_eq!(harness.state().state.gpu().engine, EngineChoice::Auto);
 }
 
 #[test]
@@ -192,14 +192,14 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
         harness.state_mut().state.apply(command);
     }
     settle(&mut harness);
-    let before = harness.state().state.runs.first.camera;
+    let before = harness.state().state.runs().first.camera;
     let verdict = harness.state().state.verdict().expect("a verdict");
     assert!(verdict.report.conflict_free() && !verdict.report.maximal());
     node(&harness, "verdict").click();
     harness.run();
-    let after = harness.state().state.runs.first.camera;
+    let after = harness.state().state.runs().first.camera;
     assert!(after.scale > 5.0 * before.scale && (after.center[0] - before.center[0]).abs() > 1e-3);
-    assert!(harness.state().state.runs.first.witness_mark.is_some());
+    assert!(harness.state().state.runs().first.witness_mark.is_some());
 }
 
 #[test]
@@ -215,13 +215,13 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             let id = format!("layer.{}", Kebab(layer));
             let chip = find(&harness, &id);
             assert_eq!(chip.is_some(), layer.is_of(kind), "{layer:?}");
-            let before = harness.state().state.appearance.layers(None).has(layer);
+            let before = harness.state().state.appearance().layers(None).has(layer);
             if let Some(chip) = chip {
                 assert_eq!(text(&harness, &id), layer.name_in(kind));
                 chip.click();
                 harness.run();
                 assert_ne!(
-                    harness.state().state.appearance.layers(None).has(layer),
+                    harness.state().state.appearance().layers(None).has(layer),
                     before,
                     "{layer:?}"
                 );
@@ -242,7 +242,7 @@ fn the_theme_toggles_and_both_are_drawn() {
     let light = harness.render().expect("a picture");
     let brightness = |image: &[u8]| image.iter().map(|&v| u64::from(v)).sum::<u64>();
     assert!(brightness(light.as_raw()) > 2 * brightness(dark.as_raw()));
-    let other = harness.state().state.appearance.look.other().name();
+    let other = harness.state().state.appearance().look.other().name();
     assert_eq!(text(&harness, "toggle-theme"), other);
 }
 
@@ -264,13 +264,13 @@ fn the_export_sheet_refuses_unknown_extensions() {
 #[test]
 fn the_canvas_zooms_about_the_pointer_and_pans() {
     let mut harness = opened();
-    let viewport = harness.state().state.runs.first.viewport;
+    let viewport = harness.state().state.runs().first.viewport;
     assert!(viewport.width() >= 0.6 * 1440.0);
     let at = viewport.center() + egui::vec2(120.0, 60.0);
     let position = harness
         .state()
         .state
-        .runs
+        .runs()
         .first
         .camera
         .domain_from_screen(viewport, at);
@@ -283,7 +283,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
         modifiers: egui::Modifiers::NONE,
     });
     harness.run();
-    let camera = harness.state().state.runs.first.camera;
+    let camera = harness.state().state.runs().first.camera;
     let now = camera.domain_from_screen(viewport, at);
     assert!(camera.scale > 6.0 && (now[0] - position[0]).abs() < 1e-3);
     let center = camera.center;
@@ -293,7 +293,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
     harness.run();
     harness.drop_at(at + egui::vec2(50.0, 0.0));
     harness.run();
-    assert!(harness.state().state.runs.first.camera.center[0] < center[0]);
+    assert!(harness.state().state.runs().first.camera.center[0] < center[0]);
 }
 
 #[test]
@@ -310,7 +310,7 @@ fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     harness.step();
     settle(&mut harness);
     assert!(text(&harness, "notice").contains("GPU"));
-    assert_eq!(harness.state().state.gpu.engine, EngineChoice::Auto);
+    assert_eq!(harness.state().state.gpu().engine, EngineChoice::Auto);
     node(&harness, "dismiss").click();
     harness.run();
     node(&harness, "engine").click();
@@ -329,7 +329,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
     harness.step();
     assert!(is_disabled(&harness, "run"));
     settle(&mut harness);
-    let refusal = harness.state().state.gpu.device.refusal();
+    let refusal = harness.state().state.gpu().device.refusal();
     assert_eq!(refusal, None, "the test has passed");
     node(&harness, "run").click();
     harness.step();

@@ -9,8 +9,8 @@ use tilescope_session::task;
 use tilescope_session::words::sentence;
 
 use super::State;
-use super::undo::UndoPart;
 use crate::command::Which;
+use crate::rules::UndoPart;
 
 /// The refusal of commands that need a run's parameters.
 pub(super) const NO_PARAMETERS: &str =

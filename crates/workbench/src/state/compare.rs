@@ -7,7 +7,7 @@ use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 use tilescope_session::recipe::Recipe;
 
 use super::{RunView, State};
-use crate::command::{ViewCommand, Which};
+use crate::command::{Command, ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
 use crate::compare::{CompareCommand, ComparePreset, Comparison};
 use crate::device::EngineChoice;
@@ -175,7 +175,7 @@ impl State {
     /// Applies a command to the view of the second run, and to the first, too, if the cameras are linked.
     pub(super) fn apply_to_second_view(&mut self, command: ViewCommand) {
         let before = self.second_at();
-        let moves = command.moves_camera();
+        let moves = Command::View(Which::Second, command).rules().moves_camera;
         self.on(Which::Second, |run, context| {
             run.apply_to_view(command, context);
         });

@@ -1,6 +1,6 @@
 //! Exports in the state: the commands of the export sheet, and whether an export may begin. Begin with
 //! [`Exports::prospect`], which says what would be exported or why nothing can be, and [`Exports::job`]. `outcome.rs` starts
-//! the export and shows the notice at its end. While a question of a lesson is open, `state/lessons.rs` (`veiled`) refuses
+//! the export and shows the notice at its end. While a question of a lesson is open, `state/lessons.rs` refuses
 //! all commands of the sheet before they arrive here.
 
 use std::ops::Range;

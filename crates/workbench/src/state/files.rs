@@ -283,12 +283,6 @@ impl FileState {
         self.recent.insert(0, path);
         self.recent.truncate(MAX_RECENT);
     }
-
-    /// Takes the files that are to be downloaded.
-    #[must_use]
-    pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
-        std::mem::take(&mut self.downloads)
-    }
 }
 
 impl State {

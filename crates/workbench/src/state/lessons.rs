@@ -1,6 +1,6 @@
 //! Lessons in the state: opening them, going from step to step, and giving answers. While a question is open, the window
-//! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. [`veiled`] lists
-//! the commands that would make or show another run, and are refused meanwhile.
+//! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. [`crate::rules`]
+//! says which commands would make or show another run; they are refused meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,8 +26,6 @@ use crate::lesson_picture::layers_named;
 use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
 };
-use crate::scenes::SceneCommand;
-use crate::talk::TalkCommand;
 
 /// The name of files with results.
 const RESULTS: &str = "tilescope-results";
@@ -65,29 +63,6 @@ fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
     std::fs::metadata(path).ok()?.modified().ok()
 }
 
-/// Returns whether a command would show the answer to an open question, as it shows or makes a whole run.
-#[must_use]
-pub const fn veiled(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::Run
-            | Command::Combine(_)
-            | Command::Form(_)
-            | Command::Undo
-            | Command::Redo
-            | Command::OpenPasses
-            | Command::Passes(_)
-            | Command::Compare(_)
-            | Command::File(_)
-            | Command::Export(_)
-            | Command::Scene(SceneCommand::Tour)
-            | Command::Talk(
-                TalkCommand::Handout { answers: true, .. }
-                    | TalkCommand::Handout { notes: true, .. }
-            )
-    )
-}
-
 impl State {
     /// Returns whether a command is refused because a question is open; a notice says so.
     pub(super) fn refuse_veiled(&mut self, command: &Command) -> bool {
@@ -97,7 +72,7 @@ impl State {
             {
                 HIDDEN_LAYER
             }
-            command if self.lessons.veil().is_some() && veiled(command) => {
+            command if self.lessons.veil().is_some() && command.rules().reveals => {
                 "Answer the question of the lesson first, or close the lesson: this would show what comes next."
             }
             _ => return false,
@@ -710,6 +685,7 @@ mod tests {
     use crate::layout::Panel;
     use crate::lesson_labels::lesson_labels;
     use crate::lessons::MarkKind;
+    use crate::scenes::SceneCommand;
     use glam::DVec2;
     use tilescope_lessons::results::Results;
     use tilescope_lessons::shipped::{Loaded, TEMPLATE, to_json};
@@ -1151,7 +1127,7 @@ mod tests {
             Command::Scene(SceneCommand::Tour),
         ];
         for command in all {
-            assert!(veiled(&command));
+            assert!(command.rules().reveals);
             state.messages.notice = None;
             state.apply(command.clone());
             state.settle();

@@ -8,11 +8,11 @@ use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped, stage_name};
 
 use super::State;
-use super::undo::UndoPart;
 use crate::command::Which;
 use crate::draft::Draft;
 use crate::lessons::{LessonSource, WantedLesson};
 use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
+use crate::rules::UndoPart;
 
 /// A link whose run is being made.
 pub(super) struct Arriving {

@@ -25,7 +25,7 @@ impl State {
     /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
     /// the CPU is tested only if it was requested.
     pub fn begin_on_page(&mut self, start: &PageStart) {
-        self.window.embedding = start.embedding;
+        self.embed(start.embedding);
         self.prefer_reduced_motion(start.reduced_motion);
         if !start.full_screen {
             let why = "The browser does not allow this page full screen.";

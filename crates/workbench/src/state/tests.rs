@@ -12,6 +12,7 @@ use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
+use crate::compare::{CompareCommand, ComparePreset};
 use crate::device::EngineChoice;
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, ExportKind};
@@ -520,4 +521,55 @@ mod device {
         state.settle();
         assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
     }
+}
+
+#[test]
+fn a_pattern_from_a_file_is_not_in_the_link() {
+    let mut state = settled();
+    let spec = tilescope_core::PatternSpec {
+        side: 30.0,
+        seed: 99,
+        ..Default::default()
+    };
+    let pattern = tilescope_core::Pattern::of_spec(&spec, &mut tilescope_core::Unobserved).unwrap();
+    let (path, digest) = ("own.csv".to_owned(), "0".repeat(16));
+    let file = tilescope_debugger::PatternFile { path, digest };
+    state.form.own_pattern = Some(tilescope_session::recipe::OwnPattern {
+        file,
+        pattern: Arc::clone(&pattern),
+    });
+    state.apply(Command::Run);
+    state.settle();
+    let link = state.link();
+    assert_eq!(link.left_out, ["the pattern, which comes from a file"]);
+    // The link's parameters describe another run, which is sampled.
+    state.open_link(&link.fragment);
+    assert!(state.runs.first.sampling.is_some() && state.form.own_pattern.is_none());
+}
+
+#[test]
+fn errors_of_run_b_name_run_b() {
+    let mut state = settled();
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
+    state.apply(Command::Compare(start));
+    state.settle();
+
+    let (side, _) = state.runs.second.as_mut().expect("a second run");
+    let cancelled = tilescope_core::SampleError::Cancelled { stage: Stage::Tile };
+    let wake: Wake = Arc::new(|| {});
+    side.sampling = Some(Job::start(&wake, move |_| Err(cancelled.into())));
+    state.settle();
+
+    let notice = state.messages.notice.as_ref().expect("a notice");
+    assert!(notice.text.starts_with("Run B: "), "{}", notice.text);
+    let seed = |which| {
+        let run = state.runs.get(which).expect("a run");
+        run.session
+            .as_ref()
+            .expect("its session")
+            .run()
+            .parameters
+            .seed
+    };
+    assert_eq!([seed(Which::First), seed(Which::Second)], [1, 2]);
 }

@@ -1,6 +1,6 @@
 //! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of breakpoints, watches
 //! and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
-//! the view only. [`concerns`] says which commands can be undone.
+//! the view only. [`crate::rules`] says which commands can be undone.
 
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
@@ -12,6 +12,7 @@ use crate::appearance::Appearance;
 use crate::command::{Command, DebugCommand, FormCommand, Which, WindowCommand};
 use crate::draft::{Draft, Field};
 use crate::layout::{Layout, Panel};
+use crate::rules::UndoPart;
 use crate::scenes::SceneCommand;
 
 /// The most steps that are kept.
@@ -22,21 +23,6 @@ const MAX_STEPS: usize = 200;
 enum Made {
     Run(Recipe),
     Combination(Combination),
-}
-
-/// The part of the state that a step changed and undo restores.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum UndoPart {
-    /// The parameters in the panel, not yet run.
-    Form,
-    /// The parameters and the run.
-    Run,
-    /// The layout of the panels.
-    Layout,
-    /// Breakpoints, watches and scenes.
-    Stops,
-    /// Everything that a link replaces.
-    Everything,
 }
 
 /// A snapshot of everything that can be undone.
@@ -102,36 +88,6 @@ fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
         layout.open(panel);
     }
     layout
-}
-
-/// Returns the undoable part of the state that a command may change; `None` for others, such as the frequent moves of
-/// the pointer.
-pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
-    match command {
-        Command::Form(FormCommand::Live(_))
-        | Command::Debug(
-            DebugCommand::Why
-            | DebugCommand::SelectEvent(_)
-            | DebugCommand::ToggleEvent(_)
-            | DebugCommand::Query(_),
-        ) => None,
-        Command::Form(_) => Some(UndoPart::Form),
-        Command::Window(
-            WindowCommand::ResetLayout
-            | WindowCommand::OpenPanel(_)
-            | WindowCommand::HidePanel(_)
-            | WindowCommand::ToggleSides,
-        ) => Some(UndoPart::Layout),
-        Command::Debug(_)
-        | Command::Scene(
-            SceneCommand::Add
-            | SceneCommand::Replace(_)
-            | SceneCommand::Caption(..)
-            | SceneCommand::Remove(_)
-            | SceneCommand::Move(..),
-        ) => Some(UndoPart::Stops),
-        _ => None,
-    }
 }
 
 impl State {

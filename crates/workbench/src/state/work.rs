@@ -6,10 +6,10 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 
 use super::run_view::{Made, TRANSITION_SECS};
-use super::undo::UndoPart;
 use super::{State, Which};
 use crate::command::Command;
 use crate::layout::Panel;
+use crate::rules::UndoPart;
 
 /// Larger runs, in samples, do not start by themselves.
 const MAX_LIVE: f64 = 50_000.0;

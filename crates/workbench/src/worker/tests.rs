@@ -121,7 +121,7 @@ fn visit() -> Vec<String> {
     state.advance(0.0);
     state.settle();
     let line = state
-        .runs
+        .runs()
         .first
         .debugger
         .as_ref()
@@ -130,35 +130,35 @@ fn visit() -> Vec<String> {
     let line = line.unwrap_or(LineId(0));
     state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
     state.settle();
-    let session = state.runs.first.session.as_ref().expect("a session");
+    let session = state.runs().first.session.as_ref().expect("a session");
     let shown = state.shown().expect("a moment");
-    let known = state.analysis.of(&shown).expect("measures");
+    let known = state.analysis().of(&shown).expect("measures");
     let brushed = brush.expect("a brush");
-    let second = state.runs.second.as_ref().expect("a second run");
+    let second = state.runs().second.as_ref().expect("a second run");
     let other = second.0.session.as_ref().expect("a second session");
-    let Verification::Done(verdict) = &state.runs.first.verification else {
+    let Verification::Done(verdict) = &state.runs().first.verification else {
         panic!("no verdict");
     };
     let mut found = vec![
-        format!("{:?}", state.runs.first.hits.events()),
+        format!("{:?}", state.runs().first.hits.events()),
         digest(session.run()),
         digest(other.run()),
         format!("{:?}", session.summary),
         format!("{:?}", session.outline),
         format!("{:?}", session.conflicts),
         format!("{verdict:?}"),
-        format!("{:?}", state.runs.first.query.found.events()),
-        format!("{:?}", state.runs.first.history_found.events()),
+        format!("{:?}", state.runs().first.query.found.events()),
+        format!("{:?}", state.runs().first.history_found.events()),
         format!(
             "{:?}",
-            state.runs.first.geometry.of(&shown).expect("triangles")
+            state.runs().first.geometry.of(&shown).expect("triangles")
         ),
         format!("{:?}", known.measured),
-        format!("{:?}", state.analysis.reference.measured()),
+        format!("{:?}", state.analysis().reference.measured()),
         format!(
             "{:?}",
             state
-                .analysis
+                .analysis()
                 .marks
                 .of(&shown, brushed)
                 .expect("causes")
@@ -181,34 +181,34 @@ fn picture_of_a_scene(state: &mut State) -> String {
     let panel = WindowCommand::OpenPanel(Panel::Scenes);
     state.apply(Command::Window(panel));
     state.settle();
-    let run = &state.runs.first;
+    let run = &state.runs().first;
     let session = run.session.as_ref().expect("a session");
     let debugger = run.debugger.as_ref().expect("events");
     let scene = &debugger.scenes[0];
-    let picture = state.thumbnails.of(session, scene, true);
+    let picture = state.thumbnails().of(session, scene, true);
     format!("{:?}", picture.expect("a picture"))
 }
 
 /// Exports samples and opens them again, and combines sets; returns the results.
 fn hand_over(state: &mut State) -> Vec<String> {
-    state.files.delivery = Delivery::Download;
+    state.deliver(Delivery::Download);
     state.apply(Command::Compare(CompareCommand::Close));
     state.apply(Command::Export(ExportCommand::Open(ExportKind::Result)));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
-    let files = state.files.take_downloads();
+    let files = state.take_requests().downloads;
     let sizes = format!("{files:?}");
     let dropped = FileCommand::DroppedBytes(files, Vec::new());
     state.apply(Command::File(dropped));
     state.settle();
     let pattern = state
-        .form
+        .form()
         .own_pattern
         .as_ref()
         .map(|own| own.file.digest.clone());
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    let session = state.runs.first.session.as_ref().expect("a combination");
+    let session = state.runs().first.session.as_ref().expect("a combination");
     let combination = session.combination.as_ref().expect("seams");
     vec![
         sizes,
@@ -221,14 +221,14 @@ fn hand_over(state: &mut State) -> Vec<String> {
 /// Presents a lesson; returns the picture of its next step, and its handout.
 fn present() -> [String; 2] {
     let mut state = State::new(Arc::new(|| {}));
-    state.files.delivery = Delivery::Download;
+    state.deliver(Delivery::Download);
     state.settle();
     state.apply(Command::Lesson(LessonCommand::Open("survivors".to_owned())));
     state.settle();
     let present = TalkCommand::Lesson { from_start: true };
     state.apply(Command::Talk(present));
     state.settle();
-    let next = format!("{:?}", state.next_picture.drawn());
+    let next = format!("{:?}", state.next_picture().drawn());
     let handout = TalkCommand::Handout {
         answers: true,
         notes: true,
@@ -236,7 +236,7 @@ fn present() -> [String; 2] {
     };
     state.apply(Command::Talk(handout));
     state.settle();
-    [next, format!("{:?}", state.files.take_downloads())]
+    [next, format!("{:?}", state.take_requests().downloads)]
 }
 
 #[test]
@@ -285,7 +285,7 @@ fn a_session_that_is_no_longer_kept_is_sent_again() {
     state.settle();
     set_task_pool(None);
     assert_eq!(*second.log.borrow(), [("look", true)]);
-    assert!(!state.runs.first.history_found.events().is_empty());
+    assert!(!state.runs().first.history_found.events().is_empty());
 }
 
 #[test]

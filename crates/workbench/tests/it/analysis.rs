@@ -38,12 +38,12 @@ fn jump(state: &mut State, cursor: usize) {
 }
 
 fn measured(state: &State) -> Arc<MeasuredSet> {
-    let known = state.analysis.of(&state.shown().unwrap());
+    let known = state.analysis().of(&state.shown().unwrap());
     Arc::clone(&known.expect("measured").measured)
 }
 
 fn is_whole(state: &State) -> bool {
-    state.analysis.is_whole(&state.shown().unwrap())
+    state.analysis().is_whole(&state.shown().unwrap())
 }
 
 /// The positions of the samples that cover their disks, in r, found sample by sample.
@@ -158,16 +158,16 @@ fn runs_without_stages_or_events_are_measured_too() {
 fn nothing_is_measured_while_the_panel_is_hidden_or_there_are_no_samples() {
     let mut state = opened();
     assert!(
-        state.analysis.last(&state.shown().unwrap()).is_none()
-            && state.analysis.progress().is_none()
+        state.analysis().last(&state.shown().unwrap()).is_none()
+            && state.analysis().progress().is_none()
     );
-    assert!(state.analysis.reference.measured().is_none());
+    assert!(state.analysis().reference.measured().is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     jump(&mut state, 0);
     state.settle();
-    let why = state.analysis.failure(&state.shown().unwrap());
+    let why = state.analysis().failure(&state.shown().unwrap());
     assert!(why.unwrap().starts_with("0 samples stand"), "{why:?}");
-    assert!(state.analysis.reference.measured().is_some());
+    assert!(state.analysis().reference.measured().is_some());
     // The failure does not affect the next moment.
     jump(&mut state, usize::MAX);
     state.settle();
@@ -187,7 +187,7 @@ fn waiting_at_a_gate() -> (State, Arc<Gate>) {
     gate.close_after(1);
     state.advance(0.0);
     gate.wait_for_job();
-    assert!(state.analysis.progress().is_some());
+    assert!(state.analysis().progress().is_some());
     (state, gate)
 }
 
@@ -197,8 +197,8 @@ fn measuring_can_be_stopped_and_resumed() {
     state.apply(Command::Analysis(AnalysisCommand::Stop));
     gate.open();
     state.settle();
-    assert!(state.analysis.progress().is_none() && !is_whole(&state));
-    assert!(state.analysis.is_stopped(&state.shown().unwrap()));
+    assert!(state.analysis().progress().is_none() && !is_whole(&state));
+    assert!(state.analysis().is_stopped(&state.shown().unwrap()));
     state.apply(Command::Analysis(AnalysisCommand::Resume));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -208,37 +208,37 @@ fn measuring_can_be_stopped_and_resumed() {
 fn a_moving_cursor_cancels_measuring_and_the_moment_shown_is_named() {
     let (mut state, gate) = waiting_at_a_gate();
     let whole = state
-        .analysis
+        .analysis()
         .last(&state.shown().unwrap())
         .expect("the end was measured")
         .clone();
     assert!(whole.name.ends_with("finish"), "{}", whole.name);
-    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
     jump(&mut state, 3_500);
     gate.open();
     state.settle();
     assert_is_that_of_the_crate(&state);
-    let now = state.analysis.last(&state.shown().unwrap()).unwrap();
+    let now = state.analysis().last(&state.shown().unwrap()).unwrap();
     assert!(now.name.starts_with("event 3,500"), "{}", now.name);
     jump(&mut state, 3_000);
-    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
 }
 
 #[test]
 fn faded_measures_are_of_the_same_session() {
     let mut state = analysing();
-    assert!(state.analysis.last(&state.shown().unwrap()).is_some());
+    assert!(state.analysis().last(&state.shown().unwrap()).is_some());
     state.apply(Command::Form(FormCommand::Type(
         Field::Radius,
         "0.04".to_owned(),
     )));
     state.apply(Command::Run);
-    while state.runs.first.sampling.is_some() {
+    while state.runs().first.sampling.is_some() {
         state.advance(0.0);
     }
-    assert!(state.analysis.last(&state.shown().unwrap()).is_none());
+    assert!(state.analysis().last(&state.shown().unwrap()).is_none());
     state.settle();
-    assert!(state.analysis.last(&state.shown().unwrap()).is_some());
+    assert!(state.analysis().last(&state.shown().unwrap()).is_some());
 }
 
 #[test]
@@ -246,10 +246,10 @@ fn hiding_the_panel_stops_the_work() {
     let (mut state, gate) = waiting_at_a_gate();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     state.advance(0.0);
-    assert!(state.analysis.progress().is_none());
+    assert!(state.analysis().progress().is_none());
     gate.open();
     state.settle();
-    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -258,7 +258,7 @@ fn hiding_the_panel_stops_the_work() {
 #[test]
 fn the_brush_of_the_first_peak_contains_the_references_peak() {
     let state = analysing();
-    let reference = state.analysis.reference.measured().expect("measured");
+    let reference = state.analysis().reference.measured().expect("measured");
     let power = reference.spectrum.as_ref().unwrap().power();
     let peak = power.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
     let [low, high] = FIRST_PEAK;
@@ -305,7 +305,7 @@ fn parts_are_measured_one_after_the_other() {
     let mut frames = 0;
     while !is_whole(&state) {
         state.advance(0.0);
-        let known = state.analysis.of(&state.shown().unwrap());
+        let known = state.analysis().of(&state.shown().unwrap());
         let missing = known.and_then(|known| known.measured.missing());
         if let Some(part) = missing.filter(|part| seen.last() != Some(part)) {
             seen.push(part);

@@ -45,7 +45,7 @@ fn standing(state: &State) -> Vec<(u32, DVec2)> {
 
 /// All pairs of samples at the distances, found by brute force.
 fn brute_force(state: &State, [least, most]: [f64; 2]) -> BTreeSet<[u32; 2]> {
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let (size, periodic) = (session.size_radii(), session.run().domain.is_periodic());
     let samples = standing(state);
     let mut pairs = BTreeSet::new();
@@ -71,7 +71,7 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
         panic!("not pairs");
     };
     assert_eq!(*total, pairs.len() as u64);
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     for pair in pairs {
         // The offset leads to an image of the second sample.
         let [from, to] = pair.ids.map(|id| session.position(id));
@@ -128,7 +128,7 @@ fn shares_add_up_to_the_power_and_belong_to_covering_samples() {
         brush(&mut state, BrushAxis::Frequency, 0.9, 1.3);
         let samples = standing(&state);
         let [width, height] = state
-            .runs
+            .runs()
             .first
             .session
             .as_ref()
@@ -216,7 +216,7 @@ fn impossible_searches_are_explained_and_empty_brushes_ignored() {
     state.apply(Command::Run);
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
-    assert!(state.runs.first.session.as_ref().unwrap().size_radii()[0] < 9.0);
+    assert!(state.runs().first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, BrushAxis::Distance, 1.0, 5.0);
     assert!(state.causes().is_none());
     let message = state.brush_text();

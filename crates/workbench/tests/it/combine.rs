@@ -39,7 +39,7 @@ fn of_core(text: &str) -> Combined {
 
 /// The positions of the samples with this status after a stage.
 fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point> {
-    let run = state.runs.first.session.as_ref().unwrap().run();
+    let run = state.runs().first.session.as_ref().unwrap().run();
     let ids = 0..run.samples.len() as u32;
     let found = ids.filter(|&id| so(run.standing(id, stage)));
     found.map(|id| run.samples.points[id as usize]).collect()
@@ -49,7 +49,7 @@ fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point>
 fn nine_sets_in_the_window_equal_those_of_the_core() {
     let state = nine();
     let expected = of_core(NINE);
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let run = session.run();
     assert_eq!(run.points(), expected.points);
     assert_eq!(session.summary, *expected.summary());
@@ -76,7 +76,7 @@ fn nine_sets_in_the_window_equal_those_of_the_core() {
 #[test]
 fn stages_of_a_combination_can_be_stepped_through() {
     let mut state = nine();
-    let session = Arc::clone(state.runs.first.session.as_ref().unwrap());
+    let session = Arc::clone(state.runs().first.session.as_ref().unwrap());
     assert_eq!(
         session.stages[..3],
         [Stage::Blocks, Stage::Tile, Stage::Eliminate]
@@ -88,7 +88,7 @@ fn stages_of_a_combination_can_be_stepped_through() {
     assert_eq!(state.current_stage(), Some(Stage::Tile));
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes, and each refusal says so.
-    assert!(state.runs.first.debugger.is_none());
+    assert!(state.runs().first.debugger.is_none());
     let refusal = state.preset_refusal(ComparePreset::NextSeed).unwrap();
     assert!(refusal.contains("layout"), "{refusal}");
     assert!(state.preset_refusal(ComparePreset::Typed).is_none());
@@ -99,7 +99,7 @@ fn stages_of_a_combination_can_be_stepped_through() {
         .unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
     // Compare with a run of the panel's parameters, and swap the two.
-    let draft = state.form.draft.parameters;
+    let draft = state.form().draft.parameters;
     state.apply(Command::Compare(CompareCommand::Start(
         ComparePreset::Typed,
     )));
@@ -110,14 +110,14 @@ fn stages_of_a_combination_can_be_stepped_through() {
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();
     assert!(state.shows_combination());
-    assert_eq!(state.form.draft.parameters, draft);
+    assert_eq!(state.form().draft.parameters, draft);
 }
 
 /// The number of segments and rectangles of a group in the moment's picture.
 fn drawn(state: &State, name: &str) -> usize {
     let view = export_view(state, ExportKind::Picture).unwrap();
-    let moment = state.runs.first.moment().unwrap();
-    let session = state.runs.first.session.as_ref().unwrap();
+    let moment = state.runs().first.moment().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let scene = picture::scene(session, &MomentView { moment, view }, None);
     let shapes = scene.groups.iter().filter(|group| group.name == name);
     let shapes = shapes.flat_map(|group| &group.shapes);
@@ -142,7 +142,7 @@ fn pictures_show_the_seams_while_their_layer_is_on() {
     // Making a combination shows the seams.
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    assert!(state.appearance.layers(None).has(Layer::Seams));
+    assert!(state.appearance().layers(None).has(Layer::Seams));
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     drop_text(&mut state, &path, &layout.to_string());
     assert!(state.shows_combination(), "{}", notice_text(&state));
     assert!(state.verdict().unwrap().report.valid());
-    let session = state.runs.first.session.clone().unwrap();
+    let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!((combination.files, combination.seams.len()), (2, 1));
     // A session would depend on files.
@@ -247,7 +247,7 @@ fn a_piece_with_thousands_of_neighbours_is_glued() {
     drop_text(&mut state, &path, &layout.to_string());
     assert!(state.shows_combination(), "{}", notice_text(&state));
     assert!(state.verdict().unwrap().report.valid());
-    let session = state.runs.first.session.clone().unwrap();
+    let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!(combination.files, 805);
     assert!(combination.in_reach > 0.0 && combination.in_reach < 0.25);
@@ -262,7 +262,7 @@ fn large_combinations_keep_their_result_with_its_seams() {
     let mut state = opened();
     state.apply(Command::Combine(CombineCommand::Text(text.clone())));
     state.settle();
-    let session = state.runs.first.session.clone().unwrap();
+    let session = state.runs().first.session.clone().unwrap();
     assert!(session.summary.count > 500_000 && !session.has_stages());
     let expected = of_core(&text);
     assert_eq!(session.run().points(), expected.points);

@@ -35,7 +35,7 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
             open(&mut other, Purpose::Open, &path);
         }
         assert!(other.shows_combination(), "{}", notice_text(&other));
-        assert_eq!(other.runs.first.stage, 1);
+        assert_eq!(other.runs().first.stage, 1);
         assert_eq!(other.saved_combination(), state.saved_combination());
         assert!(other.verdict().unwrap().report.valid());
     }
@@ -67,11 +67,11 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
 /// Opens a file that is refused: a notice says why, and the current session stays.
 fn refused(state: &mut State, path: &Path, text: &str, expected: &str) {
     fs::write(path, text).unwrap();
-    let before = state.runs.first.session.as_ref().unwrap().generation;
+    let before = state.runs().first.session.as_ref().unwrap().generation;
     for purpose in [Purpose::Open, Purpose::Combination] {
-        state.messages.notice = None;
+        state.apply(Command::DismissNotice);
         open(state, purpose, path);
-        let notice = state.messages.notice.clone().expect(expected);
+        let notice = state.messages().notice.clone().expect(expected);
         assert!(
             notice.is_error && notice.text.contains(expected),
             "{}",
@@ -79,11 +79,11 @@ fn refused(state: &mut State, path: &Path, text: &str, expected: &str) {
         );
         assert!(notice.text.contains("layout.json") || notice.text.contains("session.json"));
         assert_eq!(
-            state.runs.first.session.as_ref().unwrap().generation,
+            state.runs().first.session.as_ref().unwrap().generation,
             before
         );
         assert!(
-            state.files.sheet.is_some(),
+            state.files().sheet.is_some(),
             "the sheet stays open for another try"
         );
     }
@@ -169,7 +169,7 @@ fn a_combination_is_cancelled_while_it_is_made() {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
-    let before = state.runs.first.session.as_ref().unwrap().generation;
+    let before = state.runs().first.session.as_ref().unwrap().generation;
     let sheet = FileCommand::Dropped(vec![path.to_string_lossy().into_owned()]);
     for (start, cancel) in [
         (
@@ -178,7 +178,7 @@ fn a_combination_is_cancelled_while_it_is_made() {
         ),
         (Command::File(sheet), Command::File(FileCommand::Cancel)),
     ] {
-        state.messages.notice = None;
+        state.apply(Command::DismissNotice);
         // While sets are made, and while they are glued.
         for reports in [2, 11] {
             gate.close_after(reports);
@@ -191,7 +191,7 @@ fn a_combination_is_cancelled_while_it_is_made() {
             assert!(message.contains("cancelled"), "{message}");
             assert!(
                 !state
-                    .messages
+                    .messages()
                     .notice
                     .as_ref()
                     .unwrap()
@@ -199,10 +199,10 @@ fn a_combination_is_cancelled_while_it_is_made() {
                     .contains("fault")
             );
             assert_eq!(
-                state.runs.first.session.as_ref().unwrap().generation,
+                state.runs().first.session.as_ref().unwrap().generation,
                 before
             );
-            assert!(state.runs.first.sampling.is_none() && state.files.filing.is_none());
+            assert!(state.runs().first.sampling.is_none() && state.files().filing.is_none());
         }
     }
     state.apply(Command::Combine(CombineCommand::Nine));

@@ -62,7 +62,7 @@ fn decode(path: &Path) -> Decoded {
 
 /// Checks a file's metadata against the run.
 fn check_provenance(state: &State, parameters: &Value, recording: &Value) {
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let run = session.run();
     assert_eq!(parameters["seed"], run.parameters.seed);
     assert_eq!(parameters["radius"], run.parameters.radius);
@@ -87,7 +87,7 @@ fn a_png_has_the_requested_size_and_its_provenance() {
             &[(NumberField::Scale, scale)],
         );
         assert!(
-            state.files.exports.sheet.is_none(),
+            state.files().exports.sheet.is_none(),
             "{}",
             notice_text(&state)
         );
@@ -165,7 +165,7 @@ fn every_scene_is_a_picture_with_its_caption() {
     assert!(has_group(&written(1), "KD-tree") && !has_group(&written(2), "KD-tree"));
     // The first replacement is asked for.
     fill_in(&mut state, ExportKind::Scenes, &path, &[]);
-    let taken = state.files.exports.sheet.as_ref().unwrap().taken.clone();
+    let taken = state.files().exports.sheet.as_ref().unwrap().taken.clone();
     assert!(taken.is_some_and(|file| file.ends_with("talk-1.svg")));
 }
 
@@ -336,7 +336,7 @@ fn an_animation_has_the_frames_of_its_range() {
     // Without a loop the animation covers the stage shown, counted by the chosen clock.
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
-    let session = state.runs.first.session.clone().unwrap();
+    let session = state.runs().first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
     let mut form = tilescope_workbench::export::ExportForm::default();
     assert_eq!(state.export_source().range(&form), Some(stage));
@@ -347,16 +347,16 @@ fn an_animation_has_the_frames_of_its_range() {
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(
         state
-            .files
+            .files()
             .exports
             .prospect(state.export_source())
             .unwrap()
             .starts_with("2 frames of at most 600, ")
     );
     // The pattern has its own camera; animations show the run.
-    let camera = state.runs.first.camera;
+    let camera = state.runs().first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
-    assert_ne!(state.runs.first.camera, camera);
+    assert_ne!(state.runs().first.camera, camera);
     assert_eq!(
         export_view(&state, ExportKind::Animation).unwrap().camera,
         camera
@@ -371,7 +371,7 @@ fn an_animation_has_the_frames_of_its_range() {
 fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    let whole = state.runs.first.session.clone().unwrap();
+    let whole = state.runs().first.session.clone().unwrap();
     let parameters = whole.run().parameters;
     let run = tilescope_core::sample(&parameters, &mut tilescope_core::Unobserved).unwrap();
     state.show(Session::from_run(run, 99));
@@ -385,7 +385,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     write(&mut state, ExportKind::Animation, &film, &[]);
     assert!(notice_text(&state).contains("without events") && !film.exists());
     let mut pictures = BTreeSet::new();
-    for stage in 0..state.runs.first.session.as_ref().unwrap().stages.len() {
+    for stage in 0..state.runs().first.session.as_ref().unwrap().stages.len() {
         state.apply(Command::Time(TimeCommand::ShowStage(stage)));
         let path = folder.path().join(format!("{stage}.png"));
         write(&mut state, ExportKind::Picture, &path, &[]);
@@ -434,7 +434,7 @@ fn samples_of_a_moment_are_certified() {
         });
         assert_eq!(checked.unwrap().1.differences, []);
         assert_eq!(certificate.count, covering as u64);
-        assert!(!state.messages.notice.as_ref().unwrap().is_error);
+        assert!(!state.messages().notice.as_ref().unwrap().is_error);
         (certificate, notice_text(&state))
     };
     let (tiled, notice_then) =
@@ -464,7 +464,14 @@ fn samples_of_a_moment_are_certified() {
     let set = read(&result, &Hint::default()).unwrap().set;
     assert_eq!(
         set.points,
-        state.runs.first.session.as_ref().unwrap().run().positions()
+        state
+            .runs()
+            .first
+            .session
+            .as_ref()
+            .unwrap()
+            .run()
+            .positions()
     );
     // Before tiling there are no samples to write.
     state.apply(Command::Time(TimeCommand::ShowStage(1)));
@@ -505,7 +512,7 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 
 /// A position in a block away from samples and lines, and one of the block's samples, in r.
 fn free_and_sample(state: &State, block: u32) -> (DVec2, DVec2) {
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let run = session.run();
     let shown = state.shown().unwrap();
     let radii = |x: i32| f64::from(x) / f64::from(tilescope_core::R);
@@ -546,7 +553,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
     ] {
         state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }
-    let stages = state.runs.first.session.as_ref().unwrap().stages.len();
+    let stages = state.runs().first.session.as_ref().unwrap().stages.len();
     let last = state.cursor().unwrap().1;
     for (look, print) in [
         (Look::Dark, false),
@@ -616,7 +623,7 @@ fn a_picture_has_block_numbers_the_tree_and_a_title() {
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
         Layer::Tree,
     )));
-    let blocks = state.runs.first.session.as_ref().unwrap().summary.blocks;
+    let blocks = state.runs().first.session.as_ref().unwrap().summary.blocks;
     let shoot = |state: &mut State| {
         write(state, ExportKind::Picture, &path, &[]);
         export(state, ExportCommand::Write);
@@ -639,7 +646,7 @@ fn a_picture_has_block_numbers_the_tree_and_a_title() {
     let texts = numbers.matches("<text").count();
     assert!((1..=blocks).contains(&texts), "{texts} of {blocks}");
     assert!(group(&svg, "KD-tree").is_some());
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     let count = grouped(session.summary.count);
     let title = format!("<title>Result: {count} samples, r = 0.02");
     assert!(svg.contains(&title), "{}", &svg[..400]);
@@ -648,7 +655,7 @@ fn a_picture_has_block_numbers_the_tree_and_a_title() {
     let svg = shoot(&mut state);
     let event = format!("event {} of {}", grouped(last - 1), grouped(last));
     assert!(svg.contains(&event));
-    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let debugger = state.runs().first.debugger.as_ref().unwrap();
     let message = tilescope_debugger::sentence(debugger.recording(), last - 2);
     assert!(svg.contains(&format!("<title>{message}")));
     // Hidden layers are not in the file.

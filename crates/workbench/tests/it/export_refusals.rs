@@ -24,7 +24,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 /// The sheet's description of the export, or its refusal.
 fn prospect(state: &State) -> Result<String, ExportRefusal> {
-    state.files.exports.prospect(state.export_source())
+    state.files().exports.prospect(state.export_source())
 }
 
 #[test]
@@ -73,13 +73,13 @@ fn a_cancelled_export_leaves_no_file_and_keeps_an_existing_one() {
             gate.close_after(reports);
             export(&mut state, ExportCommand::Write);
             if before.is_some() {
-                assert!(state.files.exports.work.is_none());
+                assert!(state.files().exports.work.is_none());
                 export(&mut state, ExportCommand::Write);
             }
             gate.wait_for_job();
             let there = usize::from(before.is_some()) + temporary;
             assert_eq!(names(folder.path()).len(), there, "{name}: it is running");
-            assert!(state.files.exports.fraction().is_some());
+            assert!(state.files().exports.fraction().is_some());
             export(&mut state, ExportCommand::Cancel);
             gate.open();
             state.settle();
@@ -89,7 +89,7 @@ fn a_cancelled_export_leaves_no_file_and_keeps_an_existing_one() {
                 notice_text(&state)
             );
             assert!(
-                state.files.exports.sheet.is_some() && state.files.exports.fraction().is_none()
+                state.files().exports.sheet.is_some() && state.files().exports.fraction().is_none()
             );
             match before {
                 None => assert_eq!(names(folder.path()), BTreeSet::new()),
@@ -118,23 +118,23 @@ fn a_file_is_replaced_only_after_confirmation() {
         };
         fs::write(&there, "mine").unwrap();
         fill_in(&mut state, kind, &path, &[]);
-        let form = state.files.exports.sheet.clone().unwrap();
+        let form = state.files().exports.sheet.clone().unwrap();
         assert_eq!((form.taken.as_deref(), form.asked), (Some(&*there), false));
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.files.exports.sheet.as_ref().unwrap().asked);
+        assert!(state.files().exports.sheet.as_ref().unwrap().asked);
         assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
         // Another name needs another confirmation.
         let other = path.with_file_name("other").with_extension("csv");
         let other = other.to_string_lossy().into_owned();
         export(&mut state, ExportCommand::Path(other));
         fill_in(&mut state, kind, &path, &[]);
-        assert!(!state.files.exports.sheet.as_ref().unwrap().asked);
+        assert!(!state.files().exports.sheet.as_ref().unwrap().asked);
         export(&mut state, ExportCommand::Write);
         export(&mut state, ExportCommand::Write);
         state.settle();
         assert!(
-            state.files.exports.sheet.is_none(),
+            state.files().exports.sheet.is_none(),
             "{}",
             notice_text(&state)
         );
@@ -151,8 +151,8 @@ fn impossible_exports_are_refused_with_value_and_limit() {
         state.apply(Command::DismissNotice);
         export(&mut state, ExportCommand::Close);
         write(&mut state, kind, path, entries);
-        let notice = state.messages.notice.clone().expect("a refusal");
-        assert!(notice.is_error && state.files.exports.sheet.is_some());
+        let notice = state.messages().notice.clone().expect("a refusal");
+        assert!(notice.is_error && state.files().exports.sheet.is_some());
         for part in parts {
             assert!(notice.text.contains(part), "{}", notice.text);
         }
@@ -258,8 +258,8 @@ fn the_sheet_stays_open_for_another_file() {
     gate.open();
     state.settle();
     assert!(first.exists() && !second.exists());
-    assert_eq!(state.files.exports.sheet.as_ref().unwrap().file(), second);
+    assert_eq!(state.files().exports.sheet.as_ref().unwrap().file(), second);
     export(&mut state, ExportCommand::Write);
     state.settle();
-    assert!(second.exists() && state.files.exports.sheet.is_none());
+    assert!(second.exists() && state.files().exports.sheet.is_none());
 }

@@ -57,7 +57,7 @@ pub fn fill_in(state: &mut State, kind: ExportKind, path: &Path, entries: &[(Num
 
 pub fn notice_text(state: &State) -> String {
     state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .map_or_else(String::new, |notice| notice.text.clone())
@@ -65,7 +65,7 @@ pub fn notice_text(state: &State) -> String {
 
 /// The view of an export of this kind.
 pub fn export_view(state: &State, kind: ExportKind) -> Result<PictureView, ExportRefusal> {
-    let sheet = state.files.exports.sheet.as_ref();
+    let sheet = state.files().exports.sheet.as_ref();
     let print = sheet.is_some_and(|form| form.print);
     state.export_source().view(kind, print)
 }

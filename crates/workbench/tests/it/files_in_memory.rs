@@ -25,19 +25,19 @@ fn named(path: &Path) -> NamedBytes {
 }
 
 fn drop_bytes(state: &mut State, files: Vec<NamedBytes>) {
-    state.messages.notice = None;
+    state.apply(Command::DismissNotice);
     file(state, FileCommand::DroppedBytes(files, Vec::new()));
 }
 
 fn choose(state: &mut State, purpose: Purpose, files: Vec<NamedBytes>) {
-    state.messages.notice = None;
+    state.apply(Command::DismissNotice);
     file(state, FileCommand::Sheet(purpose));
     file(state, FileCommand::Chosen(files));
     file(state, FileCommand::Go);
 }
 
 fn open_path(state: &mut State, purpose: Purpose, path: &Path) {
-    state.messages.notice = None;
+    state.apply(Command::DismissNotice);
     file(state, FileCommand::Sheet(purpose));
     let path = path.to_string_lossy().into_owned();
     file(state, FileCommand::Path(path));
@@ -54,7 +54,7 @@ fn pattern_session() -> (tempfile::TempDir, State) {
     state.apply(Command::Run);
     state.settle();
     assert!(
-        state.runs.first.session.as_ref().unwrap().own.is_some(),
+        state.runs().first.session.as_ref().unwrap().own.is_some(),
         "{}",
         notice_text(&state)
     );
@@ -65,7 +65,7 @@ fn pattern_session() -> (tempfile::TempDir, State) {
 
 fn is_error(state: &State) -> bool {
     state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .is_some_and(|notice| notice.is_error)
@@ -90,7 +90,7 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
             choose(&mut other, Purpose::Open, all());
         }
         assert!(!is_error(&other), "{}", notice_text(&other));
-        assert!(other.files.sheet.is_none(), "the sheet is closed");
+        assert!(other.files().sheet.is_none(), "the sheet is closed");
         let opened = other.saved().unwrap();
         assert_eq!(opened.digest, saved.digest);
         let pattern = opened.pattern.unwrap();
@@ -149,7 +149,11 @@ fn content_decides_and_not_the_name() {
     for files in [both, vec![archive]] {
         let mut other = opened();
         drop_bytes(&mut other, files);
-        assert!(other.form.own_pattern.is_some(), "{}", notice_text(&other));
+        assert!(
+            other.form().own_pattern.is_some(),
+            "{}",
+            notice_text(&other)
+        );
     }
 }
 
@@ -213,9 +217,9 @@ fn a_session_without_an_ending_is_saved_as_json() {
     ] {
         open_path(&mut state, Purpose::Save, &path(typed));
         assert!(path(written).is_file(), "{typed}: {}", notice_text(&state));
-        assert!(state.files.sheet.is_none(), "the sheet is closed");
+        assert!(state.files().sheet.is_none(), "the sheet is closed");
         assert_eq!(
-            state.runs.first.session_path.as_deref(),
+            state.runs().first.session_path.as_deref(),
             path(written).to_str()
         );
         assert!(!path("lecture").exists());
@@ -223,7 +227,7 @@ fn a_session_without_an_ending_is_saved_as_json() {
     // Confirmation to replace a file concerns the name with the ending added.
     fs::write(path("other.json"), "mine").unwrap();
     open_path(&mut state, Purpose::Save, &path("other"));
-    assert!(state.files.sheet.as_ref().unwrap().asked);
+    assert!(state.files().sheet.as_ref().unwrap().asked);
     assert_eq!(fs::read(path("other.json")).unwrap(), b"mine");
 }
 
@@ -234,7 +238,7 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     let mut by_path = opened();
     open_path(&mut by_path, Purpose::Pattern, &set);
     let expected = by_path
-        .form
+        .form()
         .own_pattern
         .as_ref()
         .unwrap()
@@ -249,7 +253,7 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
         } else {
             choose(&mut state, Purpose::Pattern, both());
         }
-        let own = state.form.own_pattern.as_ref().expect("a pattern");
+        let own = state.form().own_pattern.as_ref().expect("a pattern");
         assert_eq!(own.file.digest, expected);
         assert!(notice_text(&state).contains("The next run clips from"));
     }
@@ -266,7 +270,7 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     let files = vec![named(&path), named(&certificate_path(&path))];
     drop_bytes(&mut other, files);
     assert_ne!(
-        other.form.own_pattern.as_ref().unwrap().file.digest,
+        other.form().own_pattern.as_ref().unwrap().file.digest,
         expected
     );
 }
@@ -290,7 +294,7 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
         }
         let file = state.reference_file().expect("a file").unwrap().clone();
         assert_eq!(file.measured, expected.measured);
-        assert!(state.form.own_pattern.is_none() && !is_error(&state));
+        assert!(state.form().own_pattern.is_none() && !is_error(&state));
         let message = notice_text(&state);
         assert!(message.starts_with("bare.csv is compared with this run"));
         assert!(message.contains("has no certificate"), "{message}");
@@ -303,7 +307,7 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
     let false_pair = vec![points, named(&certificate_path(&set))];
     let mut state = opened();
     drop_bytes(&mut state, false_pair.clone());
-    assert!(state.form.own_pattern.is_none() && !is_error(&state));
+    assert!(state.form().own_pattern.is_none() && !is_error(&state));
     let message = notice_text(&state);
     assert!(
         message.contains("own.csv.certificate.json is not true: digest: "),
@@ -319,7 +323,7 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, vec![named(&bare)]);
     assert!(is_error(&state) && notice_text(&state).contains("has no certificate"));
-    assert!(state.reference_file().is_none() && state.files.sheet.is_some());
+    assert!(state.reference_file().is_none() && state.files().sheet.is_some());
     choose(&mut state, Purpose::Against, vec![named(&bare)]);
     assert_eq!(
         state.reference_file().unwrap().unwrap().measured,
@@ -339,7 +343,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
         "rows": [1.0], "pieces": [{ "file": "a.csv" }, { "seed": 2 }] });
     fs::write(&layout, text.to_string()).unwrap();
     let stated = |state: &State| {
-        let session = state.runs.first.session.as_ref().unwrap();
+        let session = state.runs().first.session.as_ref().unwrap();
         let combination = session.combination.as_ref().expect("a combination");
         let digest = tilescope_debugger::digest(session.run());
         (digest, combination.stated.clone())
@@ -369,7 +373,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
 
 /// Makes the sheet's export in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
-    let order = state.files.exports.job(state.export_source()).unwrap();
+    let order = state.files().exports.job(state.export_source()).unwrap();
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
     let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
         write::render(&order, monitor).expect("files in memory")
@@ -442,7 +446,7 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
     let taken = folder.path().join("set.csv");
     fs::write(&taken, "somebody else's").unwrap();
     let mut state = opened();
-    state.files.delivery = Delivery::Download;
+    state.deliver(Delivery::Download);
     let mut archives = Vec::new();
     for _ in 0..2 {
         exporting::write(&mut state, ExportKind::Result, &taken, &[]);
@@ -452,8 +456,8 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
             "{message}"
         );
         assert!(message.contains("set.csv.zip") && message.contains("set.csv.certificate.json"));
-        assert!(state.files.exports.sheet.is_none(), "the sheet is closed");
-        let mut downloads = state.files.take_downloads();
+        assert!(state.files().exports.sheet.is_none(), "the sheet is closed");
+        let mut downloads = state.take_requests().downloads;
         assert_eq!(downloads.len(), 1);
         archives.push(downloads.pop().unwrap());
     }
@@ -485,7 +489,7 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
     let mut other = opened();
     drop_bytes(&mut other, vec![archives[0].clone()]);
     let digest = other
-        .form
+        .form()
         .own_pattern
         .as_ref()
         .expect("a pattern")
@@ -496,13 +500,16 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
     fs::write(&path, &archives[0].bytes).unwrap();
     let mut third = opened();
     open_path(&mut third, Purpose::Pattern, &path);
-    assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
+    assert_eq!(
+        third.form().own_pattern.as_ref().unwrap().file.digest,
+        digest
+    );
     // A picture is downloaded without an archive.
     exporting::write(&mut state, ExportKind::Picture, Path::new("view.svg"), &[]);
-    let downloads = state.files.take_downloads();
+    let downloads = state.take_requests().downloads;
     assert_eq!(downloads[0].name, "view.svg");
     assert!(downloads[0].bytes.starts_with(b"<svg"));
-    assert!(state.files.take_downloads().is_empty(), "taken once");
+    assert!(state.take_requests().downloads.is_empty(), "taken once");
     assert!(!Path::new("view.svg").exists());
     assert!(packed(Vec::new()).is_err());
 }
@@ -514,7 +521,7 @@ fn a_downloaded_session_equals_a_saved_one() {
     let mut state = opened();
     open_path(&mut state, Purpose::Save, &path);
     let written = fs::read(&path).unwrap();
-    state.files.delivery = Delivery::Download;
+    state.deliver(Delivery::Download);
     open_path(
         &mut state,
         Purpose::Save,
@@ -524,14 +531,14 @@ fn a_downloaded_session_equals_a_saved_one() {
         notice_text(&state),
         "The session is downloaded as mine.json."
     );
-    let downloads = state.files.take_downloads();
+    let downloads = state.take_requests().downloads;
     assert_eq!(downloads.len(), 1);
     assert_eq!(downloads[0].name, "mine.json");
     assert!(downloads[0].bytes == written);
-    assert!(state.files.sheet.is_none());
+    assert!(state.files().sheet.is_none());
     // In a browser, a file to open is chosen, not typed.
     file(&mut state, FileCommand::Sheet(Purpose::Open));
-    assert_eq!(state.files.sheet.as_ref().unwrap().path, "");
+    assert_eq!(state.files().sheet.as_ref().unwrap().path, "");
     file(
         &mut state,
         FileCommand::Path(path.to_string_lossy().into_owned()),
@@ -539,7 +546,7 @@ fn a_downloaded_session_equals_a_saved_one() {
     file(&mut state, FileCommand::Go);
     assert!(is_error(&state) && notice_text(&state).contains("Browse"));
     let mut other = opened();
-    other.files.delivery = Delivery::Download;
+    other.deliver(Delivery::Download);
     choose(&mut other, Purpose::Open, downloads);
     assert_eq!(other.saved(), state.saved());
 }

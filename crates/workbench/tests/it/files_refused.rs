@@ -7,14 +7,14 @@ use tilescope_workbench::{Command, State};
 use crate::exporting::{notice_text, opened};
 
 fn drop_files(state: &mut State, files: &[(&str, &[u8])]) -> (String, bool) {
-    state.messages.notice = None;
+    state.apply(Command::DismissNotice);
     let files = files
         .iter()
         .map(|&(name, bytes)| NamedBytes::new(name, bytes));
     let command = FileCommand::DroppedBytes(files.collect(), Vec::new());
     state.apply(Command::File(command));
     state.settle();
-    let notice = state.messages.notice.clone().expect("a sentence");
+    let notice = state.messages().notice.clone().expect("a sentence");
     (notice.text, notice.is_error)
 }
 
@@ -69,7 +69,7 @@ fn broken_files_are_refused_by_name() {
             "{text}"
         );
         assert_eq!(state.saved(), before, "{name}");
-        assert!(state.reference_file().is_none() && state.form.own_pattern.is_none());
+        assert!(state.reference_file().is_none() && state.form().own_pattern.is_none());
     }
     // A certificate that cannot be read is left out, and the notice says why.
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
@@ -79,7 +79,7 @@ fn broken_files_are_refused_by_name() {
     ];
     let (text, is_error) = drop_files(&mut state, &files);
     assert!(!is_error && text.contains("format_version is 7"), "{text}");
-    assert!(state.reference_file().is_some() && state.form.own_pattern.is_none());
+    assert!(state.reference_file().is_some() && state.form().own_pattern.is_none());
 }
 
 #[test]
@@ -109,12 +109,12 @@ fn one_of_several_files_is_opened_and_the_others_are_named() {
         notice_text(&state).contains("compared with")
             && notice_text(&state).contains("2,000,000,000")
     );
-    state.messages.notice = None;
+    state.apply(Command::DismissNotice);
     state.apply(Command::File(FileCommand::DroppedBytes(
         Vec::new(),
         Vec::new(),
     )));
-    assert_eq!(state.messages.notice, None);
+    assert_eq!(state.messages().notice, None);
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn after(commands: &[Value]) -> (State, Vec<Option<String>>) {
     let script = read(&json!(commands).to_string()).unwrap();
     let mut notices = Vec::new();
     let Ok(state) = apply_all(script, |state| {
-        let notice = state.messages.notice.as_ref();
+        let notice = state.messages().notice.as_ref();
         notices.push(notice.map(|notice| notice.text.clone()));
         Ok::<_, Infallible>(())
     });
@@ -80,7 +80,7 @@ fn commands(number: u64) -> Vec<(Value, String)> {
 
 fn breakpoints(state: &State) -> Vec<SavedBreakpoint> {
     state
-        .runs
+        .runs()
         .first
         .debugger
         .as_ref()
@@ -95,7 +95,7 @@ fn can_be_read(command: &Value) -> bool {
 #[test]
 fn numbers_that_nothing_has_are_refused_with_what_there_is() {
     let (before, _) = after(&small_run());
-    let run = before.runs.first.session.as_ref().unwrap().run();
+    let run = before.runs().first.session.as_ref().unwrap().run();
     for number in BEYOND {
         // Samples have 32 bits: a larger number is no command at all.
         let mut listed = commands(number);
@@ -125,7 +125,7 @@ fn numbers_that_nothing_has_are_refused_with_what_there_is() {
 fn numbers_that_are_there_are_not_refused() {
     let (before, _) = after(&small_run());
     let events = before.cursor().unwrap().1;
-    let run = before.runs.first.session.as_ref().unwrap().run();
+    let run = before.runs().first.session.as_ref().unwrap().run();
     let tried = [
         // The word about the scene that was made.
         json!("dismiss-notice"),
@@ -178,6 +178,6 @@ fn no_number_ends_the_program() {
         }
         let (state, _) = after(&script);
         let _ = state.to_json();
-        assert_eq!(state.runs.first.hovered, None);
+        assert_eq!(state.runs().first.hovered, None);
     }
 }

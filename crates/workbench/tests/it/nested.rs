@@ -44,7 +44,7 @@ fn made() -> State {
 }
 
 fn session(state: &State) -> &Arc<Session> {
-    state.runs.first.session.as_ref().unwrap()
+    state.runs().first.session.as_ref().unwrap()
 }
 
 fn ends(state: &State) -> Vec<usize> {
@@ -55,8 +55,8 @@ fn ends(state: &State) -> Vec<usize> {
 fn verdict(state: &State) -> &Verdict {
     let verdict = state.verdict().unwrap();
     let judged = verdict.claim.map(|claim| claim.count);
-    assert_eq!(judged, state.runs.first.prefix());
-    assert_eq!(state.runs.first.prefix_at_work(), None);
+    assert_eq!(judged, state.runs().first.prefix());
+    assert_eq!(state.runs().first.prefix_at_work(), None);
     verdict
 }
 
@@ -83,7 +83,7 @@ fn the_levels_of_the_window_are_those_of_the_core() {
 fn a_prefix_is_moved_by_levels_and_samples_and_typed() {
     let mut state = made();
     let ends = ends(&state);
-    let prefix = |state: &State| state.runs.first.prefix().unwrap();
+    let prefix = |state: &State| state.runs().first.prefix().unwrap();
     time(&mut state, TimeCommand::FirstStage);
     assert_eq!(prefix(&state), ends[0]);
     time(&mut state, TimeCommand::StepForward);
@@ -109,7 +109,7 @@ fn a_prefix_is_moved_by_levels_and_samples_and_typed() {
         state.advance(0.1);
     }
     assert_eq!(
-        (prefix(&state), state.time.playback.is_playing()),
+        (prefix(&state), state.time().playback.is_playing()),
         (ends[3], false)
     );
 }
@@ -127,7 +127,7 @@ fn every_verdict_names_its_prefix_and_levels_hold_what_they_promise() {
         (ends[3], 1.0, Some(1.0)),
     ] {
         time(&mut state, TimeCommand::Jump(count));
-        assert_eq!(state.runs.first.prefix_at_work(), Some(count));
+        assert_eq!(state.runs().first.prefix_at_work(), Some(count));
         state.settle();
         let found = verdict(&state);
         assert!(found.valid(), "{count}: {found:?}");
@@ -147,7 +147,7 @@ fn every_verdict_names_its_prefix_and_levels_hold_what_they_promise() {
         Which::First,
         ViewCommand::FlyToWitness(Witness::ClosestPair),
     ));
-    assert_eq!(state.runs.first.prefix(), Some(ends[3]));
+    assert_eq!(state.runs().first.prefix(), Some(ends[3]));
 }
 
 #[test]
@@ -183,10 +183,10 @@ fn a_sample_of_a_finer_level_among_the_first_is_found() {
             state.show(Session::from_levels(run.clone(), levels.clone(), 77));
         }
         time(&mut state, TimeCommand::Jump(first));
-        assert_eq!(state.runs.first.prefix_verdict(), " Verifying.");
+        assert_eq!(state.runs().first.prefix_verdict(), " Verifying.");
         state.settle();
         assert_eq!(verdict(&state).valid(), !is_spoilt);
-        assert_eq!(state.runs.first.prefix_verdict(), judged);
+        assert_eq!(state.runs().first.prefix_verdict(), judged);
     }
     time(&mut state, TimeCommand::LastStage);
     state.settle();
@@ -224,7 +224,7 @@ fn exactly_so_many_samples_are_made_and_exported_as_promised() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("exact.ply");
     write(&mut state, ExportKind::Result, &path, &[]);
-    let notice = state.messages.notice.as_ref().unwrap();
+    let notice = state.messages().notice.as_ref().unwrap();
     assert!(!notice.is_error, "{}", notice.text);
     let certificate = certificate(&path);
     assert!(certificate.levels.iter().all(|level| level.valid) && !certificate.valid);
@@ -317,9 +317,9 @@ fn a_link_leads_to_the_same_prefix() {
         session(&state).run().points()
     );
     assert_eq!(other.cursor(), Some((400, 1_500)));
-    assert_eq!(other.form.draft.nesting(), state.form.draft.nesting());
+    assert_eq!(other.form().draft.nesting(), state.form().draft.nesting());
     assert_eq!(other.link(), link);
-    assert!(other.messages.notice.is_none());
+    assert!(other.messages().notice.is_none());
     // Opening it again makes nothing anew.
     let before = Arc::clone(session(&other));
     other.open_link(&link.fragment);
@@ -338,7 +338,7 @@ fn a_link_leads_to_the_same_prefix() {
     other.open_link(&unused.fragment);
     other.settle();
     assert!(Arc::ptr_eq(session(&other), &before));
-    assert!(other.messages.notice.is_none());
+    assert!(other.messages().notice.is_none());
     assert_eq!(other.link(), unused);
     // Levels have no stages.
     other.open_link(&format!("{}&stage=finish", unused.fragment));
@@ -347,7 +347,7 @@ fn a_link_leads_to_the_same_prefix() {
     // A link to a run leads back from levels.
     other.open_link("v=1&radius=0.02");
     other.settle();
-    assert!(session(&other).nested.is_none() && other.form.draft.levels.is_none());
+    assert!(session(&other).nested.is_none() && other.form().draft.levels.is_none());
 }
 
 #[test]
@@ -396,11 +396,11 @@ fn undo_leads_back_to_the_run_and_redo_to_the_levels() {
     let mut state = made();
     state.apply(Command::Undo);
     state.settle();
-    assert!(session(&state).nested.is_none() && state.form.draft.levels.is_none());
+    assert!(session(&state).nested.is_none() && state.form().draft.levels.is_none());
     state.apply(Command::Redo);
     state.settle();
     assert!(session(&state).nested.is_some());
-    assert_eq!(state.form.draft.levels, Some(4));
+    assert_eq!(state.form().draft.levels, Some(4));
 }
 
 #[test]
@@ -441,7 +441,7 @@ fn cancelled_levels_leave_the_session() {
     assert_eq!(session(&state).generation, before);
     assert!(notice_text(&state).contains("Cancelled"));
     assert!(matches!(
-        state.runs.first.verification,
+        state.runs().first.verification,
         Verification::Done(_)
     ));
 }

@@ -125,7 +125,7 @@ fn jump(state: &mut State, cursor: usize) {
 /// Draws those of the parts that are visible at the moment shown.
 fn written(state: &State, palette: &Palette, parts: &[Part]) -> Written {
     let subject = state.subject().expect("a run");
-    let scene = Scene::new(state.runs.first.viewport, subject, palette);
+    let scene = Scene::new(state.runs().first.viewport, subject, palette);
     let mut swatches = Swatches::default();
     swatches.follow(&subject, palette);
     let looks = Looks::new(&subject, palette, &swatches);
@@ -137,7 +137,7 @@ fn written(state: &State, palette: &Palette, parts: &[Part]) -> Written {
 }
 
 fn recording(state: &State) -> Arc<Recording> {
-    let session = state.runs.first.session.as_ref().expect("a session");
+    let session = state.runs().first.session.as_ref().expect("a session");
     Arc::clone(session.recording().expect("events"))
 }
 
@@ -156,8 +156,8 @@ fn every_sample_is_drawn_by_its_status() {
     for cursor in (tiled[0]..=recording.len()).step_by(97) {
         jump(&mut state, cursor);
         let drawn = written(&state, &DARK, &[Part::Samples]);
-        let session = state.runs.first.session.as_ref().expect("a session");
-        let moment = state.runs.first.moment().expect("a moment");
+        let session = state.runs().first.session.as_ref().expect("a session");
+        let moment = state.runs().first.moment().expect("a moment");
         let samples = &session.run().samples;
         let mut expected = [0; 3];
         for (id, origin) in (0..).zip(&samples.origins) {
@@ -183,8 +183,8 @@ fn every_sample_is_drawn_by_its_status() {
 fn check_picture(state: &State) {
     let view = state.export_source().view(ExportKind::Picture, false);
     let view = view.expect("a canvas");
-    let session = state.runs.first.session.as_ref().expect("a session");
-    let moment = state.runs.first.moment().expect("a moment");
+    let session = state.runs().first.session.as_ref().expect("a session");
+    let moment = state.runs().first.moment().expect("a moment");
     let shown = MomentView {
         moment,
         view: view.clone(),
@@ -230,7 +230,7 @@ fn every_event_of_every_variant_has_a_picture() {
 
 /// Returns how many of the points lie outside the domain of 16 r, in view.
 fn outside(state: &State, points: &[Pos2]) -> usize {
-    let run = &state.runs.first;
+    let run = &state.runs().first;
     let corners = [[0.0, 16.0], [16.0, 0.0]];
     let [from, to] = corners.map(|at| run.camera.screen_from_domain(run.viewport, at));
     let domain = Rect::from_min_max(from, to).expand(0.01);
@@ -273,7 +273,7 @@ fn conflict_lines_lead_to_samples_that_are_drawn() {
     let end = recording(&state).end_of(Stage::Eliminate).expect("it");
     jump(&mut state, end);
     // Of pairs of which one sample was eliminated there are lines while those samples are drawn, too.
-    let layers = state.appearance.layers(state.current_stage());
+    let layers = state.appearance().layers(state.current_stage());
     assert!(layers.has(Layer::Eliminated) && layers.has(Layer::Conflicts));
     assert!(!written(&state, &DARK, &[Part::Conflicts]).dashes.is_empty());
     let hide = AppearanceCommand::ToggleLayer(Layer::Eliminated);
@@ -295,7 +295,7 @@ fn an_elimination_shows_its_conflict_and_what_it_changed() {
             panic!("{cursor}: {} dashed lines", drawn.dashes.len());
         };
         // Across the periodic border the line is the short one.
-        let r = state.runs.first.camera.scale as f32;
+        let r = state.runs().first.camera.scale as f32;
         assert!(ends[0].distance(ends[1]) <= 1.001 * r, "{cursor}");
         assert_eq!(stroke.color, DARK.conflict);
         let changed = Stroke::new(3.0, DARK.conflict);
@@ -375,7 +375,7 @@ fn hidden_layers_are_not_drawn() {
         (Layer::Detectors, Part::Search),
     ] {
         let [off, on] = [false, true].map(|on| {
-            if state.appearance.layers(None).has(layer) != on {
+            if state.appearance().layers(None).has(layer) != on {
                 let toggle = AppearanceCommand::ToggleLayer(layer);
                 state.apply(Command::Appearance(toggle));
             }

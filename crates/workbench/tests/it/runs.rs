@@ -65,7 +65,7 @@ fn lecture() -> State {
 }
 
 fn marks(state: &State) -> Vec<(Marked, String)> {
-    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let debugger = state.runs().first.debugger.as_ref().unwrap();
     let marks = debugger.scenes.iter();
     marks
         .map(|mark| (debugger.marked(mark), mark.caption.clone()))
@@ -74,7 +74,7 @@ fn marks(state: &State) -> Vec<(Marked, String)> {
 
 /// Breakpoints and watches.
 fn stops(state: &State) -> (Vec<String>, Vec<String>) {
-    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let debugger = state.runs().first.debugger.as_ref().unwrap();
     let conditions = debugger.breakpoints().iter().map(|b| b.condition.clone());
     (conditions.collect(), debugger.watches.clone())
 }
@@ -83,7 +83,7 @@ fn stops(state: &State) -> (Vec<String>, Vec<String>) {
 fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     let mut state = lecture();
     let (set, others) = (marks(&state), stops(&state));
-    let seed = state.form.draft.text(Field::Seed).to_owned();
+    let seed = state.form().draft.text(Field::Seed).to_owned();
     assert!(matches!(set[0].0, Marked::Here(3_000)));
     run_with(&mut state, Field::Seed, "7");
     let there = marks(&state);
@@ -94,7 +94,7 @@ fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     assert_eq!(stops(&state), others);
     // A run without events and a combination keep them without showing them.
     apply(&mut state, Command::Combine(CombineCommand::Nine));
-    assert!(state.runs.first.debugger.is_none());
+    assert!(state.runs().first.debugger.is_none());
     run_with(&mut state, Field::Seed, &seed);
     assert_eq!((marks(&state), stops(&state)), (set, others));
 }
@@ -104,7 +104,7 @@ fn scenes_of_other_runs_are_in_sessions_and_links() {
     let mut state = lecture();
     run_with(&mut state, Field::Radius, "0.08");
     state.apply(Command::Scene(SceneCommand::Add));
-    let set = state.runs.first.debugger.as_ref().unwrap().scenes.clone();
+    let set = state.runs().first.debugger.as_ref().unwrap().scenes.clone();
     assert_eq!(set.len(), 3);
     assert!(
         marks(&state)
@@ -123,7 +123,7 @@ fn scenes_of_other_runs_are_in_sessions_and_links() {
             apply(state, Command::File(command));
         }
         assert_eq!(
-            state.runs.first.debugger.as_ref().unwrap().scenes,
+            state.runs().first.debugger.as_ref().unwrap().scenes,
             set,
             "{purpose:?}"
         );
@@ -134,7 +134,7 @@ fn scenes_of_other_runs_are_in_sessions_and_links() {
         &mut there,
         Command::Link(LinkCommand::Open(link.fragment.clone())),
     );
-    assert_eq!(there.messages.notice, None);
+    assert_eq!(there.messages().notice, None);
     let said = |scenes: &[SavedScene]| -> Vec<(usize, String, String, Value)> {
         let said = scenes.iter().map(|scene| {
             // The layout is in the session alone.
@@ -144,7 +144,7 @@ fn scenes_of_other_runs_are_in_sessions_and_links() {
         });
         said.collect()
     };
-    let scenes = &there.runs.first.debugger.as_ref().unwrap().scenes;
+    let scenes = &there.runs().first.debugger.as_ref().unwrap().scenes;
     assert_eq!(said(scenes), said(&set));
     assert_eq!(link.left_out, [""; 0]);
     assert_eq!(there.link().fragment, link.fragment);
@@ -173,14 +173,17 @@ fn selection_and_query_are_kept_if_they_still_apply() {
     ));
     apply(&mut state, Command::Time(TimeCommand::Loop(Some(100..400))));
     apply(&mut state, Command::Run);
-    assert_eq!(state.runs.first.selected, Some(40));
-    assert!(!state.runs.first.history_found.events().is_empty());
-    assert_eq!(state.time.playback.range, Some(100..400));
+    assert_eq!(state.runs().first.selected, Some(40));
+    assert!(!state.runs().first.history_found.events().is_empty());
+    assert_eq!(state.time().playback.range, Some(100..400));
     // In another run the sample is a different one, but a place stays the same.
     let place = [20.5, 20.25];
     run_with(&mut state, Field::Seed, "7");
     assert_eq!(
-        (state.runs.first.selected, state.time.playback.range.clone()),
+        (
+            state.runs().first.selected,
+            state.time().playback.range.clone()
+        ),
         (None, None)
     );
     state.apply(Command::View(
@@ -188,12 +191,12 @@ fn selection_and_query_are_kept_if_they_still_apply() {
         ViewCommand::Pick(Selection::Place(place.into())),
     ));
     run_with(&mut state, Field::Seed, "8");
-    assert_eq!(state.runs.first.place, Some(place.into()));
+    assert_eq!(state.runs().first.place, Some(place.into()));
     run_with(&mut state, Field::Radius, "0.05");
-    assert_eq!(state.runs.first.place, None);
+    assert_eq!(state.runs().first.place, None);
     // The events found are of this run.
-    let debugger = state.runs.first.debugger.as_ref().unwrap();
-    let found = state.runs.first.query.found.events();
+    let debugger = state.runs().first.debugger.as_ref().unwrap();
+    let found = state.runs().first.query.found.events();
     let inserted = |&event: &usize| {
         let event = debugger.recording().event(event);
         event.is_some_and(|event| event.kind() == tilescope_debugger::EventKind::Insert)
@@ -204,7 +207,7 @@ fn selection_and_query_are_kept_if_they_still_apply() {
 /// The radius of the panel, the one of the run shown, and whether the window says that they differ.
 fn radii(state: &State) -> (String, String, bool) {
     let run = state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -212,7 +215,7 @@ fn radii(state: &State) -> (String, String, bool) {
         .run()
         .parameters
         .radius;
-    let typed = state.form.draft.text(Field::Radius).to_owned();
+    let typed = state.form().draft.text(Field::Radius).to_owned();
     (typed, run.to_string(), state.run_remark().is_some())
 }
 
@@ -224,7 +227,7 @@ fn agreed(radius: &str) -> (String, String, bool) {
 fn undoing_a_run_restores_parameters_and_run_together() {
     let mut state = opened();
     let first = state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -246,7 +249,7 @@ fn undoing_a_run_restores_parameters_and_run_together() {
     apply(&mut state, Command::Run);
     assert_eq!(radii(&state), agreed("0.04"));
     let second = state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -261,16 +264,25 @@ fn undoing_a_run_restores_parameters_and_run_together() {
     ] {
         apply(&mut state, command);
     }
-    let looked_at = (state.window.layout.clone(), state.appearance.chosen_layers);
+    let looked_at = (
+        state.window().layout.clone(),
+        state.appearance().chosen_layers,
+    );
     apply(&mut state, Command::Undo);
     assert_eq!(radii(&state), agreed("0.02"));
-    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), first);
-    assert_eq!(state.form.draft.parameters.order, Order::default());
+    assert_eq!(state.runs().first.session.as_ref().unwrap().digest(), first);
+    assert_eq!(state.form().draft.parameters.order, Order::default());
     apply(&mut state, Command::Redo);
     assert_eq!(radii(&state), agreed("0.04"));
-    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), second);
     assert_eq!(
-        (state.window.layout.clone(), state.appearance.chosen_layers),
+        state.runs().first.session.as_ref().unwrap().digest(),
+        second
+    );
+    assert_eq!(
+        (
+            state.window().layout.clone(),
+            state.appearance().chosen_layers
+        ),
         looked_at
     );
 }
@@ -350,7 +362,7 @@ fn undoing_a_combination_or_a_link_restores_the_run_before() {
 fn what_was_made_is_undone_and_where_one_looked_is_not() {
     let mut state = opened();
     let scenes = |state: &State| {
-        let debugger = state.runs.first.debugger.as_ref().unwrap();
+        let debugger = state.runs().first.debugger.as_ref().unwrap();
         let notes = debugger.scenes.iter().map(|mark| mark.caption.clone());
         notes.collect::<Vec<_>>()
     };
@@ -379,18 +391,18 @@ fn what_was_made_is_undone_and_where_one_looked_is_not() {
     ] {
         apply(&mut state, command);
     }
-    let layers = state.appearance.chosen_layers;
+    let layers = state.appearance().chosen_layers;
     apply(&mut state, Command::Undo);
-    assert!(state.window.layout.hidden().is_empty());
+    assert!(state.window().layout.hidden().is_empty());
     apply(&mut state, Command::Undo);
-    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let debugger = state.runs().first.debugger.as_ref().unwrap();
     assert!(debugger.breakpoints().is_empty());
     assert_eq!(scenes(&state), ["and"]);
     apply(&mut state, Command::Undo);
     assert_eq!(scenes(&state), [""], "typing is one step");
     apply(&mut state, Command::Undo);
     assert!(scenes(&state).is_empty());
-    assert_eq!(state.appearance.chosen_layers, layers);
+    assert_eq!(state.appearance().chosen_layers, layers);
     for _ in 0..2 {
         apply(&mut state, Command::Redo);
     }

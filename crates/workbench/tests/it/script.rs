@@ -27,12 +27,12 @@ fn a_script_runs_a_whole_session() {
         Ok::<_, Infallible>(())
     });
     let Ok(state) = state;
-    let first = &state.runs.first;
+    let first = &state.runs().first;
     let samples = first.session.as_ref().unwrap().summary.count;
     assert!((700..1_000).contains(&samples), "{samples}");
     assert!(cursors[4] < cursors[5], "{cursors:?}");
     assert_eq!(first.selected, Some(3));
-    assert!(state.runs.second.as_ref().unwrap().0.session.is_some());
+    assert!(state.runs().second.as_ref().unwrap().0.session.is_some());
     assert!(std::fs::read_to_string(picture).unwrap().contains("<svg"));
 }
 

@@ -10,8 +10,8 @@ use crate::analysis::reference_file::ReferenceFile;
 use crate::command::{Command, Which};
 use crate::draft::Draft;
 use crate::files::{Combined, Done, FileCommand, FileOutcome, Filing, LAST_SESSION, Opened};
+use crate::rules::UndoPart;
 use crate::state::State;
-use crate::state::undo::UndoPart;
 use crate::view::SavedView;
 
 impl State {

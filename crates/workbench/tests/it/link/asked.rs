@@ -28,7 +28,7 @@ fn small() -> State {
 fn the_state_is_described() {
     let mut state = small();
     let answer = &ask(&mut state, &json!({"do": "state"}))["state"];
-    let session = state.runs.first.session.as_ref().unwrap();
+    let session = state.runs().first.session.as_ref().unwrap();
     assert_eq!(answer["seed"], json!(7));
     assert_eq!(answer["parameters"]["radius"], json!(0.03));
     assert_eq!(answer["samples"], json!(session.summary.count));
@@ -87,7 +87,7 @@ fn a_page_moves_through_time() {
     );
     assert!(cursor(&state) > 100);
     assert_eq!(
-        state.time.playback.clock,
+        state.time().playback.clock,
         Clock::Stage,
         "the clock is the user's"
     );
@@ -105,11 +105,11 @@ fn a_page_moves_through_time() {
     let (at, len) = state.cursor().unwrap();
     assert!(at.abs_diff(len / 2) <= 1);
     assert_eq!(ask(&mut state, &json!({"do": "play", "speed": 2})), done);
-    assert!(state.time.playback.is_playing() && state.to_json()["playing"] == json!(true));
+    assert!(state.time().playback.is_playing() && state.to_json()["playing"] == json!(true));
     assert_eq!(ask(&mut state, &json!({"do": "play"})), done);
-    assert!(state.time.playback.is_playing(), "it goes on");
+    assert!(state.time().playback.is_playing(), "it goes on");
     assert_eq!(ask(&mut state, &json!({"do": "pause"})), done);
-    assert!(!state.time.playback.is_playing());
+    assert!(!state.time().playback.is_playing());
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn a_page_seeks_events() {
         found.is_sorted_by(|a, b| a < b),
         "in this sequence: {found:?}"
     );
-    let recording = state.runs.first.debugger.as_ref().unwrap().recording();
+    let recording = state.runs().first.debugger.as_ref().unwrap().recording();
     let eliminates = recording.event(found[1] - 1).unwrap().kind();
     assert_eq!(eliminates, tilescope_debugger::EventKind::Eliminate);
     assert_eq!(
@@ -148,7 +148,7 @@ fn a_page_seeks_events() {
         answer["error"],
         json!("There is no insertion before this moment.")
     );
-    assert_eq!((cursor(&state), &state.messages.notice), (5, &None));
+    assert_eq!((cursor(&state), &state.messages().notice), (5, &None));
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn seeds_that_numbers_would_round_are_text() {
         answer["parameters"]["pattern"]["seed"],
         json!("9007199254740993")
     );
-    let run = state.runs.first.session.as_ref().unwrap().run();
+    let run = state.runs().first.session.as_ref().unwrap().run();
     assert_eq!(run.parameters.seed, u64::MAX);
     assert_eq!(run.parameters.pattern.seed, (1 << 53) + 1);
     let wrong = json!({"do": "load", "parameters": {"radius": "0.03"}});
@@ -403,9 +403,9 @@ fn stages_are_sought_in_a_run_without_events() {
 #[test]
 fn a_long_run_to_a_breakpoint_takes_several_frames() {
     use tilescope_debugger::{Direction, Event};
-    use tilescope_workbench::command::TimeCommand;
+    use tilescope_workbench::command::{DebugCommand, TimeCommand};
     let mut state = state();
-    let debugger = state.runs.first.debugger.as_mut().expect("events");
+    let debugger = state.runs().first.debugger.as_ref().expect("events");
     let len = debugger.recording().len();
     // The line that is executed most often.
     let mut counts = std::collections::HashMap::new();
@@ -415,7 +415,11 @@ fn a_long_run_to_a_breakpoint_takes_several_frames() {
     }
     let (&line, &hits) = counts.iter().max_by_key(|(_, hits)| **hits).unwrap();
     assert!(hits > 10_000, "{hits}");
-    debugger.add_breakpoint(line, "false");
+    state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
+    state.apply(Command::Debug(DebugCommand::Condition(
+        0,
+        "false".to_owned(),
+    )));
     state.apply(Command::Time(TimeCommand::FirstStage));
     let on = Command::Time(TimeCommand::Continue(Direction::Forwards));
     state.apply(on.clone());

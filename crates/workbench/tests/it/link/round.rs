@@ -1,17 +1,15 @@
 //! The content of a link is restored when it is opened.
 
 use std::collections::HashSet;
-use std::sync::Arc;
 
 use glam::DVec2;
 
-use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
-use tilescope_debugger::{LineId, Listings, PatternFile};
+use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use tilescope_debugger::{LineId, Listings};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
-use tilescope_session::recipe::OwnPattern;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::clock::{Clock, SPEEDS};
 use tilescope_workbench::command::{
@@ -103,13 +101,13 @@ fn a_session_with_everything_set_is_restored() {
         }
     }
     let seconds = [&state, &there].map(|state| {
-        let (side, _) = state.runs.second.as_ref().expect("a second run");
+        let (side, _) = state.runs().second.as_ref().expect("a second run");
         side.session.as_ref().expect("made").digest().to_owned()
     });
     assert_eq!(seconds[0], seconds[1]);
     assert_ne!(seconds[0], digest(&there), "another order, another set");
     assert_eq!(
-        (there.runs.first.camera.center, there.appearance.look),
+        (there.runs().first.camera.center, there.appearance().look),
         (DVec2::new(20.0, 21.0), Look::Light)
     );
 }
@@ -241,18 +239,18 @@ fn random_states_are_restored_from_their_links() {
 #[test]
 fn a_link_to_the_current_run_samples_nothing() {
     let mut state = state();
-    let generation = state.runs.first.session.as_ref().unwrap().generation;
+    let generation = state.runs().first.session.as_ref().unwrap().generation;
     state.open_link("v=1&at=1234&select=sample:12");
-    assert!(state.runs.first.sampling.is_none());
+    assert!(state.runs().first.sampling.is_none());
     assert_eq!(
-        state.runs.first.session.as_ref().unwrap().generation,
+        state.runs().first.session.as_ref().unwrap().generation,
         generation
     );
     assert_eq!(state.cursor().unwrap().0, 1234);
-    assert_eq!(state.runs.first.selected, Some(12));
+    assert_eq!(state.runs().first.selected, Some(12));
     state.open_link("v=1&seed=2&at=1234");
     assert!(
-        state.runs.first.sampling.is_some(),
+        state.runs().first.sampling.is_some(),
         "another seed is another run"
     );
 }
@@ -273,10 +271,12 @@ fn a_run_that_the_user_starts_replaces_the_links() {
     state.apply(Command::Run);
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1&radius=0.04");
-    assert_eq!(state.appearance.look, Look::Dark);
+    assert_eq!(state.appearance().look, Look::Dark);
     // Without that run the link would have been applied.
     assert_eq!(
-        opened("#v=1&radius=0.02&at=77&look=light").appearance.look,
+        opened("#v=1&radius=0.02&at=77&look=light")
+            .appearance()
+            .look,
         Look::Light
     );
 }
@@ -357,46 +357,23 @@ fn combinations_are_in_links() {
 }
 
 #[test]
-fn a_pattern_from_a_file_is_not_in_the_link() {
-    let mut state = state();
-    let spec = PatternSpec {
-        side: 30.0,
-        seed: 99,
-        ..PatternSpec::default()
-    };
-    let pattern = Pattern::of_spec(&spec, &mut tilescope_core::Unobserved).unwrap();
-    let (path, digest) = ("own.csv".to_owned(), "0".repeat(16));
-    let file = PatternFile { path, digest };
-    state.form.own_pattern = Some(OwnPattern {
-        file,
-        pattern: Arc::clone(&pattern),
-    });
-    state.apply(Command::Run);
-    settle(&mut state);
-    let link = state.link();
-    assert_eq!(link.left_out, ["the pattern, which comes from a file"]);
-    // The link's parameters describe another run, which is sampled.
-    state.open_link(&link.fragment);
-    assert!(state.runs.first.sampling.is_some() && state.form.own_pattern.is_none());
-}
-
-#[test]
 fn links_are_copied_with_the_address_of_their_page() {
     let mut state = state();
     state.apply(Command::Link(LinkCommand::Copy));
-    assert_eq!(state.links.copied.take().as_deref(), Some("#v=1"));
+    assert_eq!(state.take_requests().copied.as_deref(), Some("#v=1"));
     assert!(
         notice_text(&state).contains("tilescope --link"),
         "{}",
         notice_text(&state)
     );
-    state.links.base = Some("https://lecture.example/tilescope/".to_owned());
+    let address = "https://lecture.example/tilescope/".to_owned();
+    state.begin_at(Some(address), "en".to_owned());
     state.apply(Command::Link(LinkCommand::Copy));
-    let copied = state.links.copied.take().unwrap();
+    let copied = state.take_requests().copied.unwrap();
     assert_eq!(copied, "https://lecture.example/tilescope/#v=1");
     assert_eq!(notice_text(&state), "The link is copied.");
     state.apply(Command::Link(LinkCommand::Open(copied + "&look=light")));
-    assert_eq!(state.appearance.look, Look::Light);
+    assert_eq!(state.appearance().look, Look::Light);
 }
 
 #[test]
@@ -413,7 +390,6 @@ fn undo_restores_what_a_link_replaced() {
 #[test]
 fn the_camera_of_the_pattern_is_not_linked() {
     let mut state = state();
-    state.runs.first.camera = Camera::default();
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyTo([10.0, 10.0].into(), 9.0),
@@ -423,7 +399,7 @@ fn the_camera_of_the_pattern_is_not_linked() {
     let link = state.link();
     let there = opened(&link.fragment);
     assert_eq!(there.link(), link);
-    let fitted = (there.runs.first.camera.center[0] - 10.0).abs() > 1.0;
+    let fitted = (there.runs().first.camera.center[0] - 10.0).abs() > 1.0;
     assert!(fitted, "the pattern is fitted");
 }
 

@@ -34,7 +34,7 @@ pub fn settle(state: &mut State) {
 
 pub fn digest(state: &State) -> String {
     state
-        .runs
+        .runs()
         .first
         .session
         .as_ref()
@@ -45,7 +45,7 @@ pub fn digest(state: &State) -> String {
 
 pub fn notice_text(state: &State) -> String {
     state
-        .messages
+        .messages()
         .notice
         .as_ref()
         .map_or_else(String::new, |notice| notice.text.clone())

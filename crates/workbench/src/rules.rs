@@ -1,0 +1,452 @@
+//! What decides whether and how a command is carried out: [`Command::rules`]. Each command is named, none falls to a default, so
+//! that a new one does not compile until somebody has decided whether it can be undone, works in a frame, or shows an answer.
+#![deny(
+    clippy::wildcard_enum_match_arm,
+    clippy::match_wildcard_for_single_variants
+)]
+#![expect(
+    clippy::match_same_arms,
+    reason = "arms of one rule have different reasons"
+)]
+
+use tilescope_session::combination::CombineCommand;
+
+use crate::analysis::AnalysisCommand;
+use crate::arrangement::DrawerCommand;
+use crate::command::{
+    AppearanceCommand, Command, DebugCommand, FormCommand, GpuCommand, LinkCommand, TimeCommand,
+    ViewCommand, Which, WindowCommand,
+};
+use crate::compare::CompareCommand;
+use crate::export::ExportCommand;
+use crate::files::FileCommand;
+use crate::lessons::LessonCommand;
+use crate::passes::PassCommand;
+use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
+
+/// The part of the state that a command changes and undo restores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UndoPart {
+    /// The parameters in the panel, not yet run.
+    Form,
+    /// The parameters and the run.
+    Run,
+    /// The layout of the panels.
+    Layout,
+    /// Breakpoints, watches and scenes.
+    Stops,
+    /// Everything that a link replaces.
+    Everything,
+}
+
+/// The rules of a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each rule is its own")]
+pub struct Rules {
+    /// What undo restores. `None` for moves in time, tabs, layers, colours and the camera, which change the view only, and for
+    /// commands that remember steps of their own when their work is done (runs, links, files).
+    pub undo: Option<UndoPart>,
+    /// Whether a key or the canvas may issue the command while the window is embedded in another page: what it opens must be
+    /// shown there.
+    pub in_frame: bool,
+    /// Whether the command makes or shows a whole run, and thereby the answer to a question that is open. It is refused then.
+    pub reveals: bool,
+    /// Whether the command moves the camera. Linked cameras move with it.
+    pub moves_camera: bool,
+    /// Whether the command begins work of the user's own, which ends the tour.
+    pub ends_tour: bool,
+}
+
+/// The rules of commands that only change what is shown of a moment up to an open question's.
+const VIEW: Rules = Rules {
+    undo: None,
+    in_frame: true,
+    reveals: false,
+    moves_camera: false,
+    ends_tour: false,
+};
+
+/// The rules of commands that open something that frames do not show.
+const NOT_IN_FRAME: Rules = Rules {
+    in_frame: false,
+    ..VIEW
+};
+
+/// The rules of commands that make or show another run, or write the whole one to a file.
+const REVEALING: Rules = Rules {
+    reveals: true,
+    ..NOT_IN_FRAME
+};
+
+impl Command {
+    /// Returns the rules of the command.
+    #[must_use]
+    pub const fn rules(&self) -> Rules {
+        match self {
+            Self::Form(command) => form(command),
+            Self::Gpu(GpuCommand::Engine(_) | GpuCommand::NameAdapter(_)) => VIEW,
+            Self::Run => Rules {
+                ends_tour: true,
+                ..REVEALING
+            },
+            Self::Combine(CombineCommand::Nine | CombineCommand::Text(_)) => Rules {
+                ends_tour: true,
+                ..REVEALING
+            },
+            // A frame shows one run.
+            Self::Cancel(Which::First) => VIEW,
+            Self::Cancel(Which::Second) => NOT_IN_FRAME,
+            Self::Time(command) => time(command),
+            Self::Scene(command) => scene(command),
+            Self::Lesson(command) => lesson(command),
+            Self::Talk(command) => talk(command),
+            Self::Debug(command) => debug(command),
+            Self::View(which, command) => view(*which, command),
+            Self::Appearance(command) => appearance(*command),
+            Self::Window(command) => window(command),
+            Self::OpenPasses => REVEALING,
+            Self::Passes(command) => passes(command),
+            Self::Compare(command) => compare(*command),
+            Self::Analysis(command) => analysis(command),
+            Self::File(command) => file(command),
+            Self::Export(command) => export(command),
+            // To open a link closes the lesson.
+            Self::Link(LinkCommand::Copy | LinkCommand::Open(_)) => VIEW,
+            Self::Undo | Self::Redo => REVEALING,
+            Self::DismissNotice | Self::OpenFolder(_) => VIEW,
+        }
+    }
+}
+
+const fn form(command: &FormCommand) -> Rules {
+    let undo = match command {
+        // How runs begin is no parameter.
+        FormCommand::Live(_) => None,
+        FormCommand::Type(..)
+        | FormCommand::Nudge(..)
+        | FormCommand::Count(_)
+        | FormCommand::Exactly(_)
+        | FormCommand::Choose(_)
+        | FormCommand::Preset(_)
+        | FormCommand::Reset
+        | FormCommand::GeneratedPattern => Some(UndoPart::Form),
+    };
+    Rules {
+        undo,
+        // Small runs follow the parameters at once.
+        reveals: true,
+        ends_tour: true,
+        ..VIEW
+    }
+}
+
+const fn time(command: &TimeCommand) -> Rules {
+    // A run is held only up to an open question's moment: no move goes beyond it.
+    match command {
+        TimeCommand::ShowStage(_)
+        | TimeCommand::StepBack
+        | TimeCommand::StepForward
+        | TimeCommand::FirstStage
+        | TimeCommand::LastStage
+        | TimeCommand::TogglePlay
+        | TimeCommand::Clock(_)
+        | TimeCommand::Speed(_)
+        | TimeCommand::WholeRun(_)
+        | TimeCommand::Jump(_)
+        | TimeCommand::Step(..)
+        | TimeCommand::RunTo(..)
+        | TimeCommand::Continue(_)
+        | TimeCommand::LoopStart
+        | TimeCommand::LoopEnd
+        | TimeCommand::Loop(_) => VIEW,
+    }
+}
+
+const fn scene(command: &SceneCommand) -> Rules {
+    match command {
+        SceneCommand::Add
+        | SceneCommand::Replace(_)
+        | SceneCommand::Caption(..)
+        | SceneCommand::Remove(_)
+        | SceneCommand::Move(..) => Rules {
+            undo: Some(UndoPart::Stops),
+            ..VIEW
+        },
+        SceneCommand::Show(_)
+        | SceneCommand::Step(_)
+        | SceneCommand::Offer(_)
+        | SceneCommand::Leave => VIEW,
+        // The tour makes a run of its own.
+        SceneCommand::Tour => Rules {
+            reveals: true,
+            ..VIEW
+        },
+    }
+}
+
+const fn lesson(command: &LessonCommand) -> Rules {
+    match command {
+        LessonCommand::ToggleList
+        | LessonCommand::Open(_)
+        | LessonCommand::Read(..)
+        | LessonCommand::Leave
+        | LessonCommand::Step(_)
+        | LessonCommand::Go(_)
+        | LessonCommand::Draft(_)
+        | LessonCommand::Answer
+        | LessonCommand::Hint
+        | LessonCommand::GiveUp
+        | LessonCommand::Practise(_)
+        | LessonCommand::Sure(_)
+        | LessonCommand::Language(_)
+        | LessonCommand::File(_)
+        | LessonCommand::SaveResults(_)
+        | LessonCommand::ClearResults
+        | LessonCommand::KeepResults
+        | LessonCommand::Name(_) => VIEW,
+    }
+}
+
+const fn talk(command: &TalkCommand) -> Rules {
+    let reveals = match command {
+        TalkCommand::Handout { answers, notes, .. } => *answers || *notes,
+        TalkCommand::Lesson { .. }
+        | TalkCommand::Lecture
+        | TalkCommand::Scenes
+        | TalkCommand::First
+        | TalkCommand::End
+        | TalkCommand::Next
+        | TalkCommand::Previous
+        | TalkCommand::Blank
+        | TalkCommand::ToggleNotes
+        | TalkCommand::Swap
+        | TalkCommand::OpenStage
+        | TalkCommand::StageClosed
+        | TalkCommand::NotesClosed
+        | TalkCommand::Tool(_)
+        | TalkCommand::NextColor
+        | TalkCommand::Point(_)
+        | TalkCommand::Draw(_)
+        | TalkCommand::Lift
+        | TalkCommand::UndoStroke
+        | TalkCommand::ClearStrokes
+        | TalkCommand::Vote(_)
+        | TalkCommand::Unvote
+        | TalkCommand::ToggleCode
+        | TalkCommand::Address(_)
+        | TalkCommand::Keep(_)
+        | TalkCommand::Restore(_) => false,
+    };
+    // Stage and notes are windows, which a frame has not.
+    Rules {
+        reveals,
+        ..NOT_IN_FRAME
+    }
+}
+
+const fn debug(command: &DebugCommand) -> Rules {
+    let undo = match command {
+        DebugCommand::ToggleBreakpoint(_)
+        | DebugCommand::Condition(..)
+        | DebugCommand::Enable(..)
+        | DebugCommand::RemoveBreakpoint(_)
+        | DebugCommand::Watch(_)
+        | DebugCommand::EditWatch(..)
+        | DebugCommand::RemoveWatch(_) => Some(UndoPart::Stops),
+        DebugCommand::Why
+        | DebugCommand::SelectEvent(_)
+        | DebugCommand::ToggleEvent(_)
+        | DebugCommand::Query(_) => None,
+    };
+    Rules { undo, ..VIEW }
+}
+
+const fn view(which: Which, command: &ViewCommand) -> Rules {
+    let rules = match which {
+        Which::First => VIEW,
+        Which::Second => NOT_IN_FRAME,
+    };
+    match command {
+        ViewCommand::Pan(_)
+        | ViewCommand::Zoom(..)
+        | ViewCommand::Fit
+        | ViewCommand::FlyTo(..)
+        | ViewCommand::Centre(_)
+        | ViewCommand::FlyToBlock(_)
+        | ViewCommand::GoToSample(_) => Rules {
+            moves_camera: true,
+            ..rules
+        },
+        // Frames have no panels.
+        ViewCommand::Inspect => NOT_IN_FRAME,
+        // What one run's event, verdict or selection shows is that run's alone: the other camera stays.
+        ViewCommand::GoToCurrent
+        | ViewCommand::FlyToWitness(_)
+        | ViewCommand::SelectMiddle
+        | ViewCommand::Pick(_)
+        | ViewCommand::Viewport(_)
+        | ViewCommand::CopyPosition(_)
+        | ViewCommand::Hover(_) => rules,
+    }
+}
+
+const fn appearance(command: AppearanceCommand) -> Rules {
+    match command {
+        // The page around a frame chooses its look.
+        AppearanceCommand::Look(_) | AppearanceCommand::ToggleProjector => NOT_IN_FRAME,
+        // Layers that a question hides are refused one by one (`State::hidden_layers`).
+        AppearanceCommand::ToggleLayer(_)
+        | AppearanceCommand::AutomaticLayers
+        | AppearanceCommand::Colour(_)
+        | AppearanceCommand::ToggleTheme
+        | AppearanceCommand::ToggleFollow
+        | AppearanceCommand::ToggleReducedMotion => VIEW,
+    }
+}
+
+const fn window(command: &WindowCommand) -> Rules {
+    match command {
+        WindowCommand::ResetLayout
+        | WindowCommand::OpenPanel(_)
+        | WindowCommand::HidePanel(_)
+        | WindowCommand::ToggleSides => Rules {
+            undo: Some(UndoPart::Layout),
+            ..NOT_IN_FRAME
+        },
+        WindowCommand::ToggleFinder | WindowCommand::Help(_) | WindowCommand::Quit => NOT_IN_FRAME,
+        WindowCommand::ToggleFullScreen
+        | WindowCommand::Drawer(
+            DrawerCommand::Arrange(_) | DrawerCommand::Show(_) | DrawerCommand::Tall(_),
+        )
+        | WindowCommand::CloseFinder
+        | WindowCommand::FinderText(_)
+        | WindowCommand::FinderChoice(_)
+        | WindowCommand::CloseHelp => VIEW,
+    }
+}
+
+const fn passes(command: &PassCommand) -> Rules {
+    match command {
+        PassCommand::Select(_)
+        | PassCommand::Previous
+        | PassCommand::Next
+        | PassCommand::First
+        | PassCommand::Last
+        | PassCommand::Buffer(_)
+        | PassCommand::Side(_)
+        | PassCommand::Filter(_)
+        | PassCommand::PickRow(_)
+        | PassCommand::PointRow(_)
+        | PassCommand::OnCanvas(_)
+        | PassCommand::ShowCanvas
+        | PassCommand::Cancel
+        | PassCommand::Again
+        | PassCommand::Path(_)
+        | PassCommand::Export
+        // The passes are those of the whole run.
+        | PassCommand::Fault(_) => Rules {
+            reveals: true,
+            ..VIEW
+        },
+    }
+}
+
+const fn compare(command: CompareCommand) -> Rules {
+    match command {
+        CompareCommand::Start(_)
+        | CompareCommand::Keep
+        | CompareCommand::Swap
+        | CompareCommand::Close
+        | CompareCommand::LinkCameras(_)
+        | CompareCommand::LinkPlayback(_)
+        | CompareCommand::ShowDifferences(_)
+        // The second run may be the question's own, made again.
+        | CompareCommand::GoToDivergence => Rules {
+            ends_tour: true,
+            ..REVEALING
+        },
+    }
+}
+
+const fn analysis(command: &AnalysisCommand) -> Rules {
+    // Only the moment that is shown is measured.
+    match command {
+        AnalysisCommand::Stop
+        | AnalysisCommand::Resume
+        | AnalysisCommand::Clear
+        | AnalysisCommand::Brush(_) => VIEW,
+    }
+}
+
+const fn file(command: &FileCommand) -> Rules {
+    // Pages choose files of their visitors by dialogs of their own, not by those of a frame.
+    match command {
+        FileCommand::Sheet(_)
+        | FileCommand::Close
+        | FileCommand::Path(_)
+        | FileCommand::Browse
+        | FileCommand::Chosen(_)
+        | FileCommand::Go
+        | FileCommand::Cancel
+        | FileCommand::Open(_)
+        | FileCommand::Last
+        | FileCommand::Dropped(_)
+        | FileCommand::DroppedBytes(..) => REVEALING,
+    }
+}
+
+const fn export(command: &ExportCommand) -> Rules {
+    match command {
+        ExportCommand::Open(_)
+        | ExportCommand::Close
+        | ExportCommand::Choose(_)
+        | ExportCommand::Path(_)
+        | ExportCommand::Precision(_)
+        | ExportCommand::Type(..)
+        | ExportCommand::Print(_)
+        | ExportCommand::Legend(_)
+        | ExportCommand::WholeRun(_)
+        | ExportCommand::Clock(_)
+        | ExportCommand::Browse
+        | ExportCommand::Write
+        | ExportCommand::Cancel => REVEALING,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_that_make_or_show_another_run_reveal_and_moves_in_time_do_not() {
+        assert!(Command::Run.rules().reveals);
+        assert!(Command::Form(FormCommand::Reset).rules().reveals);
+        assert!(!Command::Time(TimeCommand::LastStage).rules().reveals);
+        for (answers, reveals) in [(true, true), (false, false)] {
+            let handout = TalkCommand::Handout {
+                answers,
+                notes: false,
+                path: None,
+            };
+            assert_eq!(Command::Talk(handout).rules().reveals, reveals);
+        }
+    }
+
+    #[test]
+    fn keys_in_an_embedded_window_open_only_what_it_shows() {
+        assert!(Command::Time(TimeCommand::StepForward).rules().in_frame);
+        assert!(
+            Command::View(Which::First, ViewCommand::Fit)
+                .rules()
+                .in_frame
+        );
+        for command in [
+            Command::Window(WindowCommand::ToggleFinder),
+            Command::View(Which::First, ViewCommand::Inspect),
+            Command::View(Which::Second, ViewCommand::Fit),
+        ] {
+            assert!(!command.rules().in_frame, "{command:?}");
+        }
+    }
+}

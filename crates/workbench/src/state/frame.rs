@@ -1,0 +1,132 @@
+//! The window and the state: what the window tells at the beginning of a frame, what it restores at its start, and what it is
+//! asked to do for the state. Everything else goes through commands.
+
+use std::path::PathBuf;
+
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::look::Look;
+
+use super::{FullScreen, Notice, State};
+use crate::embedding::Embedding;
+use crate::files::Delivery;
+use crate::layout::Layout;
+use crate::lessons::ResultsToStore;
+
+/// What the window knows at the beginning of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameStart {
+    /// The time in seconds since 1970.
+    pub now: f64,
+    /// Whether the window fills the screen, where the system tells.
+    pub is_full: Option<bool>,
+}
+
+/// The settings of an earlier use of the program. What is `None` stays as it is.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// The layout of the panels.
+    pub layout: Option<Layout>,
+    /// The paths of the files that were opened or saved last, the newest first.
+    pub recent: Option<Vec<String>>,
+    /// The look.
+    pub look: Option<Look>,
+    /// Whether the bar at the top is left out, as in pictures of panels.
+    pub is_bare: Option<bool>,
+    /// The user's choice of reduced motion, `Some(None)` if the system's preference counts.
+    pub reduced_motion: Option<Option<bool>>,
+}
+
+/// What the window is asked to do. A request is taken once.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Requests {
+    /// A text for the clipboard.
+    pub copied: Option<String>,
+    /// A folder for the system's file manager.
+    pub folder: Option<PathBuf>,
+    /// Files for the browser to download.
+    pub downloads: Vec<NamedBytes>,
+    /// Whether to enter or leave full screen.
+    pub turns_full_screen: bool,
+    /// Whether to close the window.
+    pub quits: bool,
+}
+
+impl State {
+    /// Takes what the window knows at the beginning of a frame.
+    pub fn begin_frame(&mut self, start: FrameStart) {
+        self.lessons.now = start.now;
+        self.window.is_full = start.is_full;
+    }
+
+    /// Restores the settings of an earlier use of the program.
+    pub fn restore(&mut self, settings: Settings) {
+        if let Some(layout) = settings.layout {
+            self.window.layout = layout;
+        }
+        if let Some(recent) = settings.recent {
+            self.files.recent = recent;
+        }
+        if let Some(is_bare) = settings.is_bare {
+            self.window.bare = is_bare;
+        }
+        if let Some(look) = settings.look {
+            self.appearance.choose_look(look);
+        }
+        if let Some(chosen) = settings.reduced_motion {
+            self.appearance.choose_motion(chosen);
+            self.end_flights();
+        }
+    }
+
+    /// Begins on a page of this address, without its fragment, with lessons in this language.
+    pub fn begin_at(&mut self, address: Option<String>, language: String) {
+        self.links.base = address;
+        self.lessons.on_page = true;
+        self.lessons.language = language;
+    }
+
+    /// From now on shows only a part of the window, embedded in another page, or the whole window.
+    pub fn embed(&mut self, embedding: Option<Embedding>) {
+        self.window.embedding = embedding;
+    }
+
+    /// From now on written files go there.
+    pub fn deliver(&mut self, delivery: Delivery) {
+        self.files.delivery = delivery;
+    }
+
+    /// Returns what the window is asked to do, each request once.
+    pub fn take_requests(&mut self) -> Requests {
+        let turns_full_screen = self.window.full_screen == FullScreen::Asked;
+        if turns_full_screen {
+            self.window.full_screen = FullScreen::Free;
+        }
+        Requests {
+            copied: self.links.copied.take(),
+            folder: self.files.folder_to_open.take(),
+            downloads: std::mem::take(&mut self.files.downloads),
+            turns_full_screen,
+            quits: std::mem::take(&mut self.window.quits),
+        }
+    }
+
+    /// Shows a notice about something that the window could not do.
+    pub fn report(&mut self, error: String) {
+        self.messages.notice = Some(Notice::new(error, true));
+    }
+
+    /// Puts another notice, or none, in place of the one that is shown, which is returned.
+    pub(crate) fn exchange_notice(&mut self, notice: Option<Notice>) -> Option<Notice> {
+        std::mem::replace(&mut self.messages.notice, notice)
+    }
+
+    /// Adds results of lessons that were stored to those of this window. Returns false if they cannot be read.
+    pub fn take_results(&mut self, stored: &str) -> bool {
+        self.lessons.take_stored(stored)
+    }
+
+    /// Returns what is to be put into the store, which contains `stored`, if there are new results.
+    pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
+        self.lessons.store_results(stored)
+    }
+}
