@@ -200,7 +200,7 @@ function answers(question) {
         const name = `${decimals(low, 2)} \u2013 ${decimals(high, 2)} / r`;
         return make("div", { class: "row", role: "group", "aria-label": name }, make("span", { class: "band" }, name), ...changes);
       });
-      return [plot(question.curves), ...rows];
+      return [plot(question.curves), muted(words.bands), ...rows];
     }
     default:
       return [];

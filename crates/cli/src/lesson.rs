@@ -147,7 +147,9 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
         LessonCommand::Check(arguments) => return check_all(arguments, window),
         LessonCommand::New { file } => new(file)?,
         // The program opens the window before commands are run.
-        LessonCommand::Play { lesson, .. } => bail!("there is no display to play {lesson} on"),
+        LessonCommand::Play { lesson, .. } => bail!(
+            "{lesson} is played in the window, and there is none: there is no display, or this build has no window"
+        ),
         LessonCommand::Handout(arguments) => handout(arguments, window)?,
         LessonCommand::From { session, out } => from(session, out.as_deref(), window)?,
         LessonCommand::List => list()?,
@@ -320,67 +322,95 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
         let read = arguments.files.iter().map(|file| Source::of_file(file));
         read.collect::<Result<_>>()?
     };
+
     let (mut objects, mut text, mut is_fine) = (Vec::new(), String::new(), true);
     for source in sources {
-        let name = source.name;
-        let lesson = match source.lesson {
-            Ok(lesson) => lesson,
-            Err(error) => {
-                is_fine = false;
-                let fault = at(&name, &error);
-                let _ = writeln!(text, "{fault}");
-                objects.push(json!({ "file": name, "faults": [fault] }));
-                continue;
-            }
-        };
-        let found = checked(&lesson, arguments.seeds)?;
-        let (leaks, unsearched) = match (window.leaks)(&lesson.name, &source.text) {
-            Ok(leaks) => (leaks, None),
-            Err(why) => {
-                let warning = format!(
-                    "{name}: warning: the texts of the window are not searched for answers: {why}"
-                );
-                (Vec::new(), Some(warning))
-            }
-        };
-        let faults = found.faults.iter().chain(&leaks);
-        let mut faults: Vec<String> = faults.map(|fault| at(&name, fault)).collect();
-        let original = lesson.texts().concat();
-        let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
-        warnings.extend(unsearched);
-        for (name, translation) in source.translations {
-            if let Ok(translation) = &translation {
-                let texts = lesson.texts();
-                let said: String = texts.iter().map(|text| translation.of(text)).collect();
-                warnings.extend(letters_warning(&name, &said));
-            }
-            faults.extend(faults_of_translation(&name, translation, &lesson));
-        }
-        is_fine &= faults.is_empty();
-        text.extend(
-            faults
-                .iter()
-                .chain(&warnings)
-                .map(|line| format!("{line}\n")),
-        );
-        let (steps, gates) = (lesson.steps.len(), lesson.gates().count());
-        let _ = writeln!(
-            text,
-            "{name}: {steps} steps, {gates} questions, asked {} times; \
-             scores: perfect {:.2}, guessing {:.2}, misconceived {:.2}{}",
-            found.questions,
-            found.perfect,
-            found.guessing,
-            found.misconceived,
-            if faults.is_empty() { "" } else { "; NOT FINE" },
-        );
-        objects.push(json!({
-            "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults, "warnings": warnings,
-            "perfect": found.perfect, "guessing": found.guessing, "misconceived": found.misconceived,
-        }));
+        let report = reported(source, arguments.seeds, window)?;
+        is_fine &= report.is_fine;
+        text += &report.text;
+        objects.push(report.object);
     }
+
     output::report(arguments.json, || json!(objects), || text)?;
     Ok(verdict_code(is_fine))
+}
+
+/// What is reported of one lesson.
+struct Report {
+    /// A line for each fault and each warning, then the lesson's numbers.
+    text: String,
+    /// The same for programs.
+    object: Value,
+    /// Whether there is no fault.
+    is_fine: bool,
+}
+
+/// Checks a lesson and its translations.
+///
+/// # Errors
+///
+/// The check was interrupted.
+fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
+    let name = source.name;
+    let lesson = match source.lesson {
+        Ok(lesson) => lesson,
+        Err(error) => {
+            let fault = at(&name, &error);
+            return Ok(Report {
+                text: format!("{fault}\n"),
+                object: json!({ "file": name, "faults": [fault] }),
+                is_fine: false,
+            });
+        }
+    };
+    let found = checked(&lesson, seeds)?;
+    let original = lesson.texts().concat();
+    let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
+
+    // Without a window the other rules are checked all the same, and the author learns which one was not.
+    let leaks = (window.leaks)(&lesson.name, &source.text).unwrap_or_else(|why| {
+        warnings.push(format!(
+            "{name}: warning: the texts of the window are not searched for answers: {why}"
+        ));
+        Vec::new()
+    });
+    let faults = found.faults.iter().chain(&leaks);
+    let mut faults: Vec<String> = faults.map(|fault| at(&name, fault)).collect();
+
+    for (name, translation) in source.translations {
+        if let Ok(translation) = &translation {
+            let texts = lesson.texts();
+            let said: String = texts.iter().map(|text| translation.of(text)).collect();
+            warnings.extend(letters_warning(&name, &said));
+        }
+        faults.extend(faults_of_translation(&name, translation, &lesson));
+    }
+
+    let mut text = String::new();
+    for line in faults.iter().chain(&warnings) {
+        let _ = writeln!(text, "{line}");
+    }
+    let is_fine = faults.is_empty();
+    let (steps, gates) = (lesson.steps.len(), lesson.gates().count());
+    let _ = writeln!(
+        text,
+        "{name}: {steps} steps, {gates} questions, asked {} times; \
+         scores: perfect {:.2}, guessing {:.2}, misconceived {:.2}{}",
+        found.questions,
+        found.perfect,
+        found.guessing,
+        found.misconceived,
+        if is_fine { "" } else { "; NOT FINE" },
+    );
+    let object = json!({
+        "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults, "warnings": warnings,
+        "perfect": found.perfect, "guessing": found.guessing, "misconceived": found.misconceived,
+    });
+    Ok(Report {
+        text,
+        object,
+        is_fine,
+    })
 }
 
 /// Returns the faults of a translation, and the texts of the lesson that it lacks.
@@ -605,5 +635,46 @@ fn gains_text(merged: &Merged, file: &Path) -> Result<String> {
         "csv" => Ok(gains.csv()?),
         "html" => gain_page::html(&gains),
         _ => bail!("--gain {path}: the file must end in .csv, or in .html for a page"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_without_a_window_says_that_the_texts_of_the_window_are_not_searched() {
+        let text =
+            "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.1\nleaf: 6\n```\nWords.\n";
+        let with = |leaks: fn(&str, &str) -> Result<Vec<LessonError>, String>| {
+            let source = Source {
+                name: "t.md".to_owned(),
+                lesson: Lesson::read("t", text),
+                text: text.to_owned(),
+                translations: Vec::new(),
+            };
+            let window = FromWindow {
+                script: |_, _, _, _| Ok(None),
+                handout: |_| Err(String::new()),
+                lesson_of_session: |_| Err(String::new()),
+                leaks,
+            };
+            reported(source, 1, window).expect("no interruption")
+        };
+        let without = with(|_, _| Err("this build has no window".to_owned()));
+        let warning = "t.md: warning: the texts of the window are not searched for answers: this build has no window";
+        assert!(
+            without.text.lines().any(|line| line == warning),
+            "{}",
+            without.text
+        );
+        assert_eq!(without.object["warnings"], json!([warning]));
+
+        // The control: with a window there is no warning, and what it finds is a fault.
+        let silent = with(|_, _| Ok(Vec::new()));
+        assert!(!silent.text.contains("warning"), "{}", silent.text);
+        let leaking = with(|_, _| Ok(vec![LessonError::new(7, "it tells".to_owned())]));
+        assert!(leaking.text.lines().any(|line| line == "t.md:7: it tells"));
+        assert_eq!((silent.is_fine, leaking.is_fine), (without.is_fine, false));
     }
 }

@@ -18,7 +18,8 @@ pub struct Labelled {
 
 impl Labelled {
     /// Returns the square around the circle.
-    fn ring(&self) -> Rect {
+    #[must_use]
+    pub fn ring(&self) -> Rect {
         Rect::from_center_size(self.at, Vec2::splat(2.0 * self.radius))
     }
 

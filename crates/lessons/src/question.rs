@@ -12,6 +12,9 @@ use crate::lesson::{ChoiceOption, Gate, GateKind, Text};
 use crate::scene::Scene;
 use crate::sets::{self, PointSet, position};
 
+/// The largest share by which the power of a band may change and still count as the same. The panel names it.
+const SAME: f64 = 0.15;
+
 /// How far from a right place an answer still scores, in r.
 const PLACE_REACH: f64 = 0.5;
 /// The most samples in the list of a question.
@@ -445,7 +448,8 @@ impl Question {
         let change = |band: &[f64; 2]| {
             let ((a, a_error), (b, b_error)) =
                 (sets::mean(&before, *band), sets::mean(&after, *band));
-            let noise = (3.0 * a_error.hypot(b_error)).max(0.15 * a.max(b));
+            // A smaller change is not to be seen in the curves, even where it is no noise.
+            let noise = (3.0 * a_error.hypot(b_error)).max(SAME * a.max(b));
             if (b - a).abs() <= noise {
                 Change::Same
             } else if b > a {

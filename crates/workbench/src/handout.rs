@@ -199,6 +199,7 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
         }
         Form::Bands { bands, curves } => {
             html.push_str(&plot(&[&curves[0]]));
+            let _ = writeln!(html, "<p>{}</p>", escape(labels.bands));
             let rows = bands.iter().map(|[low, high]| {
                 let changes = Change::ALL.map(|change| labels.change(change));
                 format!("{low:.2} \u{2013} {high:.2} / r: {}", changes.join(" / "))

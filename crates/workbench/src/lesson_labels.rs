@@ -65,6 +65,7 @@ pub struct LessonLabels {
     pub cut: &'static str,
     pub vertical: &'static str,
     pub horizontal: &'static str,
+    pub bands: &'static str,
     pub up: &'static str,
     pub same: &'static str,
     pub down: &'static str,

@@ -54,11 +54,11 @@ const SIZES: [f32; 2] = [14.5, 17.0];
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let is_here = state.lessons.open.is_some() || state.lessons.lists;
-    if !is_here || state.lessons.on_page {
+    let is_here = state.lessons().open.is_some() || state.lessons().lists;
+    if !is_here || state.lessons().on_page {
         return;
     }
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let frame = Frame::new()
         .fill(palette.panel)
         .inner_margin(Margin::symmetric(16, 12));
@@ -69,19 +69,24 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         egui::Panel::bottom("lesson below").exact_size(height_below(ui, state).round())
     };
     panel.resizable(false).frame(frame).show(ui, |ui| {
-        let scroll = ScrollArea::vertical()
+        let mut scroll = ScrollArea::vertical()
             .id_salt("lesson")
             .auto_shrink([false, false]);
+        // A step is read from its beginning; the verdict of the step before was further down.
+        if is_new_step(ui, state) {
+            scroll = scroll.vertical_scroll_offset(0.0);
+        }
+
         scroll.show(ui, |ui| {
             ui.set_max_width(ui.available_width() - 10.0);
-            match &state.lessons.open {
-                Some(open) if !state.lessons.lists => {
+            match &state.lessons().open {
+                Some(open) if !state.lessons().lists => {
                     let mut panel = LessonPanel {
                         state,
                         open,
                         labels: labels(state),
                         palette,
-                        size: SIZES[usize::from(state.appearance.look.is_projector())],
+                        size: SIZES[usize::from(state.appearance().look.is_projector())],
                         commands,
                     };
                     panel.show(ui);
@@ -93,11 +98,24 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
+/// Returns whether this frame is the first one that shows this step of this lesson, or the list.
+fn is_new_step(ui: &Ui, state: &State) -> bool {
+    let lessons = state.lessons();
+    let open = lessons.open.as_ref().filter(|_| !lessons.lists);
+    let now = open.map(|open| (open.learner.lesson().name.clone(), open.learner.index()));
+    let id = ui.scope_id().with("shown step");
+    ui.data_mut(|data| {
+        let before = data.get_temp::<Option<(String, usize)>>(id);
+        data.insert_temp(id, now.clone());
+        before.is_some_and(|before| before != now)
+    })
+}
+
 /// Returns the height of the panel below the canvas: what the picture leaves. The list has no picture to go with it.
 fn height_below(ui: &Ui, state: &State) -> f32 {
     let room = ui.available_rect_before_wrap();
     let most = BELOW * room.height();
-    if state.lessons.lists {
+    if state.lessons().lists {
         return most;
     }
     let above = vec2(room.width(), room.height() - most);
@@ -108,7 +126,7 @@ fn height_below(ui: &Ui, state: &State) -> f32 {
 
 /// Returns the words of the learner's language.
 fn labels(state: &State) -> &'static LessonLabels {
-    lesson_labels(&state.lessons.language)
+    lesson_labels(&state.lessons().language)
 }
 
 fn issue(commands: &mut Vec<Command>, command: LessonCommand) {
@@ -167,7 +185,7 @@ impl LessonPanel<'_> {
             divide(ui, self.palette);
             self.question(ui, question);
         }
-        if let Some(outcome) = self.state.lessons.outcome() {
+        if let Some(outcome) = self.state.lessons().outcome() {
             divide(ui, self.palette);
             self.outcome(ui, outcome);
         }
@@ -207,7 +225,7 @@ impl LessonPanel<'_> {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for (index, step) in lesson.steps.iter().enumerate() {
-                let lessons = &self.state.lessons;
+                let lessons = self.state.lessons();
                 let gate = step.gate.as_ref();
                 let score = gate.and_then(|gate| lessons.shown_score(lesson, &gate.name));
                 let is_here = index == learner.index();
@@ -331,7 +349,7 @@ impl LessonPanel<'_> {
             _ => self.palette.conflict,
         };
         ui.add_space(6.0);
-        if let Some(verdict) = self.open.verdict(&self.state.lessons.language) {
+        if let Some(verdict) = self.open.verdict(&self.state.lessons().language) {
             let font = FontId::new(self.size, semibold());
             let label = ui.label(RichText::new(verdict).font(font).color(color));
             read_out(ui, &label);
@@ -433,7 +451,7 @@ impl LessonPanel<'_> {
 
 /// Shows the button that changes the language.
 fn language(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let (name, id) = match state.lessons.language.as_str() {
+    let (name, id) = match state.lessons().language.as_str() {
         "de" => ("EN", "en"),
         _ => ("DE", "de"),
     };

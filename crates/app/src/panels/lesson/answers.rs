@@ -274,10 +274,11 @@ impl Answers<'_> {
     ) {
         let shown = curves.iter().take(if is_open { 1 } else { 2 });
         curves::show(ui, &shown.collect::<Vec<_>>(), self.plot, self.palette);
+        self.muted(ui, self.labels.bands);
         for (index, [low, high]) in bands.iter().enumerate() {
-            // A row wider than the panel would push it over the canvas.
+            // In one row with its choices, the mark of the right one would push the last one into a row of its own.
+            ui.label(ui.words(format!("{low:.2} \u{2013} {high:.2} / r")));
             ui.horizontal_wrapped(|ui| {
-                ui.label(ui.words(format!("{low:.2} \u{2013} {high:.2} / r")));
                 let chosen = self.open.draft.bands.get(index).copied().flatten();
                 let right = self.open.right_change(index);
                 for change in Change::ALL {

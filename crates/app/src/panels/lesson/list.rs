@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     ui.add(Label::new(RichText::new(labels(state).intro).color(palette.muted)).wrap());
     ui.add_space(6.0);
     let mut forms = Vec::new();
-    for (index, shipped) in state.lessons.shelf.iter().enumerate() {
+    for (index, shipped) in state.lessons().shelf.iter().enumerate() {
         // Tests read every shipped lesson, so this does not fail.
         let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
             continue;
@@ -71,13 +71,13 @@ fn entry(
     commands: &mut Vec<Command>,
 ) {
     let german = tilescope_lessons::Translation::read(&shipped.german).ok();
-    let german = german.filter(|_| state.lessons.language == "de");
+    let german = german.filter(|_| state.lessons().language == "de");
     let words = |text: &str| match &german {
         Some(german) => german.of(text).to_owned(),
         None => text.to_owned(),
     };
     let gates = lesson.gates().count();
-    let results = &state.lessons.results;
+    let results = &state.lessons().results;
     let is_done = |gate: &str| results.of_gate(&shipped.name, gate).is_some();
     let done = lesson.gates().filter(|(_, gate)| is_done(&gate.name));
     let done = done.count();
@@ -112,7 +112,7 @@ fn entry(
 
 /// Shows how many results are kept on this device, and the buttons that save or clear them.
 fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
-    let results = &state.lessons.results;
+    let results = &state.lessons().results;
     let labels = labels(state);
     heading(ui, labels.results);
     let count = results.entries.len();
@@ -148,13 +148,13 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
             let id = format_args!("lesson-save-{format}");
             ui.button(name).issues(id, command, commands);
         }
-        if !state.lessons.asks_to_clear {
+        if !state.lessons().asks_to_clear {
             let clear = Command::Lesson(LessonCommand::ClearResults);
             ui.button(labels.clear)
                 .issues("lesson-clear", clear, commands);
         }
     });
-    if state.lessons.asks_to_clear {
+    if state.lessons().asks_to_clear {
         ask_to_clear(ui, state, palette, commands);
     }
 }

@@ -19,10 +19,10 @@ const MARGIN: f32 = 3.0;
 
 /// Shows the marks of the current step, each as its image nearest to the middle of the view.
 pub fn show(ui: &Ui, state: &State) {
-    let Some(open) = &state.lessons.open else {
+    let Some(open) = &state.lessons().open else {
         return;
     };
-    let run = &state.runs.first;
+    let run = &state.runs().first;
     let (Some(session), viewport) = (&run.session, run.viewport) else {
         return;
     };
@@ -34,15 +34,20 @@ pub fn show(ui: &Ui, state: &State) {
     let is_periodic = session.run().domain.is_periodic();
     let overlay = Overlay {
         painter: ui.ctx().layer_painter(layer).with_clip_rect(viewport),
-        palette: Palette::of(state.appearance.look),
+        palette: Palette::of(state.appearance().look),
         viewport,
         camera: run.camera,
         period: is_periodic.then(|| session.size_radii()),
     };
     overlay.cuts(open);
-    let mut grounds = overlay.circles(ui, open);
-    grounds.extend(overlay.strips(ui, open));
-    overlay.marks(&open.marks(), &grounds);
+    let edge = overlay.strips(open);
+    let mut taken = overlay.circles(ui, open);
+    taken.extend(overlay.marks(&open.marks(), &taken));
+
+    // Marks have few places for their labels, the width of a strip may stand on any side of its corner: it comes last.
+    if let Some((corner, width)) = edge {
+        overlay.strip_label(corner, ui.words(format!("{width} r")), &taken);
+    }
 }
 
 /// The layer of the marks, and where places of the domain are on it.
@@ -102,11 +107,10 @@ impl Overlay {
         circles.collect()
     }
 
-    /// Draws lines inside the blocks at the distance from their edges that the question is about, once it is closed; the line
-    /// nearest to the middle says how far. Returns the ground of that label.
-    fn strips(&self, ui: &Ui, open: &OpenLesson) -> Option<Rect> {
+    /// Draws lines inside the blocks at the distance from their edges that the question is about, once it is closed. Returns
+    /// the place on these lines that is nearest to the middle of the view, for the label, and the distance in r.
+    fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
         let (blocks, width) = open.strips()?;
-        let color = self.palette.inserted;
         let drawn = blocks.into_iter().map(|[low, high]| {
             // Both corners of the same copy.
             let middle = 0.5 * (low + high);
@@ -114,7 +118,7 @@ impl Overlay {
             Rect::from_two_pos(self.fixed(low), self.fixed(high)).translate(by)
         });
         let drawn: Vec<Rect> = drawn.collect();
-        let stroke = Stroke::new(2.0, color);
+        let stroke = Stroke::new(2.0, self.palette.inserted);
         for block in &drawn {
             self.painter
                 .rect_stroke(*block, 0.0, stroke, StrokeKind::Middle);
@@ -123,13 +127,24 @@ impl Overlay {
         let middle = self.viewport.center();
         let away = |block: &&Rect| block.distance_to_pos(middle);
         let nearest = drawn.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
-        let corner = nearest.clamp(middle);
-        let label = ui.words(format!("{width} r"));
-        Some(self.label(corner + vec2(4.0, 2.0), label, color))
+        Some((nearest_on_edge(nearest, middle), width))
     }
 
-    /// Draws marks with their labels, or as crosses where they have none. Labels keep clear of the rectangles `taken`.
-    fn marks(&self, marks: &[Mark], taken: &[Rect]) {
+    /// Writes the width of a strip beside a place on its line, where it covers least of the rectangles `taken`.
+    fn strip_label(&self, at: Pos2, label: String, taken: &[Rect]) {
+        let labelled = Labelled {
+            at,
+            radius: 2.0,
+            size: self.ground(&label),
+        };
+        let place = places(&[labelled], taken, self.viewport)[0];
+        let color = self.palette.inserted;
+        self.label(place.min + vec2(MARGIN, 0.0), label, color);
+    }
+
+    /// Draws marks with their labels, or as crosses where they have none. Labels keep clear of the rectangles `taken`. Returns
+    /// the rectangles around the marks and their labels.
+    fn marks(&self, marks: &[Mark], taken: &[Rect]) -> Vec<Rect> {
         // Of a mark beyond the border a part may be in view.
         let near = self.viewport.expand(20.0);
         let marks = marks
@@ -146,7 +161,7 @@ impl Overlay {
             .collect();
         let places = places(&labelled, taken, self.viewport);
 
-        for ((mark, at), place) in drawn.into_iter().zip(places) {
+        for (&(mark, at), place) in drawn.iter().zip(&places) {
             let (stroke, radius) = self.stroke(mark.kind);
             self.painter.circle_stroke(at, radius, stroke);
             if mark.label.is_empty() {
@@ -162,6 +177,7 @@ impl Overlay {
                 );
             }
         }
+        labelled.iter().map(Labelled::ring).chain(places).collect()
     }
 
     /// Returns the stroke and the radius of a mark.
@@ -198,4 +214,20 @@ impl Overlay {
         self.painter.galley(corner, galley, color);
         back
     }
+}
+
+/// Returns the place on the edge of a rectangle that is nearest to another place.
+fn nearest_on_edge(rect: &Rect, at: Pos2) -> Pos2 {
+    if !rect.contains(at) {
+        return rect.clamp(at);
+    }
+    let sides = [
+        pos2(rect.left(), at.y),
+        pos2(rect.right(), at.y),
+        pos2(at.x, rect.top()),
+        pos2(at.x, rect.bottom()),
+    ];
+    let away = |side: &Pos2| side.distance_sq(at);
+    let nearest = sides.into_iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+    nearest.unwrap_or(at)
 }

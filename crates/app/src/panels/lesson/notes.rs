@@ -26,10 +26,10 @@ const SIZES: [f32; 3] = [16.0, 19.0, 26.0];
 
 /// Shows the notes.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let (Some(talk), Some(open)) = (&state.talks.open, &state.lessons.open) else {
+    let (Some(talk), Some(open)) = (&state.talks().open, &state.lessons().open) else {
         return;
     };
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     // The zoom of the stage holds for all windows: the notes divide every size by it.
     let k = 1.0 / ui.ctx().zoom_factor();
     let margin = Margin::same((14.0 * k).round() as i8);
@@ -135,7 +135,7 @@ impl Notes<'_> {
 
     /// Shows the clock, the time since the talk began and the time planned for it, and the current step.
     fn bar(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let now = self.state.lessons.now;
+        let now = self.state.lessons().now;
         let learner = &self.open.learner;
         let [before, this, all] = self.talk.planned_secs(learner.index());
         let elapsed = now - self.talk.begun;
@@ -204,7 +204,7 @@ impl Notes<'_> {
             }
             let side = 16.0 * self.k;
             let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
-            let dark = self.state.appearance.look.is_dark();
+            let dark = self.state.appearance().look.is_dark();
             ui.painter()
                 .rect_filled(rect, 3.0 * self.k, pen_color(talk.color, dark));
             if swatch
@@ -225,17 +225,17 @@ impl Notes<'_> {
                 let open = TalkCommand::OpenStage;
                 button(ui, "Open the stage (F5)", "notes-stage", open, commands);
             }
-            let mut is_kept = self.state.talks.is_kept;
+            let mut is_kept = self.state.talks().is_kept;
             let kept = ui.checkbox(&mut is_kept, ui.words("Keep drawings and votes"));
             let hint = "They are saved with the session and printed in handouts.";
             if kept.on_hover_text(ui.words(hint)).changed() {
                 commands.push(Command::Talk(TalkCommand::Keep(is_kept)));
             }
         });
-        if self.state.links.base.is_none() {
+        if self.state.links().base.is_none() {
             ui.horizontal(|ui| {
                 self.muted(ui, ui.words("Address of the page for phones:"));
-                let mut address = self.state.talks.address.clone();
+                let mut address = self.state.talks().address.clone();
                 let field = TextEdit::singleline(&mut address).hint_text("https://\u{2026}/");
                 if ui.add(field.desired_width(260.0 * self.k)).changed() {
                     commands.push(Command::Talk(TalkCommand::Address(address)));
@@ -289,7 +289,7 @@ impl Notes<'_> {
     /// Shows the field for a vote of the class, the votes so far, and what they suggest.
     fn votes(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let key = self.state.talk_key();
-        let votes = self.state.talks.record.votes_on(&key);
+        let votes = self.state.talks().record.votes_on(&key);
         let id = Id::unique("vote that is typed").with(&key);
         let mut typed = ui
             .data(|data| data.get_temp::<String>(id))
@@ -361,7 +361,7 @@ impl Notes<'_> {
         };
         self.muted(ui, ui.words("Next"));
         self.heading(ui, &title);
-        match self.state.next_picture.drawn() {
+        match self.state.next_picture().drawn() {
             Some(picture) => self.picture(ui, picture),
             None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
             _ => self.muted(ui, ui.words("Its picture is being drawn\u{2026}")),

@@ -44,7 +44,7 @@ const LASER: [f32; 2] = [5.0, 11.0];
 /// Returns the palette of the stage: text has a contrast of at least 7 to its background.
 #[must_use]
 pub fn palette_of(state: &State) -> Palette {
-    let palette = *Palette::of(state.appearance.look);
+    let palette = *Palette::of(state.appearance().look);
     let accent = if palette.dark {
         palette.accent
     } else {
@@ -59,7 +59,7 @@ pub fn palette_of(state: &State) -> Palette {
 
 /// Shows the stage.
 pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
-    let (Some(talk), Some(open)) = (&state.talks.open, &state.lessons.open) else {
+    let (Some(talk), Some(open)) = (&state.talks().open, &state.lessons().open) else {
         return;
     };
     hide_pointer(ui, talk);
@@ -99,7 +99,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     });
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
         canvas.show(ui, &CanvasContext::of(state), commands);
-        let rect = state.runs.first.viewport;
+        let rect = state.runs().first.viewport;
         point(ui, state, talk, rect, commands);
         draw(ui, state, talk, rect);
     });
@@ -190,7 +190,7 @@ impl Slide<'_> {
                 .known_as("stage-vote");
         }
         let key = self.state.talk_key();
-        if let [first, second] = self.state.talks.record.votes_on(&key) {
+        if let [first, second] = self.state.talks().record.votes_on(&key) {
             self.votes(ui, question, [first, second]);
         }
         let feedback = open.feedback.as_ref();
@@ -289,7 +289,7 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
     }
     // An area over the canvas takes the drag, which would move the picture otherwise.
     let response = ui.interact(rect, Id::unique("laser and pen"), Sense::click_and_drag());
-    let camera = &state.runs.first.camera;
+    let camera = &state.runs().first.camera;
     let position = |pos: Pos2| -> [f64; 2] { camera.domain_from_screen(rect, pos).into() };
     let at = response.interact_pointer_pos().or(response.hover_pos());
     let at = at.filter(|pos| rect.contains(*pos));
@@ -320,8 +320,8 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
 
 /// Draws the lines drawn on this step, the laser's dot, and the tip of the pen.
 fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
-    let camera = &state.runs.first.camera;
-    let dark = state.appearance.look.is_dark();
+    let camera = &state.runs().first.camera;
+    let dark = state.appearance().look.is_dark();
     let layer = LayerId::new(Order::Middle, Id::unique("lines of the talk"));
     let painter = ui.ctx().layer_painter(layer).with_clip_rect(rect);
     let screen = |at: [f64; 2]| camera.screen_from_domain(rect, DVec2::from(at));
@@ -352,7 +352,7 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
 /// Shows the QR code of the link to this step, and the link in letters below it.
 fn code(ui: &Ui, state: &State) {
     let address = state.talk_address();
-    let rect = state.runs.first.viewport;
+    let rect = state.runs().first.viewport;
     let modules = tilescope_workbench::talk::code(&address);
     egui::Area::new(Id::unique("code for phones"))
         .order(Order::Foreground)
