@@ -8,10 +8,10 @@ use std::fs;
 use std::path::Path;
 
 /// What each module imports.
-type Graph = BTreeMap<String, BTreeSet<String>>;
+pub type Graph = BTreeMap<String, BTreeSet<String>>;
 
 /// Returns the files of a folder with their paths in `src`, except those of tests.
-fn sources(folder: &Path, above: &str) -> Vec<(String, String)> {
+pub fn sources(folder: &Path, above: &str) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder of sources") {
         let path = entry.expect("an entry").path();
@@ -31,7 +31,7 @@ fn sources(folder: &Path, above: &str) -> Vec<(String, String)> {
 
 /// Returns the code without comments and without items under `#[cfg(test)]`, whose last line has, by rustfmt, the same
 /// indentation as the first.
-fn product(text: &str) -> String {
+pub fn product(text: &str) -> String {
     let indent = |line: &str| line.len() - line.trim_start().len();
     let mut code = String::new();
     let mut test: Option<usize> = None;
@@ -73,7 +73,7 @@ fn heads(path: &str) -> Vec<&str> {
 }
 
 /// Returns which top-level modules import which.
-fn graph(sources: &[(String, String)]) -> Graph {
+pub fn graph(sources: &[(String, String)]) -> Graph {
     let top = |name: &str| name.split('/').next().unwrap_or_default().to_owned();
     let is_root = |name: &str| name == "lib" || name == "main";
     let modules = sources.iter().map(|(name, _)| top(name));

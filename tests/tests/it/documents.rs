@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use tilescope_session::glossary::TERMS;
 
 use crate::arrows::{CrateMap, map};
+use crate::circles::{graph, sources};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -19,7 +20,9 @@ fn root() -> PathBuf {
 fn documents() -> Vec<PathBuf> {
     let fixed = [
         "README.md",
+        ".github/CONTRIBUTING.md",
         "crates/README.md",
+        "crates/STYLE.md",
         "crates/cli/README.md",
         "crates/python/README.md",
         "crates/python/distributed.md",
@@ -217,7 +220,11 @@ fn replaced(document: &str, name: &str, part: &str) -> String {
 fn what_is_generated_is_up_to_date() {
     let path = root().join("crates/README.md");
     let document = fs::read_to_string(&path).expect("the document");
-    let new = replaced(&document, "picture", &picture(&map()));
+    let mut new = replaced(&document, "picture", &picture(&map()));
+    for name in ["core", "workbench"] {
+        let modules = graph(&sources(&root().join("crates").join(name).join("src"), ""));
+        new = replaced(&new, &format!("modules of {name}"), &picture(&modules));
+    }
     let new = replaced(&new, "glossary", &glossary());
     if std::env::var_os("TILESCOPE_RENEW").is_some() {
         fs::write(&path, &new).expect("the document, written");

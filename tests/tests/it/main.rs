@@ -2,12 +2,15 @@
 
 mod arrows;
 mod circles;
+mod commands;
 mod device;
 mod digests;
 mod documents;
 mod engines;
 mod instructions;
 mod numbers;
+mod packages;
+mod page;
 mod properties;
 mod support;
 mod words;
