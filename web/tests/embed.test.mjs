@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { once } from "node:events";
 import { after, test } from "node:test";
-import { PATIENCE_MS, changed, nothingElse, ready, serve, shows, state, until } from "./harness.mjs";
+import { PATIENCE_MS, changed, nothingElse, ready, serve, shows, slowTest, state, until } from "./harness.mjs";
 import { contextOf, host, makeContext, opened as openedAt } from "./shared.mjs";
 
 /** Serves one page on its own origin, which the page may contain. Returns the origin and a function that ends the server. */
@@ -177,7 +177,7 @@ test("a page of another origin loads, steps, seeks and asks", async (t) => {
   assert.ok(all.some(({ event }) => event === "state"));
 });
 
-test("a page of another origin opens a link, plays and pauses", async (t) => {
+slowTest("a page of another origin opens a link, plays and pauses", async (t) => {
   const { page, origin, told, done } = await reused(t);
   const { ok, dropped } = await answer(page, { do: "load", link: "v=1&seed=22&radius=0.03&at=900&clock=event&hologram=yes" }, origin);
   assert.equal(ok, true);
@@ -367,7 +367,7 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
   await shows(slide, { x: 100, y: 60, width: 400, height: 200 });
 });
 
-test("Tab leads through a frame, with a ring, and out of it", async (t) => {
+slowTest("Tab leads through a frame, with a ring, and out of it", async (t) => {
   const { page, frame } = await reused(t);
   await page.focus("#before");
   const press = async (key) => {
@@ -416,7 +416,7 @@ test("Tab leads through a frame, with a ring, and out of it", async (t) => {
   assert.notEqual(await focused(page), "frame");
 });
 
-test("the page around a frame scrolls by the wheel and by one finger; with Ctrl and by two fingers the run is zoomed", async (t) => {
+slowTest("the page around a frame scrolls by the wheel and by one finger; with Ctrl and by two fingers the run is zoomed", async (t) => {
   const { page, told } = await reused(t);
   await page.evaluate(() => (document.body.style.height = "3000px"));
   const scroll = () => page.evaluate(() => scrollY);

@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
-import { IS_SLOW, ask, folder, load, native, shows, state } from "./harness.mjs";
+import { IS_SLOW, ask, folder, load, native, shows, slowTest, state } from "./harness.mjs";
 import { opened, reused } from "./shared.mjs";
 
 /**
@@ -107,7 +107,9 @@ for (const engine of ["cpu", "gpu"]) {
     const made = await folder(t);
     const page = await sampling(t, engine);
     const seen = new Set();
-    for (const set of SETS) {
+    // Software computes as a GPU slowly.
+    const sets = engine === "gpu" && !IS_SLOW ? SETS.slice(0, 2) : SETS;
+    for (const set of sets) {
       const told = await load(page, link(set));
       assert.equal(told.parameters.radius, set.radius);
       assert.equal(told.verified, true);
@@ -117,7 +119,7 @@ for (const engine of ["cpu", "gpu"]) {
       seen.add(told.positions_digest);
     }
     // If all digests were equal, the comparison would prove nothing.
-    assert.equal(seen.size, SETS.length);
+    assert.equal(seen.size, sets.length);
     await shows(page, SMALL.clip);
   });
 }
@@ -145,9 +147,7 @@ const joined = async (t) => {
   const parts = shares.filter((share) => share < 0.5);
   assert.ok(parts.length >= 2 * 4, `two runs of windows are expected among ${shares}`);
 };
-if (IS_SLOW) {
-  test("windows that the GPU of the page joins give the points of the CPU", joined);
-}
+slowTest("windows that the GPU of the page joins give the points of the CPU", joined);
 
 test("one point of the GPU that is moved by one unit is found by the page", async (t) => {
   const { gpu, chosen } = await tested(t, { longest: SHORT, spoils: true });

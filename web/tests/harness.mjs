@@ -7,6 +7,7 @@ import { existsSync } from "node:fs";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
+import { test } from "node:test";
 import { setTimeout as delay } from "node:timers/promises";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
@@ -22,6 +23,15 @@ export const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/re
 
 /** Whether all cases are tested, also those that take long and rarely break: TILESCOPE_SLOW=1, as `tests/run --slow` sets it. */
 export const IS_SLOW = Boolean(process.env.TILESCOPE_SLOW);
+
+/**
+ * Declares a test that takes long and rarely breaks.
+ * @param {string} name
+ * @param {(t: import("node:test").TestContext) => Promise<void>} run
+ */
+export function slowTest(name, run) {
+  test(name, { skip: !IS_SLOW && "takes long: tests/run --slow runs it" }, run);
+}
 
 /** A timeout long enough for software renderers on a busy machine. */
 export const PATIENCE_MS = 300_000;

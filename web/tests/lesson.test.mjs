@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ask, state, until } from "./harness.mjs";
+import { ask, slowTest, state, until } from "./harness.mjs";
 import { contextOf } from "./shared.mjs";
 
 /** Opens a lesson at a size of the window. */
@@ -73,6 +73,40 @@ test("lesson 5 is done, from its first step to its last, by roles and names alon
   await button("Deutsch").click();
   await until("German", async () => (await ask.textContent()).startsWith("Punkt "));
   assert.equal(await lesson.getByRole("button", { name: "Antworten" }).count(), 1);
+});
+
+slowTest("every lesson and form can be played to its last step, by its buttons", async (t) => {
+  const { server, context } = await contextOf(t);
+  const page = await context.newPage();
+  await page.goto(`${server.address}/?engine=cpu#radius=0.05`);
+  await state(page, (told) => told.ready);
+  assert.equal((await ask(page, { do: "lesson", act: "list" })).ok, true);
+  const { lessons } = (await state(page, (told) => told.lesson?.list?.lessons.length > 0)).lesson.list;
+  assert.equal(lessons.length, 15);
+
+  const button = (name) => page.getByRole("complementary", { name: "Lesson" }).getByRole("button", { name, exact: true });
+  for (const { name, gates } of lessons) {
+    assert.equal((await ask(page, { do: "lesson", open: name })).ok, true);
+    let { lesson: told } = await state(page, (told) => told.lesson?.lesson === name && !told.lesson.waits);
+    let asked = 0;
+    for (;;) {
+      assert.equal(told.fault, null, `${name}/${told.step}`);
+      if (told.question?.open) {
+        asked += 1;
+        // Giving up is asked once more; a trace then goes on to its next question.
+        const { labels } = told;
+        const sure = told.form ? labels.skip : labels.show_answer;
+        await button(told.asked_to_give_up ? sure : labels.give_up).click();
+      } else if (told.index + 1 < told.steps.length) {
+        await button(told.labels.next).click();
+      } else {
+        break;
+      }
+      const before = JSON.stringify(told);
+      told = (await state(page, (now) => !now.lesson.waits && JSON.stringify(now.lesson) !== before)).lesson;
+    }
+    assert.ok(asked >= gates, `${name}: ${asked} of ${gates} questions`);
+  }
 });
 
 test("on a phone a lesson stands below the canvas, and its list leads to others", async (t) => {

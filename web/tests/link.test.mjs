@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, load, ready, shows, state } from "./harness.mjs";
+import { PATIENCE_MS, ask, load, ready, shows, slowTest, state } from "./harness.mjs";
 import { reused, started } from "./shared.mjs";
 
 /** Follows a link on a page. */
@@ -65,7 +65,7 @@ test("a link is opened that is followed just before the program writes its own",
   await state(page, (told) => told.ready && told.seed === 6 && told.verified !== null);
 });
 
-test("a link that is followed while a lost display is replaced is opened", async (t) => {
+slowTest("a link that is followed while a lost display is replaced is opened", async (t) => {
   const { page } = await started(t, "?engine=cpu&display=webgl#v=1&seed=9&radius=0.02");
   await page.evaluate(() => {
     const canvas = document.getElementById("canvas");

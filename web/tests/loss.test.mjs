@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { shows, state } from "./harness.mjs";
+import { shows, slowTest, state } from "./harness.mjs";
 import { started } from "./shared.mjs";
 
 /** Records the WebGPU devices of a page, so that a test can destroy them. */
@@ -38,7 +38,7 @@ function slowClock() {
   performance.now = () => now() / 4;
 }
 
-test("a lost WebGL context is replaced, and a second loss at once is reported", async (t) => {
+slowTest("a lost WebGL context is replaced, and a second loss at once is reported", async (t) => {
   const { page } = await started(t, "?display=webgl&engine=cpu#v=1&seed=8&radius=0.02&at=999", {
     prepare: (context) => context.addInitScript(slowClock),
   });

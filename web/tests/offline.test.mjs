@@ -8,7 +8,7 @@ import { cp, readFile, rm, writeFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import path from "node:path";
 import { test } from "node:test";
-import { DIST, IS_SLOW, folder, ready, serve, state } from "./harness.mjs";
+import { DIST, IS_SLOW, folder, ready, serve, slowTest, state } from "./harness.mjs";
 import { contextOf } from "./shared.mjs";
 
 const LINK = "?engine=cpu#v=1&seed=6&radius=0.02";
@@ -163,7 +163,8 @@ for (const [servedBy, given, ways] of [
   ["a server that reports missing files", (_, server) => server, Object.keys(BROKEN)],
   ["a server that answers with its page for missing files", pageForAll, ["lacks a file"]],
 ]) {
-  test(`a new version that is broken is refused, and the one at hand stays, with ${servedBy}`, async (t) => {
+  const declare = given === pageForAll ? slowTest : test;
+  declare(`a new version that is broken is refused, and the one at hand stays, with ${servedBy}`, async (t) => {
     const { copy, server } = await copied(t);
     const { page } = await visited(t, await given(t, server));
     const before = await kept(page);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { once } from "node:events";
 import { createServer } from "node:http";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, changed, load, pixels, rests, shows, state, until } from "./harness.mjs";
+import { PATIENCE_MS, ask, changed, load, pixels, rests, shows, slowTest, state, until } from "./harness.mjs";
 import { host, opened, reused, started, visitedBefore } from "./shared.mjs";
 
 /** The whole page. */
@@ -308,7 +308,7 @@ async function flown(page) {
   return page.evaluate(() => window.film.size);
 }
 
-test("the camera flies where motion is welcome, and jumps from the moment when the system wishes for less", async (t) => {
+slowTest("the camera flies where motion is welcome, and jumps from the moment when the system wishes for less", async (t) => {
   const page = await filmed(t, "no-preference");
   const flight = await flown(page);
   assert.ok(flight > 6, `${flight} pictures`);

@@ -53,7 +53,7 @@ use tilescope_workbench::state::State;
 
 /// Shows the bar on top.
 pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let bar = Frame::new()
         .fill(palette.panel)
         .inner_margin(Margin::symmetric(14, 0));
@@ -76,7 +76,7 @@ pub fn show_projector(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = Palette::of(state.appearance().look);
     let frame = Frame::new().fill(palette.panel);
     let width = ui.available_width() - 2.0 * 14.0;
     let height = timeline::height(ui.ctx(), &TimeContext::of(state), width);

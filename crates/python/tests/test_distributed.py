@@ -33,6 +33,8 @@ PAGE = Path(__file__).parents[1] / "distributed.md"
 ROWS = 3000
 BOUNDARIES = ["periodic", "bounded"]
 
+slow = pytest.mark.skipif(not os.environ.get("TILESCOPE_SLOW"), reason="takes long: tests/run --slow runs it")
+
 
 def parameters(boundary):
     return {"radius": 0.004, "width": 1.0, "height": 0.7, "boundary": boundary, "seed": 5}
@@ -582,6 +584,7 @@ def kill(process):
         time.sleep(0.01)
 
 
+@slow
 @pytest.mark.filterwarnings("default")
 def test_twenty_million_samples_on_dask_though_a_worker_is_killed(tmp_path):
     from distributed import Client, LocalCluster
@@ -623,6 +626,7 @@ def test_a_cluster_is_started_where_there_is_none(engine, tmp_path):
     assert stored.manifest == single.manifest
 
 
+@slow
 @pytest.mark.filterwarnings("default")
 def test_two_million_samples_on_ray_though_a_worker_is_killed(tmp_path):
     import ray

@@ -286,9 +286,6 @@ fn frequencies_beyond_memory_are_refused_with_value_and_limit() {
     );
     assert_eq!(notes(&["s1.npy-long.csv"]), "[]");
     assert_eq!(notes(&[name]), "[]");
-    // More memory than is taken unasked.
-    sample(&folder, &["--count", "1600000"], "s1.npy-large.npy");
-    assert!(notes(&["s1.npy-large.npy"]).contains("1023 cycles along a side"));
     let refused = json(&folder, &[name, "--frequencies", "200"], 2);
     let reason = refused["failures"][0]["reason"].as_str().unwrap();
     for part in ["needs", "where 4294967296 are allowed"] {
@@ -307,4 +304,14 @@ fn frequencies_beyond_memory_are_refused_with_value_and_limit() {
         left.iter().all(|file| file.starts_with("s1.npy")),
         "{left:?}"
     );
+}
+
+#[test]
+#[ignore = "takes long: tests/run --slow runs it"]
+fn a_note_says_where_the_spectrum_of_a_large_set_ends() {
+    let (folder, _) = sets(0);
+    // More memory than is taken unasked.
+    sample(&folder, &["--count", "1600000"], "large.npy");
+    let notes = json(&folder, &["large.npy"], 0)["notes"].to_string();
+    assert!(notes.contains("1023 cycles along a side"), "{notes}");
 }

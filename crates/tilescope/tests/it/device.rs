@@ -94,6 +94,7 @@ fn a_gpu_writes_the_bytes_that_the_threads_write() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn a_gpu_streams_the_same_file_with_the_same_counts_and_certificate() {
     let folder = tempdir().unwrap();
     need_adapter(&folder);
@@ -144,6 +145,7 @@ fn a_gpu_streams_the_same_file_with_the_same_counts_and_certificate() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn what_one_engine_began_another_one_finishes() {
     let folder = tempdir().unwrap();
     need_adapter(&folder);

@@ -460,8 +460,8 @@ fn what_cannot_be_is_refused_with_value_and_limit() {
 #[test]
 fn a_soak_compares_and_verifies() {
     let folder = tempdir().unwrap();
-    let found = json(&folder, &["soak", "--samples", "60000", "--seed", "7"]);
-    assert!(found["samples"].as_u64().unwrap() >= 60_000);
+    let found = json(&folder, &["soak", "--samples", "20000", "--seed", "7"]);
+    assert!(found["samples"].as_u64().unwrap() >= 20_000);
     for key in ["conflicts", "gaps", "unequal"] {
         assert_eq!(found[key], 0, "{key}");
     }

@@ -59,6 +59,7 @@ fn check_table(path: &Path) {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn all_experiments_in_their_quick_form_leave_a_whole_report() {
     let folder = tempdir().unwrap();
     let told = reproduced(&folder, &["all"]);
