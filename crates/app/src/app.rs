@@ -411,22 +411,27 @@ impl App {
         if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));
         }
+
         let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
-        let recent = storage.get_string(RECENT_KEY).map(|recent| {
-            let paths = recent.lines().map(str::to_owned).take(MAX_RECENT);
-            paths.collect()
-        });
-        // Older versions did not store who had chosen reduced motion.
-        let chosen = settings::get_value::<(Look, Option<bool>)>(storage, LOOK_KEY);
+        // A page does not read files by their paths.
+        let is_native = cfg!(not(target_arch = "wasm32"));
+        let listed = storage.get_string(RECENT_KEY).filter(|_| is_native);
+        let paths = |listed: String| listed.lines().map(str::to_owned).take(MAX_RECENT).collect();
+
+        let stored = settings::get_value::<(Look, Option<bool>)>(storage, LOOK_KEY)
+            .map(|(look, chosen)| (look, Some(chosen)));
+        // Older versions stored whether motion is reduced, but not whether the user had chosen it.
         let older = || settings::get_value::<(Look, bool)>(storage, LOOK_KEY);
-        let look = chosen.map(|(look, _)| look);
+        let (look, reduced_motion) = stored
+            .or_else(|| older().map(|(look, _)| (look, None)))
+            .unzip();
+
         self.state.restore(Settings {
             layout: settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old),
-            // A page does not read files by their paths.
-            recent: recent.filter(|_| cfg!(not(target_arch = "wasm32"))),
-            look: look.or_else(|| older().map(|(look, _)| look)),
-            reduced_motion: chosen.map(|(_, motion)| motion),
-            is_bare: None,
+            recent: listed.map(paths),
+            look,
+            reduced_motion: reduced_motion.flatten(),
+            ..Settings::default()
         });
         if let Some(results) = storage.get_string(RESULTS_KEY) {
             self.state.take_results(&results);

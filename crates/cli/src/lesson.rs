@@ -374,8 +374,8 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
         ));
         Vec::new()
     });
-    let faults = found.faults.iter().chain(&leaks);
-    let mut faults: Vec<String> = faults.map(|fault| at(&name, fault)).collect();
+    let all = found.faults.iter().chain(&leaks);
+    let mut faults: Vec<String> = all.map(|fault| at(&name, fault)).collect();
 
     for (name, translation) in source.translations {
         if let Ok(translation) = &translation {

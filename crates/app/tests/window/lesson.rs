@@ -250,3 +250,24 @@ fn every_lesson_can_be_played_to_its_end() {
         results.share()
     );
 }
+
+#[test]
+fn a_new_step_is_shown_from_its_beginning() {
+    let mut harness = crate::support::opened_at([390.0, 844.0]);
+    let send = |harness: &mut Harness<'_, App>, command| {
+        harness.state_mut().state.apply(Command::Lesson(command));
+        settle(harness);
+    };
+    let heading = |harness: &Harness<'_, App>| crate::support::node(harness, "lesson-step").rect();
+    send(&mut harness, LessonCommand::Open("clips".to_owned()));
+    send(&mut harness, LessonCommand::Step(Direction::Forwards));
+    let first = heading(&harness);
+
+    // The verdict is further down: the panel follows it.
+    for _ in 0..2 {
+        send(&mut harness, LessonCommand::GiveUp);
+    }
+    assert!(heading(&harness).top() < first.top() - 50.0);
+    send(&mut harness, LessonCommand::Step(Direction::Forwards));
+    assert!((heading(&harness).top() - first.top()).abs() < 1.0);
+}

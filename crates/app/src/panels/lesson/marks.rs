@@ -231,3 +231,21 @@ fn nearest_on_edge(rect: &Rect, at: Pos2) -> Pos2 {
     let nearest = sides.into_iter().min_by(|a, b| away(a).total_cmp(&away(b)));
     nearest.unwrap_or(at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_label_of_a_strip_stands_on_its_line_from_inside_and_outside() {
+        let rect = Rect::from_min_max(pos2(10.0, 20.0), pos2(110.0, 80.0));
+        for (at, nearest) in [
+            (pos2(20.0, 50.0), pos2(10.0, 50.0)),
+            (pos2(60.0, 75.0), pos2(60.0, 80.0)),
+            (pos2(0.0, 50.0), pos2(10.0, 50.0)),
+            (pos2(200.0, 0.0), pos2(110.0, 20.0)),
+        ] {
+            assert_eq!(nearest_on_edge(&rect, at), nearest, "{at:?}");
+        }
+    }
+}
