@@ -25,7 +25,7 @@ use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::files::MAX_RECENT;
-use tilescope_workbench::layout::{Layout, OldLayout, Panel};
+use tilescope_workbench::layout::{Layout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{FrameStart, Settings, State};
 
@@ -408,34 +408,23 @@ impl App {
     /// default session (`is_default`) rather than with a link or a command.
     pub fn remember(&mut self, storage: &dyn eframe::Storage, is_default: bool) {
         let has = |key| storage.get_string(key).is_some();
-        if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
+        if is_default && ![LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));
         }
 
-        let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
         // A page does not read files by their paths.
         let is_native = cfg!(not(target_arch = "wasm32"));
         let listed = storage.get_string(RECENT_KEY).filter(|_| is_native);
         let paths = |listed: String| listed.lines().map(str::to_owned).take(MAX_RECENT).collect();
 
-        let stored = settings::get_value::<(Look, Option<bool>)>(storage, LOOK_KEY)
-            .map(|(look, chosen)| (look, Some(chosen)));
-        // Older versions stored whether motion is reduced, but not whether the user had chosen it.
-        let older = || settings::get_value::<(Look, bool)>(storage, LOOK_KEY);
-        let (look, reduced_motion) = stored
-            .or_else(|| older().map(|(look, _)| (look, None)))
-            .unzip();
-
+        let (look, reduced_motion) = settings::get_value(storage, LOOK_KEY).unzip();
         self.state.restore(Settings {
-            layout: settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old),
+            layout: settings::get_value(storage, LAYOUT_KEY),
             recent: listed.map(paths),
             look,
-            reduced_motion: reduced_motion.flatten(),
+            reduced_motion,
             ..Settings::default()
         });
-        if let Some(results) = storage.get_string(RESULTS_KEY) {
-            self.state.take_results(&results);
-        }
     }
 }
 
@@ -458,11 +447,7 @@ const GAP: f32 = 2.0;
 const TAB_BAR: f32 = 27.0;
 
 const LAYOUT_KEY: &str = "panels";
-/// The key of an older storage format.
-const OLD_LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
-/// The key under which the native window of older versions stored the results of lessons, and a page does.
-const RESULTS_KEY: &str = "lessons";
 /// The paths of the files that were opened or saved last, each in a line.
 const RECENT_KEY: &str = "recent";
 

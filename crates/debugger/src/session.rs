@@ -69,7 +69,6 @@ pub struct SavedScene {
     /// How many events have happened, in the run in which it was set.
     pub event: usize,
     /// The caption.
-    #[serde(alias = "note")]
     pub caption: String,
     /// The [`crate::Debugger::run_id`] of the run in which it was set. If empty, that of the session.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -112,7 +111,6 @@ pub struct Session {
     /// The watched expressions.
     pub watches: Vec<String>,
     /// The scenes.
-    #[serde(alias = "bookmarks")]
     pub scenes: Vec<SavedScene>,
     /// The state of the user interface, not read here; null if there is none.
     #[serde(default, skip_serializing_if = "Value::is_null")]

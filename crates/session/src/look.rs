@@ -2,7 +2,7 @@
 //! `drawing/src/palette.rs`; the command that changes the look is in `workbench/src/appearance.rs`, its actions in
 //! `app/src/actions.rs`. To add a look, begin here.
 
-/// A look of the window. Earlier versions saved the aliases.
+/// A look of the window.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -10,14 +10,11 @@
 pub enum Look {
     /// Light on dark.
     #[default]
-    #[serde(alias = "Dark")]
     Dark,
     /// Dark on light.
-    #[serde(alias = "Light")]
     Light,
     /// Dark on light at nearly twice the size, showing only the canvas, the sentence, the controls and the
     /// timeline.
-    #[serde(alias = "Projector")]
     Projector,
     /// The same, light on dark, for rooms that are dark.
     ProjectorDark,

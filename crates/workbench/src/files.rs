@@ -35,19 +35,14 @@ use tilescope_session::jobs::Job;
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {
     /// To save the session.
-    #[serde(alias = "Save")]
     Save,
     /// To open a session.
-    #[serde(alias = "Open")]
     Open,
     /// To sample with a pattern from a file.
-    #[serde(alias = "Pattern")]
     Pattern,
     /// To combine sets by a layout.
-    #[serde(alias = "Combination")]
     Combination,
     /// To compare the moments of a run with a point set.
-    #[serde(alias = "Against")]
     Against,
 }
 

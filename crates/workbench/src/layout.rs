@@ -1,62 +1,45 @@
 //! The layout of the window as data: the panels, their default positions, and how a panel is brought into view. Begin with
 //! [`Layout`]. `tilescope-app` shows it as tiles that can be dragged, and draws the panels.
 //!
-//! [`mod@text`] writes a layout as a short text, for links and files; `old` reads the form of earlier versions.
+//! [`mod@text`] writes a layout as a short text, for links and files.
 
 use emath::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
-mod old;
 pub mod text;
 
-pub use old::OldLayout;
-
 /// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; its name, letter and default position
-/// are in `ROWS`. Earlier versions saved the aliases.
+/// are in `ROWS`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {
     /// The parameters of the next run.
-    #[serde(alias = "Parameters")]
     Parameters,
     /// The layers and the picture.
-    #[serde(alias = "Canvas")]
     Canvas,
     /// The last event, and the playback controls.
-    #[serde(alias = "Timeline")]
     Timeline,
     /// The selected sample or place and its history.
-    #[serde(alias = "Inspector")]
     Inspector,
     /// The listings, with breakpoints.
-    #[serde(alias = "Pseudocode")]
     Pseudocode,
     /// The statistics of each stage.
-    #[serde(alias = "Statistics")]
     Statistics,
     /// The verdict.
-    #[serde(alias = "Verification")]
     Verification,
     /// The events around the moment, and those that a query finds.
-    #[serde(alias = "Events")]
     Events,
     /// Scenes, and breakpoints.
-    #[serde(alias = "bookmarks", alias = "Bookmarks")]
     Scenes,
     /// Watched expressions, and the conditions of breakpoints.
-    #[serde(alias = "Watches")]
     Watches,
     /// The measures of the moment.
-    #[serde(alias = "Analysis")]
     Analysis,
     /// The second run beside the first.
-    #[serde(alias = "Compare")]
     Compare,
     /// The passes of the GPU.
-    #[serde(alias = "Passes")]
     Passes,
     /// The meaning of the symbols.
-    #[serde(alias = "Legend")]
     Legend,
 }
 
@@ -145,7 +128,7 @@ pub const MAX_DEPTH: usize = 24;
 pub const MAX_TILES: usize = 100;
 
 /// The direction in which the tiles of a container are arranged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Side by side.
     Horizontal,

@@ -13,7 +13,7 @@ use tilescope_session::selection::Selection;
 use crate::appearance::Appearance;
 use crate::clock::{Playback, SPEEDS};
 use crate::compare::Comparison;
-use crate::layout::{Layout, OldLayout, text};
+use crate::layout::{Layout, text};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// The largest coordinate that a view may have, in r: no domain reaches so far from the origin.
@@ -114,7 +114,9 @@ impl SavedView {
         parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
-        parts.set(&mut view.layout, "layout", layout);
+        parts.set(&mut view.layout, "layout", |saved: String| {
+            text::read(&saved)
+        });
         parts.set(&mut view.selection, "selection", selection);
         if let Some(clock) = parts.take("clock", Some) {
             view.playback.choose(clock);
@@ -210,14 +212,6 @@ pub(crate) fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
 /// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
 pub(crate) fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
-}
-
-/// Earlier versions saved a layout in another form.
-fn layout(saved: Value) -> Option<Layout> {
-    match saved {
-        Value::String(text) => text::read(&text),
-        old => serde_json::from_value::<OldLayout>(old).ok()?.completed(),
-    }
 }
 
 /// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.

@@ -33,7 +33,7 @@ const TELLS_SECS: f64 = 0.25;
 /// The most workers, whatever the number of processors, since each has its own memory.
 const MAX_WORKERS: usize = 2;
 
-/// The key of results in the browser's store, under which `App::remember` reads them.
+/// The key of results in the browser's store.
 const RESULTS_KEY: &str = "lessons";
 /// The key of results that could not be read and were replaced.
 const UNREADABLE_RESULTS_KEY: &str = "lessons.unreadable";
@@ -572,6 +572,9 @@ impl eframe::App for Page {
 /// Restores what earlier visits have stored. Returns the language of lessons, if one is stored.
 fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<String> {
     app.remember(storage, options.link.is_empty());
+    if let Some(results) = storage.get_string(RESULTS_KEY) {
+        app.state.take_results(&results);
+    }
 
     // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
     if options.light && storage.get_string(LOOK_KEY).is_none() {

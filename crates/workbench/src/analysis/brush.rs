@@ -29,10 +29,8 @@ pub const FIRST_PEAK: [f64; 2] = [1.0, 1.3];
 #[serde(rename_all = "kebab-case")]
 pub enum BrushAxis {
     /// Frequencies, as nu.
-    #[serde(alias = "Frequency")]
     Frequency,
     /// Distances, in r.
-    #[serde(alias = "Distance")]
     Distance,
 }
 
