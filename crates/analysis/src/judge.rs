@@ -16,12 +16,6 @@ pub enum Judge {
 }
 
 impl Judge {
-    /// Returns the judge of reports and certificates that name none, because they are from before there were two.
-    #[must_use]
-    pub fn first() -> Vec<Self> {
-        vec![Self::Delaunay]
-    }
-
     /// Returns "Delaunay triangulation and covered circles".
     #[must_use]
     pub fn joined(judges: &[Self]) -> String {

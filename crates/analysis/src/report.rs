@@ -13,7 +13,6 @@ use crate::witness::{Conflict, Gap};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Who judged. Where both did, they agree, and the numbers are those of the first.
-    #[serde(default = "Judge::first")]
     pub judges: Vec<Judge>,
     /// Number of samples.
     pub count: usize,

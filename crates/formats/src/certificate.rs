@@ -89,8 +89,8 @@ impl CertifiedLevel {
 
 /// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
 ///
-/// Every field must be there when one is read, null where it may be, and no others; only [`Self::judges`] and
-/// [`Self::levels`] may be left out.
+/// Every field must be there when one is read, null where it may be, and no others; only [`Self::levels`] may
+/// be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
@@ -132,8 +132,7 @@ pub struct Certificate {
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
-    /// Who verified. Certificates of versions that had one judge do not say so.
-    #[serde(default = "Judge::first")]
+    /// Who verified.
     pub judges: Vec<Judge>,
     /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

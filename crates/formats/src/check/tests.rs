@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
-use tilescope_analysis::{Boundary, Judge, PrefixClaim, Progress};
+use tilescope_analysis::{Boundary, PrefixClaim, Progress};
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
@@ -110,23 +110,6 @@ fn the_tolerance_is_not_the_certificates() {
     let check = check_of(holed.as_bytes(), "set.csv", &bytes, &Overrides::default());
     assert!(check.report.gaps > 0 && !check.report.valid() && !check.passed());
     assert!(fields(&check).contains(&"covering_tolerance"));
-}
-
-/// Certificates of versions that had one judge do not name it.
-#[test]
-fn a_certificate_without_judges_is_read() {
-    let exported = exported("set.csv");
-    let mut stated = serde_json::to_value(&exported.certificate).expect("plain data");
-    let judges = stated.as_object_mut().expect("an object").remove("judges");
-    assert_eq!(judges, Some(serde_json::json!(["delaunay", "circles"])));
-    let check = check_of(
-        &exported.data,
-        "set.csv",
-        stated.to_string().as_bytes(),
-        &Overrides::default(),
-    );
-    assert!(check.passed());
-    assert_eq!(check.certificate.expect("given").judges, [Judge::Delaunay]);
 }
 
 #[test]

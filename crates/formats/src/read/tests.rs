@@ -138,8 +138,8 @@ const OBJECTS: [(&str, &[&str]); 4] = [
     ("a level", &["levels", "0"]),
 ];
 
-/// Fields that may be missing: certificates of the first programs of this version lack them.
-const OPTIONAL: [&str; 2] = ["judges", "levels"];
+/// Fields that may be missing.
+const OPTIONAL: [&str; 1] = ["levels"];
 
 /// Fields that may be null, and mean something then.
 const NULLABLE: [&str; 5] = [

@@ -48,8 +48,6 @@ pub(super) struct Checkpoint {
     pub precision: Precision,
     pub region: Region,
     pub radius: f64,
-    /// The origin; checkpoints of versions that had none do not state it.
-    #[serde(default)]
     pub origin: [f64; 2],
     pub verify: bool,
     pub largest_shift: f64,
