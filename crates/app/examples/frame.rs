@@ -1,6 +1,6 @@
 //! Times the CPU's part of a frame of the window, on one thread and without a display or a wait for a GPU:
-//! `cargo run --release -p tilescope-app --example frame [mesh] [RADIUS]`; `mesh` does without instancing, RADIUS
-//! replaces the default session's.
+//! `cargo run --release -p tilescope-app --example frame [mesh] [levels] [RADIUS]`; `mesh` does without instancing, RADIUS
+//! replaces the default session's, and `levels` times nested levels while their prefix is dragged.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::draft::Field;
+use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 
 /// Frames per measurement.
@@ -92,6 +92,13 @@ fn step(app: &mut App, number: u32) {
     }
 }
 
+/// Another prefix of nested levels in each frame, over the whole track.
+fn drag(app: &mut App, number: u32) {
+    let all = app.state.cursor().map_or(0, |(_, count)| count);
+    let prefix = all * (number as usize + 1) / FRAMES as usize;
+    app.state.apply(Command::Time(TimeCommand::Jump(prefix)));
+}
+
 fn measure(bench: &mut Bench, name: &str) {
     print!("{name:<34}");
     for change in [rest as fn(&mut App, u32), pan, step] {
@@ -156,6 +163,14 @@ fn main() {
         .iter()
         .find(|argument| argument.parse::<f64>().is_ok());
     let mut bench = opened(instanced, radius.cloned());
+    if arguments.iter().any(|argument| argument == "levels") {
+        bench.apply(Command::Form(FormCommand::Choose(Choice::Levels(Some(8)))));
+        bench.apply(Command::Run);
+        let [ui, tessellate] = bench.frames(drag);
+        println!("dragged over nested levels: {ui:.2} + {tessellate:.2} ms");
+        return;
+    }
+
     let session = Arc::clone(
         bench
             .app
