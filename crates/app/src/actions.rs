@@ -451,25 +451,6 @@ fn view(list: &mut List, state: &State) {
     }
 }
 
-/// Returns the keys that bring a panel into view. They never hide it: a digit that is typed beside a field takes no panel
-/// away.
-const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
-    Some(match panel {
-        Panel::Parameters => (NONE, Key::Num1),
-        Panel::Inspector => (NONE, Key::Num2),
-        Panel::Pseudocode => (NONE, Key::Num3),
-        Panel::Statistics => (NONE, Key::Num4),
-        Panel::Verification => (NONE, Key::Num5),
-        Panel::Events => (NONE, Key::Num6),
-        Panel::Scenes => (NONE, Key::Num7),
-        Panel::Watches => (NONE, Key::Num8),
-        Panel::Compare => (NONE, Key::Num9),
-        Panel::Legend => (NONE, Key::Num0),
-        // The analysis has a key in its menu, and the timeline one that hides it, too.
-        Panel::Canvas | Panel::Timeline | Panel::Analysis | Panel::Passes => return None,
-    })
-}
-
 /// The keys that show and hide the timeline.
 const TIMELINE_KEYS: (Modifiers, Key) = (SHIFT, Key::F4);
 
@@ -490,8 +471,9 @@ fn panels(list: &mut List, state: &State) {
         let command = Command::Window(WindowCommand::OpenPanel(panel));
         let action = list.add(format!("Panel: {}", panel.name()), command);
         action.refused(no_panels.filter(|_| panel != Panel::Analysis));
-        if let Some((modifiers, key)) = panel_keys(panel) {
-            action.on_keys(modifiers, key);
+        // The key never hides the panel: a digit that is typed beside a field takes no panel away.
+        if let Some(key) = Key::from_name(panel.key()) {
+            action.on_key(key);
         }
         if panel == Panel::Timeline && !window.can_hide(panel) {
             action.on_keys(TIMELINE_KEYS.0, TIMELINE_KEYS.1);

@@ -1,5 +1,5 @@
-//! The panels of the window. Each reads a part of the state and pushes commands. Begin with `panels/registry.rs`, which
-//! lists all of them.
+//! The panels of the window. Each reads a part of the state and pushes commands. Begin with `panels/registry.rs`;
+//! the table of all of them is in `workbench/src/layout.rs`.
 
 mod analysis;
 mod caption;
@@ -7,6 +7,7 @@ mod choices;
 mod common;
 pub mod compact;
 mod compare;
+mod content;
 mod context;
 mod embedded;
 mod engine;

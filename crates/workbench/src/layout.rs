@@ -8,41 +8,6 @@ use serde::{Deserialize, Serialize};
 
 pub mod text;
 
-/// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; its name, letter and default position
-/// are in `ROWS`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Panel {
-    /// The parameters of the next run.
-    Parameters,
-    /// The layers and the picture.
-    Canvas,
-    /// The last event, and the playback controls.
-    Timeline,
-    /// The selected sample or place and its history.
-    Inspector,
-    /// The listings, with breakpoints.
-    Pseudocode,
-    /// The statistics of each stage.
-    Statistics,
-    /// The verdict.
-    Verification,
-    /// The events around the moment, and those that a query finds.
-    Events,
-    /// Scenes, and breakpoints.
-    Scenes,
-    /// Watched expressions, and the conditions of breakpoints.
-    Watches,
-    /// The measures of the moment.
-    Analysis,
-    /// The second run beside the first.
-    Compare,
-    /// The passes of the GPU.
-    Passes,
-    /// The meaning of the symbols.
-    Legend,
-}
-
 /// A default position in the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
@@ -59,38 +24,59 @@ enum Slot {
 struct PanelRow {
     panel: Panel,
     name: &'static str,
-    /// Its letter in links; the same in every version.
     letter: char,
-    /// Its default position, and its index among the tabs there.
-    slot: (Slot, u8),
+    key: &'static str,
+    slot: Slot,
+    tab: u8,
 }
 
-const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -> PanelRow {
-    PanelRow {
-        panel,
-        name,
-        letter,
-        slot,
-    }
+/// Gives a macro the table of all panels, the most useful first. A row says what the panel shows, and has its variant of
+/// [`Panel`]; its file in `app/src/panels`, whose `CONTENT` shows it; its name; its letter in links, the same in every
+/// version; the digit of its key, empty if it has none; its default position, and its index among the tabs there.
+#[macro_export]
+macro_rules! for_panels {
+    ($receive:ident) => {
+        $receive! {
+            "The parameters of the next run." Parameters parameters "Parameters" 'p' "1" Left 0;
+            "The layers and the picture." Canvas layers "Canvas" 'c' "" Middle 0;
+            "The last event, and the playback controls." Timeline timeline "Timeline" 't' "" Bottom 0;
+            "The selected sample or place and its history." Inspector inspector "Inspector" 'i' "2" Lower 1;
+            "The listings, with breakpoints." Pseudocode pseudocode "Pseudocode" 'l' "3" Upper 0;
+            "The statistics of each stage." Statistics stages "Statistics" 's' "4" Upper 1;
+            "The verdict." Verification verification "Verification" 'v' "5" Lower 0;
+            "The events around the moment, and those that a query finds." Events events "Events" 'e' "6" Left 1;
+            "Scenes, and breakpoints." Scenes scenes "Scenes" 'b' "7" Left 2;
+            "Watched expressions, and the conditions of breakpoints." Watches watches "Watches" 'w' "8" Lower 2;
+            "The measures of the moment." Analysis analysis "Analysis" 'a' "" Left 3;
+            "The second run beside the first." Compare compare "Compare" 'x' "9" Upper 2;
+            "The passes of the GPU." Passes passes "GPU passes" 'g' "" Middle 1;
+            "The meaning of the symbols." Legend legend "Legend" 'k' "0" Lower 3;
+        }
+    };
 }
 
-/// Every panel, in the order of the enum, the most useful first.
-const ROWS: [PanelRow; 14] = [
-    row(Panel::Parameters, "Parameters", 'p', (Slot::Left, 0)),
-    row(Panel::Canvas, "Canvas", 'c', (Slot::Middle, 0)),
-    row(Panel::Timeline, "Timeline", 't', (Slot::Bottom, 0)),
-    row(Panel::Inspector, "Inspector", 'i', (Slot::Lower, 1)),
-    row(Panel::Pseudocode, "Pseudocode", 'l', (Slot::Upper, 0)),
-    row(Panel::Statistics, "Statistics", 's', (Slot::Upper, 1)),
-    row(Panel::Verification, "Verification", 'v', (Slot::Lower, 0)),
-    row(Panel::Events, "Events", 'e', (Slot::Left, 1)),
-    row(Panel::Scenes, "Scenes", 'b', (Slot::Left, 2)),
-    row(Panel::Watches, "Watches", 'w', (Slot::Lower, 2)),
-    row(Panel::Analysis, "Analysis", 'a', (Slot::Left, 3)),
-    row(Panel::Compare, "Compare", 'x', (Slot::Upper, 2)),
-    row(Panel::Passes, "GPU passes", 'g', (Slot::Middle, 1)),
-    row(Panel::Legend, "Legend", 'k', (Slot::Lower, 3)),
-];
+macro_rules! declare {
+    ($($shows:literal $panel:ident $file:ident $name:literal $letter:literal $key:literal $slot:ident $tab:literal;)*) => {
+        /// A panel of the window. The table [`for_panels`](crate::for_panels) has everything about it but its content.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Panel {
+            $(#[doc = $shows] $panel,)*
+        }
+
+        /// Every panel, in the order of the enum.
+        const ROWS: &[PanelRow] = &[$(PanelRow {
+            panel: Panel::$panel,
+            name: $name,
+            letter: $letter,
+            key: $key,
+            slot: Slot::$slot,
+            tab: $tab,
+        },)*];
+    };
+}
+
+for_panels!(declare);
 
 impl Panel {
     /// Returns every panel, the most useful first.
@@ -117,6 +103,12 @@ impl Panel {
     #[must_use]
     pub const fn letter(self) -> char {
         self.row().letter
+    }
+
+    /// Returns the digit that brings it into view; empty if none does.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        self.row().key
     }
 }
 
@@ -358,8 +350,8 @@ pub struct Layout {
 impl Default for Layout {
     fn default() -> Self {
         let tabs = |slot| {
-            let mut rows: Vec<&PanelRow> = ROWS.iter().filter(|row| row.slot.0 == slot).collect();
-            rows.sort_by_key(|row| row.slot.1);
+            let mut rows: Vec<&PanelRow> = ROWS.iter().filter(|row| row.slot == slot).collect();
+            rows.sort_by_key(|row| row.tab);
             let tiles = rows.iter().map(|row| LayoutTile::Panel(row.panel));
             let tiles = tiles.collect();
             LayoutTile::Tabs { tiles, open: 0 }
@@ -603,19 +595,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_panel_has_one_row_one_letter_and_a_place_of_its_own() {
-        for (index, row) in ROWS.iter().enumerate() {
-            assert_eq!(row.panel as usize, index, "{}", row.name);
-        }
+    fn every_panel_has_a_letter_a_key_and_a_place_of_its_own() {
         let letters: HashSet<char> = ROWS.iter().map(|row| row.letter).collect();
         assert_eq!(letters.len(), ROWS.len());
-        let mut places: Vec<_> = ROWS
-            .iter()
-            .map(|row| (row.slot.0 as u8, row.slot.1))
-            .collect();
-        places.sort_unstable();
-        places.dedup();
+        let places: HashSet<(u8, u8)> = ROWS.iter().map(|row| (row.slot as u8, row.tab)).collect();
         assert_eq!(places.len(), ROWS.len());
+
+        let keys = ROWS.iter().map(|row| row.key).filter(|key| !key.is_empty());
+        let keys: Vec<&str> = keys.collect();
+        assert_eq!(keys.iter().collect::<HashSet<_>>().len(), keys.len());
+        assert!(
+            keys.iter()
+                .all(|key| key.parse::<u8>().is_ok_and(|digit| digit < 10))
+        );
     }
 
     #[test]

@@ -16,6 +16,7 @@ use tilescope_session::words::capital;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
+use super::content::{Content, Room};
 use plot::{Dash, Dragged};
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
 use tilescope_workbench::analysis::measured::MeasuredSet;
@@ -23,7 +24,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::state::RunView;
+use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width for two columns.
 const TWO_COLUMNS: f32 = 620.0;
@@ -81,6 +82,24 @@ impl<'a> Sets<'a> {
 
     fn spectrum(&self) -> Option<(&'a Arc<Spectrum>, bool)> {
         self.part(MeasuredSet::spectrum_so_far)
+    }
+}
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
+    show(ui, &AnalysisContext::of(state), commands);
+});
+
+impl<'a> AnalysisContext<'a> {
+    /// Returns the context of the analysis of run A.
+    pub fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance().look),
+            run: &state.runs().first,
+            analysis: state.analysis(),
+            reference_file: state.reference_file(),
+            brush_text: state.brush_text(),
+        }
     }
 }
 

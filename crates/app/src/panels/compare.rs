@@ -7,11 +7,12 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{grouped, stage_name};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
+use super::content::{Content, Room};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::compare::{
     CompareCommand, ComparePreset, Comparison, contrast_of, difference,
 };
-use tilescope_workbench::state::RunView;
+use tilescope_workbench::state::{RunView, State};
 
 /// The context of the panel.
 pub struct CompareContext<'a> {
@@ -25,6 +26,24 @@ pub struct CompareContext<'a> {
     pub presets: Vec<(ComparePreset, Option<String>)>,
     /// Why going to the divergence is unavailable, if it is.
     pub parting: Option<&'static str>,
+}
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
+    show(ui, &CompareContext::of(state), commands);
+});
+
+impl<'a> CompareContext<'a> {
+    fn of(state: &'a State) -> Self {
+        let presets = ComparePreset::ALL.map(|preset| (preset, state.preset_refusal(preset)));
+        Self {
+            palette: Palette::of(state.appearance().look),
+            first: &state.runs().first,
+            second: state.runs().second.as_ref(),
+            presets: presets.into(),
+            parting: state.parting_refusal(),
+        }
+    }
 }
 
 /// Shows the panel.

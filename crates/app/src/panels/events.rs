@@ -14,12 +14,16 @@ use tilescope_ui::theme::{is_for_fingers, row_height};
 use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::state::{FoundEvents, MAX_FOUND};
 
 /// Height of a row, unless enlarged for touch.
 const ROW: f32 = 20.0;
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

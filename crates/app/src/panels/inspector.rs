@@ -13,11 +13,15 @@ use tilescope_session::words::{counted, event_number, grouped};
 use tilescope_ui::widgets::{Known, heading, row};
 
 use super::common::divide;
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 
 /// Rows of a history shown at once.
 const MAX_ROWS: usize = 200;
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

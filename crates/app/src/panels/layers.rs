@@ -6,12 +6,16 @@ use tilescope_session::verification::Verdict;
 use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Kebab, Known, chip, explain};
 
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command};
 use tilescope_workbench::state::HIDDEN_LAYER;
 
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

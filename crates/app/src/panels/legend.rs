@@ -7,11 +7,17 @@ use tilescope_session::glossary;
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
 
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_drawing::age::{Ages, LAST_TILED};
 use tilescope_drawing::brushed::{BrushedCause, Cause};
 use tilescope_drawing::looks::level_age;
 use tilescope_workbench::command::{AppearanceCommand, Command};
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
+    show(ui, &PanelContext::of(state), state.causes(), commands);
+});
 
 /// Shows the legend.
 pub fn show(

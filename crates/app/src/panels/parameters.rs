@@ -11,10 +11,12 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, primary_button};
 use tilescope_workbench::command::{Command, Which};
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::state::{Form, GpuState};
+use tilescope_workbench::state::{Form, GpuState, State};
 
 use super::common::{progress, scrolled};
+use super::content::{Content, Room};
 
 /// Left edge of the fields, from the panel's left edge.
 const FIELD_START: f32 = 102.0;
@@ -69,6 +71,34 @@ pub struct FormContext<'a> {
 pub(super) fn field_width(ui: &Ui) -> f32 {
     let [least, most] = FIELD_WIDTHS;
     (ui.available_width() - UNIT_WIDTH).clamp(least, most)
+}
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
+    show(ui, &FormContext::of(state), commands);
+});
+
+impl<'a> FormContext<'a> {
+    fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance().look),
+            form: state.form(),
+            gpu: state.gpu(),
+            sampling: state.runs().first.sampling.as_ref(),
+            refusal: state.run_refusal(),
+            remark: state.run_remark(),
+            memory: state.form().draft.memory_needed(),
+            engine_differs: state.engine_differs(),
+            made: match &state.runs().first.session {
+                Some(session) if session.has_recipe() => Some(session.recipe().parameters),
+                _ => None,
+            },
+            engine: state
+                .gpu()
+                .engine_text(state.form().draft.parameters.variant),
+            auto_is_gpu: state.gpu().takes(EngineChoice::Auto),
+        }
+    }
 }
 
 /// Shows the panel: the fields scroll, and the button stays in view where there is room for both.

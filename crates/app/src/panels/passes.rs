@@ -6,7 +6,8 @@ mod grid;
 mod list;
 
 use egui::{
-    Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2,
+    Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, ScrollArea, TextEdit, Ui,
+    UiBuilder, Vec2, vec2,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped, stage_name};
@@ -14,6 +15,11 @@ use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use self::list::{color, mark};
+use super::content::{Content, Room};
+use super::context::PanelContext;
+use tilescope_workbench::command::{Command, GpuCommand};
+use tilescope_workbench::device::{CHOOSE_GPU_FIRST, EngineChoice};
+use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::model::{PassEntry, Visit, access_text};
 use tilescope_workbench::passes::table::{BufferTable, PassSide};
 use tilescope_workbench::passes::{Badge, Fault, PassCommand, Passes};
@@ -27,6 +33,60 @@ pub const NO_TIMES: &str = "no timestamps on this adapter";
 /// How a pass is compared with the CPU.
 const COMPARED: &str = "After the last pass of a stage everything is compared with the CPU's sequential engine: \
      blocks, tiles, samples, origins, fates, iterations, result.";
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
+    let refusal = state.passes_refusal();
+    // The engine is all that is missing.
+    let can_choose = refusal.as_deref() == Some(CHOOSE_GPU_FIRST);
+    let context = PanelContext::of(state);
+    passes_or_offer(ui, &context, refusal.as_deref(), can_choose, commands);
+});
+
+/// Minimum room for the list and table of passes, in screen points.
+const ROOM_FOR_PASSES: Vec2 = vec2(620.0, 400.0);
+
+/// Shows the GPU passes, or how to get them.
+fn passes_or_offer(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    refusal: Option<&str>,
+    can_choose: bool,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
+    if let Some(passes) = &context.run.passes {
+        let mut own = Vec::new();
+        // A list beside a table: it has no narrower form, so it scrolls.
+        let size = ui.available_size().max(ROOM_FOR_PASSES);
+        ScrollArea::both()
+            .id_salt(Panel::Passes.name())
+            .show(ui, |ui| {
+                ui.allocate_ui(size, |ui| {
+                    show(ui, passes, palette, &mut own);
+                });
+            });
+        commands.extend(own.into_iter().map(Command::Passes));
+        return;
+    }
+    let text = "Every compute pass of this session's run on the GPU, with its buffers before and after, compared with the CPU.";
+    ui.label(RichText::new(text).color(palette.muted));
+    let button = ui.add_enabled(refusal.is_none(), Button::new("Run the passes"));
+    button.known_as("passes.run");
+    let button = button.on_disabled_hover_text(refusal.unwrap_or_default());
+    if button.clicked() {
+        commands.push(Command::OpenPasses);
+    }
+    if let Some(refusal) = refusal {
+        ui.label(RichText::new(refusal).color(palette.muted));
+    }
+    if can_choose {
+        let choose = Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu));
+        let button = ui.button("Choose the GPU");
+        let button = button.on_hover_text("Opens the GPU and tests it against the CPU");
+        button.issues("passes.choose-gpu", choose, commands);
+    }
+}
 
 /// Shows the panel in all the room there is.
 pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {

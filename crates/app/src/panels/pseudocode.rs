@@ -18,6 +18,7 @@ use tilescope_ui::theme::{FINGER, is_for_fingers, row_height, semibold};
 use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 use tilescope_workbench::state::RunView;
@@ -126,6 +127,9 @@ struct Seen {
     now: Now,
     placed: Arc<Placed>,
 }
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the panel. When the moment changes, its line is brought into the middle; a user may scroll on from there.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -6,17 +6,25 @@ use egui::{
     Button, Color32, CursorIcon, Id, KeyboardShortcut, Label, RichText, Role, Sense, Stroke,
     StrokeKind, TextEdit, TextWrapMode, Ui, WidgetInfo, vec2,
 };
-use tilescope_debugger::{Debugger, Listings, Marked, SavedScene};
+use tilescope_debugger::{Debugger, Direction, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::grouped;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 use super::common::{no_events, thumbnail_texture};
+use super::content::{Content, Room};
 use super::context::PanelContext;
-use tilescope_workbench::command::{Command, DebugCommand};
+use crate::actions::keys_of;
+use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 use tilescope_workbench::scenes::{SceneCommand, SceneList, split_caption};
 use tilescope_workbench::state::State;
 use tilescope_workbench::thumbnails::THUMBNAIL_SIZE;
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
+    let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
+    show(ui, state, keys_of(state, &run_on), commands);
+});
 
 /// Shows the panel; `run_on` are the keys that run to the next breakpoint.
 pub fn show(

@@ -13,8 +13,12 @@ use tilescope_session::words::{grouped, share};
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
 
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, TimeCommand};
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -12,6 +12,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
+use super::content::{Content, Room};
 use super::context::TimeContext;
 use super::pseudocode::next_line;
 use super::track;
@@ -126,6 +127,11 @@ pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     };
     sentence_height(ctx, context, SIZE, width).max(LINE) + next + ABOVE_CONTROLS + track
 }
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
+    show(ui, &TimeContext::of(state), commands);
+});
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {

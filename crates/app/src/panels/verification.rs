@@ -16,6 +16,7 @@ use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 
 use super::common::divide;
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::state::Verification;
@@ -135,6 +136,9 @@ fn explanation(context: &PanelContext<'_>) -> String {
 
 /// What the limit of the covering radius is.
 const TOLERATED: &str = "A set counts as maximal if its covering radius is at most (1 + 2^-15) r: positions are rounded to a lattice of which r is 2^15 units.";
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the verifier's numbers. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -5,8 +5,12 @@ use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
 use super::common::no_events;
+use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
+
+/// What the tile shows.
+pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
