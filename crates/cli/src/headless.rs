@@ -7,8 +7,11 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use tilescope_core::{Parameters, Run, Stage, sample};
-use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
+use tilescope_drawing::picture::{MomentView, PictureView, scene};
+use tilescope_figures::to_png;
 use tilescope_formats::write_whole;
+use tilescope_session::Session;
+use tilescope_session::moment::Moment;
 
 use crate::facts::Facts;
 use crate::interrupt;
@@ -25,8 +28,9 @@ pub struct HeadlessArguments {
     out: PathBuf,
 }
 
-/// Width of the part that pictures of seams show, in radii.
-const WINDOW_RADII: f64 = 32.0;
+/// The side of a picture's frame in points, and the pixels of a point.
+const SIDE: f64 = 640.0;
+const SCALE: f64 = 2.0;
 
 const OUT: &str = "tilescope-out";
 
@@ -103,31 +107,29 @@ fn session(folder: &Path) -> Result<u8> {
     outcome.warnings.clear();
     let (text, path) = (outcome.text(), named(&path));
     output::emit(&format!("{text}set            {path}\n"))?;
-    for picture in pictures(&run, folder)? {
+    for picture in pictures(run, folder)? {
         output::emit(&format!("picture        {}\n", named(&picture)))?;
     }
     Ok(outcome.code())
 }
 
 /// Draws every stage and returns the files.
-fn pictures(run: &Run, folder: &Path) -> Result<Vec<PathBuf>> {
+fn pictures(run: Run, folder: &Path) -> Result<Vec<PathBuf>> {
+    let session = Session::from_run(run, 0);
     let mut paths = Vec::new();
-    for (number, stage) in run.stages().into_iter().enumerate() {
+    for (number, &stage) in session.stages.iter().enumerate() {
         let name = match stage {
             Stage::Iterate(k) => format!("iterate-{k}"),
             other => other.to_string(),
         };
         interrupt::check("the next picture")?;
-        let path = folder.join(format!("{number}-{name}.png"));
-        // Changes at seams are too small to see in a picture of the whole domain.
-        let at_seams = matches!(stage, Stage::Tile | Stage::Eliminate | Stage::Iterate(_));
-        let window = at_seams.then(|| seam_window(run, WINDOW_RADII));
-        let options = PictureOptions {
-            window,
-            ..PictureOptions::default()
+
+        let shown = MomentView {
+            moment: Moment::after(&session, number),
+            view: PictureView::of_stage(&session, stage, SIDE),
         };
-        let scene = stage_scene(run, stage, &options);
-        write_whole(&path, &to_png(&scene, 1.0)?)?;
+        let path = folder.join(format!("{number}-{name}.png"));
+        write_whole(&path, &to_png(&scene(&session, &shown, None), SCALE)?)?;
         paths.push(path);
     }
     Ok(paths)

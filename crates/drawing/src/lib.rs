@@ -1,6 +1,6 @@
 //! Draws a moment of a run: the visible part of the plane, colours, the look of each sample, and every part of
-//! the picture on any [`Surface`](surface::Surface). The window's canvas and exported pictures are such
-//! surfaces, so that exports look like the canvas; only the marks of a comparison and the witness of a verdict
+//! the picture on any [`Surface`](surface::Surface). The window's canvas and the pictures of
+//! [`picture`] are such surfaces, so that files look like the canvas; only the marks of a comparison and the witness of a verdict
 //! are drawn on the canvas alone. Begin with [`parts`].
 //!
 //! ```
@@ -22,6 +22,7 @@ pub mod looks;
 pub mod made;
 pub mod palette;
 pub mod parts;
+pub mod picture;
 pub mod scene;
 pub mod subject;
 pub mod surface;

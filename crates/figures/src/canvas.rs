@@ -1,11 +1,11 @@
 //! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It draws
-//! marks, disks, blocks and gaps; `stages` draws runs with it.
+//! marks, disks and blocks; `set` draws sets with it.
 
 use glam::DVec2;
 use tilescope_core::Boundary;
 
 use crate::palette::{Palette, with_alpha};
-use crate::scene::{Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View};
+use crate::scene::{Fill, Group, Marker, Rect, Scene, Shape, Stroke, Style, Text, View};
 
 /// Height of the caption, in pixels at a picture width of 1000.
 pub(crate) const CAPTION: f64 = 44.0;
@@ -225,31 +225,7 @@ impl<'a> Canvas<'a> {
         self.push([group]);
     }
 
-    pub(crate) fn block_borders(&mut self, blocks: impl Iterator<Item = Rect>) {
-        let mut group = self.group("block borders");
-        let stroke = Stroke::new(with_alpha(self.palette().muted, 130), 1.0);
-        let style = Style {
-            fill: None,
-            stroke: Some(stroke),
-        };
-        for copy in blocks.flat_map(|rect| self.copies(rect)) {
-            let rect = self.flip_rect(copy);
-            group.shapes.push(Shape::Rect { rect, style });
-        }
-        self.push([group]);
-    }
-
-    /// Draws disks, unless they are so small that their rings would be noise.
-    pub(crate) fn rings(&mut self, points: &[DVec2], fill: Option<Fill>) {
-        let Some(style) = self.ring(fill) else {
-            return;
-        };
-        let mut group = self.group("disks");
-        group.shapes.extend(self.disks(points, style));
-        self.push([group]);
-    }
-
-    /// Returns how disks are drawn, unless they are left out.
+    /// Returns how disks are drawn, unless they are left out: where they are so small that their rings would be noise.
     pub(crate) fn ring(&self, fill: Option<Fill>) -> Option<Style> {
         if !self.options.disks || self.radius_px() < MIN_DISK {
             return None;
@@ -265,38 +241,6 @@ impl<'a> Canvas<'a> {
     pub(crate) fn disks(&self, points: &[DVec2], style: Style) -> impl Iterator<Item = Shape> {
         let images = points.iter().flat_map(move |&point| self.images(point));
         images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
-    }
-
-    /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
-    pub(crate) fn coverage(&mut self, points: &[DVec2]) {
-        let mut gaps = self.group("gaps");
-        let rect = self.flip_rect(self.domain_shown());
-        let solid = Style::filled(with_alpha(self.palette().gap, 170));
-        gaps.shapes.push(Shape::Rect { rect, style: solid });
-        let hatch = Hatch {
-            color: self.palette().gap,
-            spacing: 5.0,
-            width: 2.0,
-        };
-        let style = Style {
-            fill: Some(Fill::Hatch(hatch)),
-            stroke: None,
-        };
-        gaps.shapes.push(Shape::Rect { rect, style });
-        let mut disks = self.group("disks");
-        let covered = Style::filled(self.palette().background);
-        disks.shapes.extend(self.disks(points, covered));
-        self.push([gaps, disks]);
-        // Their overlapping fills would veil the gaps.
-        self.rings(points, None);
-    }
-
-    /// Returns the part of the domain, and of its copies, that is shown.
-    fn domain_shown(&self) -> Rect {
-        if self.periodic && self.options.window.is_some() {
-            return self.shown;
-        }
-        Rect::new([0.0; 2], self.size)
     }
 
     pub(crate) fn finish(mut self, caption: &str) -> Scene {

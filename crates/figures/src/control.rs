@@ -62,7 +62,7 @@ mod tests {
 
     use super::*;
     use crate::canvas::PictureOptions;
-    use crate::stages::{SetPicture, set_scene, set_scene_controlled};
+    use crate::set::{SetPicture, set_scene, set_scene_controlled};
     use crate::{
         Scene, to_png, to_png_controlled, to_svg_with_fonts, to_svg_with_fonts_controlled,
     };

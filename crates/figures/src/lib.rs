@@ -30,7 +30,7 @@ mod png;
 mod raster;
 mod rect;
 mod scene;
-mod stages;
+mod set;
 mod stamp;
 mod svg;
 
@@ -46,6 +46,6 @@ pub use raster::{Pixels, to_pixels};
 pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
-pub use stages::{SetPicture, caption, seam_window, set_scene, set_scene_controlled, stage_scene};
+pub use set::{SetPicture, set_scene, set_scene_controlled};
 pub use stamp::{Stamp, stamp};
 pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts, to_svg_with_fonts_controlled};

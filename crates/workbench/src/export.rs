@@ -2,29 +2,25 @@
 //! `state/export.rs` keeps the sheet and decides whether an export may begin; [`refusal`] lists the reasons for which it may
 //! not. `write.rs` makes the files in the background. `state/export/outcome.rs` starts that and shows a notice at the end.
 
-mod below;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod browse;
-mod drawing;
 pub mod form;
 pub mod frames;
 pub mod picture;
 mod provenance;
 pub mod refusal;
-pub(crate) mod surface;
 pub mod write;
 
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::Cause;
+use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;
 
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
-pub use below::Legend;
 pub use form::{ExportForm, NumberField};
 pub use frames::MAX_FRAMES;
-pub use picture::PictureView;
 pub use refusal::ExportRefusal;
 use tilescope_session::task::SessionRef;
 
@@ -172,15 +168,6 @@ pub struct ExportJob {
     pub session: SessionRef,
     /// The content to write.
     pub content: ExportContent,
-}
-
-/// A moment, and how it is drawn.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct MomentView {
-    /// The moment.
-    pub moment: Moment,
-    /// The view of the moment.
-    pub view: PictureView,
 }
 
 /// The content of an export.

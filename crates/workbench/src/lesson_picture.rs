@@ -11,6 +11,7 @@ use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::{DARK, LIGHT, Palette};
+use tilescope_drawing::picture::{MomentView, PictureView, at as on_picture, color, thumbnail};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
 use tilescope_session::jobs::{Job, Monitor};
@@ -20,9 +21,6 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::task::Task;
 
-use crate::export::picture::thumbnail;
-use crate::export::surface::{at as on_picture, color};
-use crate::export::{MomentView, PictureView};
 use crate::lessons::{LessonSource, MarkKind, OpenLesson};
 use crate::link::layer_name;
 use crate::pen::PenStroke;

@@ -5,12 +5,12 @@ use glam::DVec2;
 use tilescope_core::Stage;
 use tilescope_debugger::{Debugger, Marked, SavedScene};
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::units;
 
-use crate::export::{MomentView, PictureView};
 use crate::view::{SavedView, SceneCamera, sound_camera};
 
 /// Returns the moment and the view of a scene on a canvas of `size` points; `None` if this run does not have its moment.

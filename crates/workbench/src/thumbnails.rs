@@ -6,13 +6,12 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Debugger, SavedScene};
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::picture::{MomentView, thumbnail};
 use tilescope_figures::{Pixels, to_pixels};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 
-use crate::export::MomentView;
-use crate::export::picture::thumbnail;
 use crate::scene_view::{place_of_scene, view_of_scene};
 use crate::view::SceneCamera;
 

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::BrushedCause;
+use tilescope_drawing::picture::frame;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
@@ -20,7 +21,7 @@ use tilescope_formats::{
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
 
-use super::picture::{described, frame, scene};
+use super::picture::{described, scene};
 use super::provenance::{method, parameter_map, point_set, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use tilescope_core::Stage;
 use tilescope_debugger::SavedScene;
 use tilescope_drawing::brushed::BrushedCause;
+use tilescope_drawing::picture::{Legend, MomentView, PictureView};
 use tilescope_session::jobs::Job;
 use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
@@ -20,10 +21,10 @@ use super::scenes::caption_of;
 use super::{RunView, State, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
-use crate::export::picture::MAX_DRAWN;
+use crate::export::picture::{MAX_DRAWN, size_refusal};
 use crate::export::{
-    ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, Legend,
-    MAX_FRAMES, MomentView, NumberField, PictureView,
+    ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, MAX_FRAMES,
+    NumberField,
 };
 use crate::files::Delivery;
 use crate::scene_view::view_of_scene;
@@ -457,7 +458,7 @@ fn checked_scale(
     }
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };
     let animated = form.kind == ExportKind::Animation;
-    view.size_refusal(scale, animated).map_or(Ok(scale), Err)
+    size_refusal(view, scale, animated).map_or(Ok(scale), Err)
 }
 
 /// Returns the size of a picture in words.

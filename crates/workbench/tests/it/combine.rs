@@ -10,6 +10,7 @@ use tilescope_analysis::{Boundary as Judged, Region};
 use tilescope_core::combine::file::{Layout, LayoutError, PieceSource, Set};
 use tilescope_core::combine::{Combined, combine};
 use tilescope_core::{Boundary, Domain, Point, Stage, Standing, Unobserved, reference_sample};
+use tilescope_drawing::picture::MomentView;
 use tilescope_formats::{
     ExportContext, Overrides, PointSet, bytes_digest, check, positions_digest,
 };
@@ -17,7 +18,7 @@ use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::export::{ExportKind, MomentView, picture};
+use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};

@@ -11,6 +11,7 @@ use glam::DVec2;
 use serde_json::Value;
 use tilescope_core::{Origin, Stage};
 use tilescope_drawing::palette::{DARK, LIGHT};
+use tilescope_drawing::picture::PictureView;
 use tilescope_formats::{Certificate, Hint, Overrides, certificate_path, check, read};
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
@@ -18,7 +19,7 @@ use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
-use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, PictureView};
+use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::{Command, State};
 

@@ -4,12 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use emath::{Rect, pos2, vec2};
+use tilescope_drawing::picture::PictureView;
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
 use tilescope_workbench::draft::Field;
-use tilescope_workbench::export::{
-    ExportCommand, ExportKind, ExportRefusal, NumberField, PictureView,
-};
+use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::{Command, State};
 
 pub fn settled(wake: Wake) -> State {

@@ -8,6 +8,7 @@ use tilescope_debugger::Recording;
 use tilescope_drawing::looks::{Looks, Swatches};
 use tilescope_drawing::palette::{DARK, Palette};
 use tilescope_drawing::parts::Part;
+use tilescope_drawing::picture::MomentView;
 use tilescope_drawing::scene::Scene;
 use tilescope_drawing::surface::{Arc as Angles, Mark, Stroke, Surface, Tag};
 use tilescope_figures::to_svg;
@@ -17,7 +18,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use tilescope_workbench::draft::{Choice, Field};
-use tilescope_workbench::export::{ExportKind, MomentView, picture};
+use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;

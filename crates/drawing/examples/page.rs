@@ -1,4 +1,4 @@
-//! The pictures of the page in a browser, icons and a still: `cargo run --release -p tilescope-figures --example page
+//! The pictures of the page in a browser, icons and a still: `cargo run --release -p tilescope-drawing --example page
 //! web/page`.
 
 use std::collections::BTreeMap;
@@ -8,10 +8,12 @@ use std::path::PathBuf;
 use glam::DVec2;
 use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 use tilescope_core::{Fate, Origin, Parameters, PatternSpec, Run, Stage, Unobserved, sample};
+use tilescope_drawing::picture::{MomentView, PictureView, scene, seam};
 use tilescope_figures::{
-    Color, Group, Palette, PictureOptions, Pixels, Rect, Scene, Shape, Style, View, seam_window,
-    stage_scene, to_pixels, with_alpha,
+    Color, Group, Palette, Pixels, Rect, Scene, Shape, Style, View, to_pixels, with_alpha,
 };
+use tilescope_session::Session;
+use tilescope_session::moment::Moment;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -29,22 +31,27 @@ const DISKS: [Color; 4] = [
     [0xd5, 0x7b, 0xc0, 0xff],
     [0xe6, 0xe9, 0xee, 0xff],
 ];
+/// Radii that the still shows, side by side.
+const STILL_RADII: f64 = 26.0;
+/// Width of the still's frame in points, and the pixels of a point.
+const WIDTH: f64 = 580.0;
+const SCALE: f64 = 1.6;
 /// Colours of the still.
 const COLORS: usize = 28;
 
 fn main() -> Result<(), Failure> {
     let folder = std::env::args().nth(1).ok_or("usage: page FOLDER")?;
     let folder = PathBuf::from(folder);
-    let run = run()?;
+    let session = Session::from_run(run()?, 0);
     for side in [192, 512] {
-        let mut rounded = to_pixels(&icon(&run, ICON_RADII), f64::from(side) / 512.0)?;
+        let mut rounded = to_pixels(&icon(&session, ICON_RADII), f64::from(side) / 512.0)?;
         round(&mut rounded);
         fs::write(folder.join(format!("icon-{side}.png")), encoded(&rounded)?)?;
-        let whole = to_pixels(&icon(&run, ICON_RADII / SAFE), f64::from(side) / 512.0)?;
+        let whole = to_pixels(&icon(&session, ICON_RADII / SAFE), f64::from(side) / 512.0)?;
         let name = format!("icon-maskable-{side}.png");
         fs::write(folder.join(name), encoded(&whole)?)?;
     }
-    fs::write(folder.join("still.png"), indexed(&still(&run)?)?)?;
+    fs::write(folder.join("still.png"), indexed(&still(&session)?)?)?;
     Ok(())
 }
 
@@ -64,9 +71,13 @@ fn run() -> Result<Run, Failure> {
 
 /// Disks around the corner of a block, in their blocks' colours, and what was inserted there. Half a radius wide, disks
 /// do not overlap.
-fn icon(run: &Run, radii: f64) -> Scene {
+fn icon(session: &Session, radii: f64) -> Scene {
     const SIDE: f64 = 512.0;
-    let shown = seam_window(run, radii);
+    let run = session.run();
+    let r = run.domain.radius();
+    let corner = seam(session) * r;
+    let half = DVec2::splat(0.5 * radii * r);
+    let shown = Rect::new(corner - half, corner + half);
     let mut group = Group::new("disks");
     group.view = View::fit(shown, Rect::new([0.0; 2], [SIDE; 2]));
     let mut colors = BTreeMap::new();
@@ -101,18 +112,15 @@ fn icon(run: &Run, radii: f64) -> Scene {
 }
 
 /// The gaps along the seams, being filled.
-fn still(run: &Run) -> Result<Pixels, Failure> {
-    let square = seam_window(run, 26.0);
-    let cut = square.size() * DVec2::new(0.0, 0.25);
-    let window = Rect::new(square.min + cut, square.max - cut);
-    let options = PictureOptions {
-        width: 960.0,
-        palette: Palette::DARK,
-        window: Some(window),
-        ..PictureOptions::default()
-    };
-    let scene = stage_scene(run, Stage::Iterate(1), &options);
-    Ok(to_pixels(&scene, 1.0)?)
+fn still(session: &Session) -> Result<Pixels, Failure> {
+    let index = session.stage_index(Stage::Iterate(1));
+    let mut view = PictureView::of_stage(session, Stage::Iterate(1), WIDTH);
+    view.size[1] = WIDTH / 2.0;
+    view.camera.scale = WIDTH / STILL_RADII;
+    (view.dark, view.print) = (true, false);
+    let moment = Moment::after(session, index);
+    let scene = scene(session, &MomentView { moment, view }, None);
+    Ok(to_pixels(&scene, SCALE)?)
 }
 
 /// Makes the corners of a picture round.

@@ -1,14 +1,15 @@
-//! The surface of exported pictures: the parts of a drawing become shapes of `tilescope_figures` on it.
+//! The surface of pictures in files: the parts of a drawing become shapes of `tilescope_figures` on it.
 
 use ecolor::Color32;
 use emath::{Pos2, Rect, Vec2, vec2};
 use glam::DVec2;
-use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
-use tilescope_drawing::{DISK_FILL, DISK_RING};
 use tilescope_figures::{
     Anchor, Baseline, Color, Font, Group, Marker, Rect as PictureRect, Shape, Style, Text,
     text_width, with_alpha,
 };
+
+use crate::surface::{Arc, Mark, Stroke, Surface, Tag};
+use crate::{DISK_FILL, DISK_RING};
 
 /// Circles of a larger radius, in pixels, look straight within the picture.
 const MAX_CIRCLE: f32 = 10_000.0;
@@ -18,7 +19,8 @@ const LINE_HEIGHT: f32 = 1.27;
 const ARC_ERROR: f32 = 0.02;
 
 /// Returns a colour of the window for a picture.
-pub(crate) fn color(color: Color32) -> Color {
+#[must_use]
+pub fn color(color: Color32) -> Color {
     let [red, green, blue, alpha] = color.to_srgba_unmultiplied();
     with_alpha([red, green, blue, 255], alpha)
 }
@@ -33,7 +35,9 @@ pub(super) fn style(fill: Option<Color32>, stroke: Option<Stroke>) -> Style {
     style
 }
 
-pub(crate) fn at(pos: Pos2) -> DVec2 {
+/// Returns a place of the screen for a picture.
+#[must_use]
+pub fn at(pos: Pos2) -> DVec2 {
     DVec2::new(pos.x.into(), pos.y.into())
 }
 

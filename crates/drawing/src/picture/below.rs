@@ -1,16 +1,16 @@
-//! The lines below an exported picture: the caption of a scene, and a legend.
+//! The lines below a picture: the caption of a scene, and a legend.
 
 use ecolor::Color32;
 use emath::Vec2;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use tilescope_drawing::surface::Stroke;
-use tilescope_drawing::symbol::{SymbolShape, symbol};
 use tilescope_figures::{Baseline, Font, Group, Shape, Text, text_width, wrapped};
 use tilescope_session::layers::{Layer, Layers, SessionKind};
 
-use super::picture::PictureView;
-use super::surface::{at, color, line, style};
+use super::PictureView;
+use super::shapes::{at, color, line, style};
+use crate::surface::Stroke;
+use crate::symbol::{SymbolShape, symbol};
 
 /// A legend: the symbols of layers, each with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,6 +54,7 @@ impl Below {
         let (room, width) = (view.size[0], view.width());
         let lines = wrapped(&view.caption, room, CAPTION_SIZE * width);
         let mut height = lines.len() as f64 * LINE_HEIGHT * CAPTION_SIZE * width;
+
         let mut entries = Vec::new();
         if let Some(Legend { layers, kind }) = view.legend {
             let size = LEGEND_SIZE * width;
@@ -61,6 +62,7 @@ impl Below {
             for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
                 let meaning = layer.meaning(kind);
                 let wide = 2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
+                // An entry wider than the picture has a line of its own, but no empty one above.
                 if x > 0.0 && x + wide > room {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }
@@ -70,6 +72,8 @@ impl Below {
             }
             height += LINE_HEIGHT * size;
         }
+
+        // A picture with nothing below it ends at its margin.
         let space = if height > 0.0 { SPACE * width } else { 0.0 };
         Self {
             height: height + space,
@@ -87,12 +91,14 @@ impl Below {
             text.baseline = Baseline::Middle;
             Shape::Text(text)
         };
+
         let mut caption = Group::new("caption");
         let size = CAPTION_SIZE * width;
         for (k, text) in self.lines.iter().enumerate() {
             let at = start + (k as f64 + 0.5) * LINE_HEIGHT * size * DVec2::Y;
             caption.shapes.push(written(text, at, size, palette.text));
         }
+
         let mut legend = Group::new("legend");
         let size = LEGEND_SIZE * width;
         for LegendEntry { layer, meaning, at } in &self.entries {
@@ -107,6 +113,8 @@ impl Below {
                 .shapes
                 .push(written(meaning, at + width, size, palette.muted));
         }
+
+        // Empty groups would be empty elements of SVG files.
         [caption, legend]
             .into_iter()
             .filter(|group| !group.shapes.is_empty())
@@ -118,6 +126,7 @@ impl Below {
 fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
     let on = |offset: Vec2| middle + scale * at(offset.to_pos2());
     let wide = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);
+
     match shape {
         SymbolShape::Polygon {
             corners,

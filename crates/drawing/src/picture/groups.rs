@@ -1,24 +1,23 @@
-//! Draws a moment, as the canvas does, into shapes of `tilescope_figures`: the parts of `tilescope_drawing`, with
-//! exact gaps.
+//! Draws a moment, as the canvas does, into shapes of `tilescope_figures`: its parts, with exact gaps.
 
 use ecolor::Color32;
 use emath::Rect;
 use tilescope_core::Stage;
-use tilescope_drawing::MIN_DISK_SCALE;
-use tilescope_drawing::brushed::BrushedCause;
-use tilescope_drawing::looks::{Looks, Swatches};
-use tilescope_drawing::parts::{self, Part};
-use tilescope_drawing::scene::{Scene, drawn_around};
-use tilescope_drawing::subject::Subject;
-use tilescope_drawing::surface::Surface;
 use tilescope_figures::{Fill, Group, Hatch, Shape, Style, with_alpha};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::selection::Selection;
 
-use super::picture::PictureView;
-use super::surface::{Shapes, at, color, rect};
+use super::PictureView;
+use super::shapes::{Shapes, at, color, rect};
+use crate::MIN_DISK_SCALE;
+use crate::brushed::BrushedCause;
+use crate::looks::{Looks, Swatches};
+use crate::parts::{self, Part};
+use crate::scene::{Scene, drawn_around};
+use crate::subject::Subject;
+use crate::surface::Surface;
 
 /// Returns the visible parts from bottom to top, drawn within `frame`.
 pub(super) fn groups(
@@ -30,11 +29,13 @@ pub(super) fn groups(
     let layers = shown.session.drawable(view.layers(shown.stage));
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
     let is_wanted = shows_gaps || layers.has_net();
+    // A triangulation takes longer than the drawing, and before tiling there is nothing to triangulate.
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
         Geometry::computed(&shown)
     } else {
         Geometry::default()
     };
+
     let subject = subject(shown, view, causes, &geometry);
     let scene = Scene::new(frame, subject, view.palette());
     let mut groups = ground(&scene, view);
@@ -44,9 +45,11 @@ pub(super) fn groups(
         groups.extend(shapes.into_groups("samples", frame));
         return groups;
     }
+
     let mut swatches = Swatches::default();
     swatches.follow(&scene.subject, scene.palette);
     let looks = Looks::new(&scene.subject, scene.palette, &swatches);
+    // Gaps come first: the parts are drawn over the disks that cover the hatching.
     if draws_gaps(&scene) {
         groups.extend(gaps(&scene, scene.domain(), scene.palette.domain));
     }
@@ -81,6 +84,8 @@ fn subject<'a>(
         Selection::Sample(id) => (Some(id), None),
         Selection::Place(place) => (None, Some(place)),
     };
+
+    // A file has no pointer, no verdict that one flew to, and no animation in progress.
     Subject {
         shown,
         camera: view.camera,

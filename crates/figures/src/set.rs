@@ -1,0 +1,102 @@
+//! Pictures of sets without their runs, with the colours and marks of the window.
+
+use std::convert::Infallible;
+
+use glam::DVec2;
+use tilescope_core::Boundary;
+
+use crate::canvas::{Canvas, PictureOptions};
+use crate::control::{Control, Steps};
+use crate::error::FigureError;
+use crate::scene::{Fill, Marker, Rect, Scene};
+
+/// A set to draw without its run.
+#[derive(Clone, Debug)]
+pub struct SetPicture<'a> {
+    /// Positions in user units.
+    pub points: &'a [[f64; 2]],
+    /// Width and height of the domain in user units.
+    pub size: [f64; 2],
+    /// How the domain ends.
+    pub boundary: Boundary,
+    /// Radius of the disks, if known.
+    pub radius: Option<f64>,
+    /// Building blocks in user units, if known.
+    pub blocks: Vec<Rect>,
+    /// The block of each sample, where known; a sample without one was inserted.
+    pub block_of: Option<Vec<Option<u32>>>,
+    /// Parts of the circles around samples that lie in no other disk: the sample's index, and where the part begins and ends,
+    /// as angles from the x axis, anticlockwise, in radians.
+    pub exposed: Vec<(usize, [f64; 2])>,
+    /// A line above the picture.
+    pub caption: String,
+}
+
+/// Returns the picture of a point set.
+#[must_use]
+pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
+    let Ok(scene) = laid_out::<Infallible>(set, options, &mut || Ok(()));
+    scene
+}
+
+/// Returns the picture of a point set. Calls `control` while samples are laid out.
+///
+/// # Errors
+///
+/// [`FigureError::Cancelled`] when `control` breaks.
+pub fn set_scene_controlled(
+    set: &SetPicture<'_>,
+    options: &PictureOptions,
+    control: Control<'_>,
+) -> Result<Scene, FigureError> {
+    // Disks, where they are drawn, and marks.
+    let mut steps = Steps::new(2 * set.points.len(), control);
+    laid_out(set, options, &mut || steps.shape())
+}
+
+/// Calls `step` for each sample of each layer, and fails as it does.
+fn laid_out<E>(
+    set: &SetPicture<'_>,
+    options: &PictureOptions,
+    step: &mut dyn FnMut() -> Result<(), E>,
+) -> Result<Scene, E> {
+    let mut canvas = Canvas::new(
+        set.size.into(),
+        set.boundary,
+        set.radius.unwrap_or(0.0),
+        options,
+    );
+    canvas.blocks(set.blocks.iter().copied());
+    let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
+
+    if let Some(style) = canvas.ring(Some(Fill::Solid(options.palette.disk_fill))) {
+        let mut disks = canvas.group("disks");
+        for point in &points {
+            step()?;
+            disks
+                .shapes
+                .extend(canvas.disks(std::slice::from_ref(point), style));
+        }
+        canvas.push([disks]);
+    }
+
+    let mut samples = canvas.group("samples");
+    let mut inserted = canvas.group("inserted");
+    for (index, &point) in points.iter().enumerate() {
+        step()?;
+        let block = set.block_of.as_ref().map(|of| of[index]);
+        match block {
+            Some(None) => canvas.mark(&mut inserted, Marker::Diamond, point, canvas.inserted()),
+            _ => canvas.mark(
+                &mut samples,
+                Marker::Dot,
+                point,
+                canvas.dot(block.flatten()),
+            ),
+        }
+    }
+    canvas.push([samples, inserted]);
+
+    canvas.arcs(&points, &set.exposed);
+    Ok(canvas.finish(&set.caption))
+}
