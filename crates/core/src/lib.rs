@@ -18,6 +18,7 @@
 //! # Ok::<(), tilescope_core::SampleError>(())
 //! ```
 
+mod border;
 mod circumcentre;
 pub mod combine;
 mod count;

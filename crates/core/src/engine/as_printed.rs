@@ -8,6 +8,7 @@
 
 use glam::I64Vec2;
 
+use crate::border::Border;
 use crate::circumcentre::circumcentre;
 use crate::error::SampleError;
 use crate::grid::{NearSample, SampleGrid};
@@ -17,7 +18,7 @@ use crate::progress::Meter;
 use crate::record::{Recorder, RunEvent, Verdict};
 use crate::run::Iteration;
 use crate::samples::{Fate, Origin, Samples, Sites};
-use crate::stages::detect::{Border, DETECTOR_REACH, Reach, clamped};
+use crate::stages::detect::{DETECTOR_REACH, Reach, clamped};
 use crate::stages::eliminate::keep_rest;
 
 /// The state of Algorithm 4: the set `C` and the marks.
@@ -194,9 +195,7 @@ impl AsPrinted {
                 }
             }
         }
-        if !self.domain.is_periodic() {
-            self.insert_on_border(samples, &others, pivot, iteration, recorder);
-        }
+        self.insert_on_border(samples, &others, pivot, iteration, recorder);
     }
 
     fn insert_on_border<T: Recorder>(
@@ -208,16 +207,14 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let at = samples.points[pivot as usize];
-        let border = Border::around(&self.domain, at);
-        for m in others {
-            let sites = Sites::Border([pivot.min(m.id), pivot.max(m.id)]);
-            for place in border.as_far_from(m.offset.as_i64vec2()) {
-                self.insert(samples, pivot, place, sites, iteration, recorder);
-            }
-        }
-        for corner in border.corners() {
-            let sites = Sites::Corner(pivot);
-            self.insert(samples, pivot, corner, sites, iteration, recorder);
+        let border = Border::of(&self.domain).seen_from(at.into());
+        let position = |m: &NearSample| m.offset.as_i64vec2();
+        for (place, other) in border.places(I64Vec2::ZERO, others, position) {
+            let sites = match other {
+                Some(m) => Sites::Border([pivot.min(m.id), pivot.max(m.id)]),
+                None => Sites::Corner(pivot),
+            };
+            self.insert(samples, pivot, place, sites, iteration, recorder);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use glam::I64Vec2;
 
+use crate::border::Border;
 use crate::lattice::{Domain, Point, Rect};
 
 use super::radius::LevelRadius;
@@ -18,14 +19,18 @@ pub(super) struct LevelFrame {
     /// Width and height of the domain.
     pub sides: [i32; 2],
     pub periodic: bool,
+    /// The closed border of the domain.
+    pub border: Border,
 }
 
 impl LevelFrame {
-    /// Returns an empty frame in a domain.
-    pub fn of(domain: &Domain) -> Self {
+    /// Returns an empty frame at a place of a domain.
+    pub fn at(domain: &Domain, origin: I64Vec2) -> Self {
         Self {
+            origin,
             sides: [domain.width(), domain.height()],
             periodic: domain.is_periodic(),
+            border: Border::of(domain).seen_from(origin),
             ..Self::default()
         }
     }
@@ -87,27 +92,5 @@ impl LevelFrame {
         } else {
             radius.units * 9 / 2
         }
-    }
-
-    /// Returns whether a rectangle holds places of a closed border.
-    pub fn meets_border(&self, rect: &Rect) -> bool {
-        let [x, y] = self.border(rect.min);
-        let meets = |lines: [Option<i64>; 2], side: i32| {
-            let mut lines = lines.into_iter().flatten();
-            lines.any(|line| (0..i64::from(side)).contains(&line))
-        };
-        meets(x, rect.width()) || meets(y, rect.height())
-    }
-
-    /// Returns the lines of the closed borders that the frame touches, by axis, from `corner`.
-    pub fn border(&self, corner: Point) -> [[Option<i64>; 2]; 2] {
-        let line = |axis: usize, corner: i32| {
-            let at = |end: usize, line: i64| {
-                (!self.periodic && !self.goes_on[axis][end])
-                    .then(|| line - self.origin[axis] - i64::from(corner))
-            };
-            [at(0, 0), at(1, self.sides[axis].into())]
-        };
-        [line(0, corner.x), line(1, corner.y)]
     }
 }

@@ -20,10 +20,9 @@
 //! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
 //! depends on no unknown, in any iteration.
 
-use glam::{DVec2, I64Vec2, IVec2, Vec2Swizzles};
+use glam::{DVec2, I64Vec2, IVec2};
 use rayon::prelude::*;
 
-use crate::circumcentre::on_line;
 use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
 use crate::progress::Meter;
@@ -233,7 +232,7 @@ impl LevelRegion {
             pixel.sight = sight.into();
             let squares = around.across.iter().zip(&around.up).map(square);
             let sites = squares.filter(|&square| square <= sight * sight).count();
-            pixel.is_due = sites >= 3 || self.frame.meets_border(&pixel.rect());
+            pixel.is_due = sites >= 3 || self.frame.border.meets(&pixel.rect());
         } else {
             self.look(&mut pixel, radius, &mut Vec::new());
         }
@@ -325,7 +324,7 @@ impl LevelRegion {
                 }
             }
         }
-        if self.frame.meets_border(&pixel.rect()) {
+        if self.frame.border.meets(&pixel.rect()) {
             places.on_border(found);
         }
         true
@@ -385,24 +384,13 @@ impl Candidates<'_> {
 
     /// Adds the candidates on the lines and corners of a closed border.
     fn on_border(&self, found: &mut Vec<Point>) {
-        let [lines_x, lines_y] = self.region.frame.border(self.pixel.min);
+        let border = self.region.frame.border.seen_from(self.pixel.min.into());
         for (k, a) in self.sites.iter().enumerate() {
-            let from = a.as_i64vec2();
-            for b in &self.sites[k + 1..] {
-                let apart = b.as_i64vec2() - from;
-                for x in lines_x.into_iter().flatten() {
-                    let place = on_line(x - from.x, apart).map(|y| I64Vec2::new(x, from.y + y));
-                    self.consider(place, &[*a, *b], found);
-                }
-                for y in lines_y.into_iter().flatten() {
-                    let place = on_line(y - from.y, apart.yx());
-                    let place = place.map(|x| I64Vec2::new(from.x + x, y));
-                    self.consider(place, &[*a, *b], found);
-                }
-            }
-            for x in lines_x.into_iter().flatten() {
-                for y in lines_y.into_iter().flatten() {
-                    self.consider(Some(I64Vec2::new(x, y)), &[*a], found);
+            let others = &self.sites[k + 1..];
+            for (place, other) in border.places(a.as_i64vec2(), others, |b| b.as_i64vec2()) {
+                match other {
+                    Some(b) => self.consider(Some(place), &[*a, *b], found),
+                    None => self.consider(Some(place), &[*a], found),
                 }
             }
         }

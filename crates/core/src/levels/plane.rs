@@ -438,9 +438,8 @@ impl NestedPlane {
         let frame = |level: u32| {
             let halo = self.halo(level, halo);
             let mut frame = LevelFrame {
-                origin: window.min.into(),
                 goes_on: [[true; 2]; 2],
-                ..LevelFrame::of(domain)
+                ..LevelFrame::at(domain, window.min.into())
             };
             let size = I64Vec2::new(window.width().into(), window.height().into());
             let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
@@ -478,7 +477,7 @@ impl NestedPlane {
         let frame = LevelFrame {
             rect: domain.rect(),
             wraps: domain.is_periodic(),
-            ..LevelFrame::of(domain)
+            ..LevelFrame::at(domain, I64Vec2::ZERO)
         };
         self.run(region, |_| frame, false, meter)
     }

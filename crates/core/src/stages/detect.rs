@@ -21,9 +21,10 @@
 //! before was covered by an eliminated or dropped sample, within r (+ 4 units of slack, since
 //! patterns cover lattice points), so the site is within 2r of that sample.
 
-use glam::{DVec2, I64Vec2, IVec2, Vec2Swizzles};
+use glam::{DVec2, I64Vec2, IVec2};
 
-use crate::circumcentre::{circumcentre, on_line};
+use crate::border::Border;
+use crate::circumcentre::circumcentre;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
@@ -188,10 +189,7 @@ impl<'a> Detection<'a> {
                 && self.cell.may_concern(site.offset.as_ivec2())
         }));
         self.find_circumcentres(own, at, out, recorder);
-        if !self.domain.is_periodic() {
-            self.find_on_border(own, at, out, recorder);
-            self.find_corners(own, at, out, recorder);
-        }
+        self.find_on_border(own, at, out, recorder);
     }
 
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
@@ -213,9 +211,14 @@ impl<'a> Detection<'a> {
     fn start_cell(&mut self, at: Point) {
         let reach = f64::from(self.reach.radius);
         let (mut min, mut max) = (DVec2::splat(-reach), DVec2::splat(reach));
-        if !self.domain.is_periodic() {
-            let Border { low, high } = Border::around(&self.domain, at);
-            (min, max) = (min.max(low.as_dvec2()), max.min(high.as_dvec2()));
+        // Beyond a border there are no candidates.
+        for line in Border::of(&self.domain).seen_from(at.into()).lines() {
+            let (axis, offset) = (line.axis, line.at as f64);
+            if line.inward > 0 {
+                min[axis] = min[axis].max(offset);
+            } else {
+                max[axis] = max[axis].min(offset);
+            }
         }
         self.cell.reset(min, max);
     }
@@ -263,25 +266,14 @@ impl<'a> Detection<'a> {
         out: &mut Vec<Candidate>,
         recorder: &mut T,
     ) {
-        let border = Border::around(&self.domain, at);
-        for m in &self.concerned {
-            for centre in border.as_far_from(m.offset) {
-                self.examine(at, centre, &[own, *m], out, recorder, || {
+        let border = Border::of(&self.domain).seen_from(at.into());
+        for (centre, other) in border.places(own.offset, &self.concerned, |site| site.offset) {
+            match other {
+                Some(m) => self.examine(at, centre, &[own, *m], out, recorder, || {
                     Sites::Border([own.id.min(m.id), own.id.max(m.id)])
-                });
+                }),
+                None => self.examine(at, centre, &[own], out, recorder, || Sites::Corner(own.id)),
             }
-        }
-    }
-
-    fn find_corners<T: Recorder>(
-        &self,
-        own: Site,
-        at: Point,
-        out: &mut Vec<Candidate>,
-        recorder: &mut T,
-    ) {
-        for corner in Border::around(&self.domain, at).corners() {
-            self.examine(at, corner, &[own], out, recorder, || Sites::Corner(own.id));
         }
     }
 
@@ -341,38 +333,6 @@ impl<'a> Detection<'a> {
 pub(crate) fn clamped(offset: I64Vec2) -> IVec2 {
     let [low, high] = [IVec2::MIN, IVec2::MAX].map(IVec2::as_i64vec2);
     offset.clamp(low, high).as_ivec2()
-}
-
-/// The border of a bounded domain as seen from one of its points.
-pub(crate) struct Border {
-    /// Offsets of the left and lower lines.
-    low: I64Vec2,
-    /// Offsets of the right and upper lines.
-    high: I64Vec2,
-}
-
-impl Border {
-    pub(crate) fn around(domain: &Domain, at: Point) -> Self {
-        let low = -I64Vec2::from(at);
-        let high = low + I64Vec2::new(domain.width().into(), domain.height().into());
-        Self { low, high }
-    }
-
-    /// Returns the places of the four border lines that are as far from the point as from `m`,
-    /// some of them far outside the domain.
-    pub(crate) fn as_far_from(&self, m: I64Vec2) -> impl Iterator<Item = I64Vec2> {
-        let column = |x: i64| on_line(x, m).map(|y| I64Vec2::new(x, y));
-        let row = |y: i64| on_line(y, m.yx()).map(|x| I64Vec2::new(x, y));
-        let Self { low, high } = self;
-        [column(low.x), column(high.x), row(low.y), row(high.y)]
-            .into_iter()
-            .flatten()
-    }
-
-    pub(crate) fn corners(&self) -> [I64Vec2; 4] {
-        let Self { low, high } = *self;
-        [low, low.with_x(high.x), low.with_y(high.y), high]
-    }
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use fearless_simd::Simd;
 use glam::{DVec2, I64Vec2};
 
+use crate::border::Border;
 use crate::circumcentre::circumcentre;
-use crate::lattice::{Point, R, R_SQUARED};
-use crate::stages::detect::Border;
+use crate::lattice::{Point, R, R_SQUARED, Rect};
 
 use super::super::frame::CELL_BITS;
 use super::super::region::{MAX_REACH, Region};
@@ -120,23 +120,12 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
         }
-        if !rules.domain.is_periodic() && self.touches_border(searched) {
+        if !rules.domain.is_periodic() {
             self.search_border(simd, gaps, rules, searched, unsure);
         }
     }
 
-    /// Returns whether a border line of a bounded domain runs through a pixel.
-    fn touches_border(&self, searched: SearchedPixel) -> bool {
-        let (column, row) = self.frame.column_row(searched.cell);
-        let (x, y) = corner(searched.number);
-        let low = [(column << CELL_BITS) + x, (row << CELL_BITS) + y];
-        (0..2).any(|axis| {
-            let first = i64::from(low[axis]) + self.frame.origin[axis];
-            let last = i64::from(self.frame.sides[axis]);
-            first == 0 || (first <= last && last < first + i64::from(PIXEL_SIDE))
-        })
-    }
-
+    /// Tries the candidates on the lines of a closed border that run through the pixel.
     #[cold]
     fn search_border<S: Simd>(
         &self,
@@ -146,6 +135,19 @@ impl<const TAGS: bool> Region<TAGS> {
         searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
+        let (column, row) = self.frame.column_row(searched.cell);
+        let cell = Point::new(column << CELL_BITS, row << CELL_BITS);
+        let border = Border::of(&rules.domain).seen_from(self.frame.origin + I64Vec2::from(cell));
+        let (x, y) = corner(searched.number);
+        let pixel = Rect {
+            min: Point::new(x, y),
+            max: Point::new(x + PIXEL_SIDE, y + PIXEL_SIDE),
+        };
+        // Places in other pixels are found there.
+        if !border.meets(&pixel) {
+            return;
+        }
+
         let near = if searched.wide {
             &gaps.wide
         } else {
@@ -156,14 +158,12 @@ impl<const TAGS: bool> Region<TAGS> {
             .map(|&k| near.offset(k).as_i64vec2())
             .collect();
         for (k, &a) in sites.iter().enumerate() {
-            let border = Border::around(&rules.domain, self.site_point(searched.cell, a));
-            for &m in &sites[k + 1..] {
-                for place in border.as_far_from(m - a) {
-                    self.try_place(simd, gaps, rules, searched, (place + a, &[a, m]), unsure);
-                }
-            }
-            for corner in border.corners() {
-                self.try_place(simd, gaps, rules, searched, (corner + a, &[a]), unsure);
+            for (place, other) in border.places(a, &sites[k + 1..], |m| *m) {
+                let made_by = match other {
+                    Some(&m) => &[a, m][..],
+                    None => &[a],
+                };
+                self.try_place(simd, gaps, rules, searched, (place, made_by), unsure);
             }
         }
     }
