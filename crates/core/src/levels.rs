@@ -28,14 +28,26 @@
 mod blocks;
 mod frame;
 mod gaps;
-mod grid;
 mod nested;
 mod pattern;
 mod plane;
-mod radius;
 mod region;
+
+use crate::error::ParameterError;
+use crate::radius::MAX_HALVINGS;
 
 pub use nested::{Nested, PrefixGuarantee, WithinLevel};
 pub use pattern::NestedPattern;
 pub use plane::{NestedPlane, NestedRequest};
-pub use radius::MAX_LEVELS;
+
+/// The most levels of a run.
+pub const MAX_LEVELS: u32 = MAX_HALVINGS + 1;
+
+/// Refuses numbers of levels that are out of range.
+fn check_levels(levels: u32) -> Result<(), ParameterError> {
+    let maximum = MAX_LEVELS;
+    match levels {
+        1..=MAX_LEVELS => Ok(()),
+        _ => Err(ParameterError::Levels { levels, maximum }),
+    }
+}

@@ -34,6 +34,7 @@ mod pattern;
 mod pattern_making;
 mod pool;
 mod progress;
+mod radius;
 mod random;
 mod record;
 mod reference;

@@ -4,8 +4,7 @@ use glam::I64Vec2;
 
 use crate::border::Border;
 use crate::lattice::{Domain, Point, Rect};
-
-use super::radius::LevelRadius;
+use crate::radius::Radius;
 
 /// A rectangle in which a level is computed. Its coordinates begin at the plane's place `origin`.
 #[derive(Clone, Copy, Default)]
@@ -86,7 +85,7 @@ impl LevelFrame {
 
     /// Returns how far samples may be from a place and yet concern candidates around it, in units: 2r and two diagonals
     /// of a pixel; near closed borders places may be (2 + sqrt 2) r from all samples (see [`crate::stages::detect`]).
-    pub const fn sight(&self, radius: &LevelRadius) -> i32 {
+    pub const fn sight(&self, radius: Radius) -> i32 {
         if self.periodic {
             radius.units * 5 / 2
         } else {

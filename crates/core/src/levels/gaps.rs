@@ -26,11 +26,10 @@ use rayon::prelude::*;
 use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
 use crate::progress::Meter;
+use crate::radius::Radius;
 use crate::random::{Key, Stream};
 
-use super::grid::Place;
-use super::radius::LevelRadius;
-use super::region::{KeptSample, LevelRegion, UnknownDisk, flag};
+use super::region::{LevelRegion, UnknownDisk, flag};
 
 /// Units by which samples may be farther from a pixel than its nearest one and still be sites: 9 and some for rounding.
 const PIXEL_SLACK: f64 = 16.0;
@@ -73,7 +72,7 @@ impl GapPixel {
 }
 
 /// Returns how far around a cell samples are gathered: far enough for nearly all of its pixels.
-const fn gathered(radius: &LevelRadius) -> i32 {
+const fn gathered(radius: Radius) -> i32 {
     radius.units / 8 * 13
 }
 
@@ -94,15 +93,10 @@ struct Gathered {
 impl LevelRegion {
     /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool. Fails
     /// only when the observer of `meter` stops it.
-    pub fn fill(
-        &mut self,
-        radius: &LevelRadius,
-        key: Key,
-        meter: &mut Meter<'_>,
-    ) -> Result<(), SampleError> {
-        let mut pixels = self.open_pixels(radius, meter)?;
+    pub fn fill(&mut self, key: Key, meter: &mut Meter<'_>) -> Result<(), SampleError> {
+        let mut pixels = self.open_pixels(meter)?;
         if self.frame.ends_inside() {
-            self.doubt_pixels(radius, &mut pixels);
+            self.doubt_pixels(&mut pixels);
         }
         for iteration in 1.. {
             let (mut open, mut found) = (Vec::new(), Vec::new());
@@ -110,7 +104,7 @@ impl LevelRegion {
                 let searched = some.par_chunks(TURN).map(|pixels| {
                     let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
                     for mut pixel in pixels.iter().copied() {
-                        if !pixel.is_due || self.find(&mut pixel, radius, &mut sites, &mut found) {
+                        if !pixel.is_due || self.find(&mut pixel, &mut sites, &mut found) {
                             open.push(pixel);
                         }
                     }
@@ -125,27 +119,22 @@ impl LevelRegion {
             if found.is_empty() {
                 break;
             }
-            self.insert(radius, key.derive(Stream::Iteration, iteration), &found);
+            self.insert(key.derive(Stream::Iteration, iteration), &found);
             // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
-            let flags = &self.grid.flags;
-            let farther = f64::from(gathered(radius));
+            let farther = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
                 pixel.is_due = true;
-                let changed = flags[self.grid.cell_at(pixel.min)] & flag::CHANGED != 0;
-                changed || pixel.sight > farther
+                let cell = self.grid.cell_at(pixel.min);
+                self.flags.has(cell, flag::CHANGED) || pixel.sight > farther
             });
         }
         Ok(())
     }
 
     /// Returns the pixels of dirty cells that no sample covers whole.
-    fn open_pixels(
-        &self,
-        radius: &LevelRadius,
-        meter: &mut Meter<'_>,
-    ) -> Result<Vec<GapPixel>, SampleError> {
+    fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
         // Near the frame's edges nothing can be known.
-        let inside = self.frame.inside(radius.units);
+        let inside = self.frame.inside(self.grid.radius().units);
         let mut pixels = Vec::new();
         for some in self.dirty.chunks(SHIFT) {
             let open = some.par_chunks(TURN).map(|cells| {
@@ -155,7 +144,7 @@ impl LevelRegion {
                     let (min, max) = (rect.min, rect.max);
                     let across = min.x < inside.max.x && inside.min.x < max.x;
                     if across && min.y < inside.max.y && inside.min.y < max.y {
-                        self.open_cell(&rect, radius, &mut around);
+                        self.open_cell(&rect, &mut around);
                     }
                 }
                 around.pixels
@@ -166,29 +155,24 @@ impl LevelRegion {
         Ok(pixels)
     }
 
-    fn open_cell(&self, cell: &Rect, radius: &LevelRadius, around: &mut Gathered) {
+    fn open_cell(&self, cell: &Rect, around: &mut Gathered) {
+        let radius = self.grid.radius();
         let side = radius.side();
         around.across.clear();
         around.up.clear();
         let middle = Point::new(cell.min.x + side / 2, cell.min.y + side / 2);
         self.grid
-            .any_near(middle, gathered(radius) + side / 2, |x, y| {
-                around.across.push((x + side / 2) as f32);
-                around.up.push((y + side / 2) as f32);
+            .any_near(middle, gathered(radius) + side / 2, |offset| {
+                around.across.push((offset.x + side / 2) as f32);
+                around.up.push((offset.y + side / 2) as f32);
                 false
             });
-        self.divide(cell, Point::default(), side, radius, around);
+        self.divide(cell, Point::default(), side, around);
     }
 
     /// Divides a square at `corner` of a cell.
-    fn divide(
-        &self,
-        cell: &Rect,
-        corner: Point,
-        side: i32,
-        radius: &LevelRadius,
-        around: &mut Gathered,
-    ) {
+    fn divide(&self, cell: &Rect, corner: Point, side: i32, around: &mut Gathered) {
+        let radius = self.grid.radius();
         let min = Point::new(cell.min.x + corner.x, cell.min.y + corner.y);
         if min.x >= cell.max.x || min.y >= cell.max.y {
             return;
@@ -216,7 +200,7 @@ impl LevelRegion {
             let half = side / 2;
             for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
                 let corner = Point::new(corner.x + x, corner.y + y);
-                self.divide(cell, corner, half, radius, around);
+                self.divide(cell, corner, half, around);
             }
             return;
         }
@@ -234,13 +218,14 @@ impl LevelRegion {
             let sites = squares.filter(|&square| square <= sight * sight).count();
             pixel.is_due = sites >= 3 || self.frame.border.meets(&pixel.rect());
         } else {
-            self.look(&mut pixel, radius, &mut Vec::new());
+            self.look(&mut pixel, &mut Vec::new());
         }
         around.pixels.push(pixel);
     }
 
     /// Takes out the pixels in which something unknown may happen.
-    fn doubt_pixels(&mut self, radius: &LevelRadius, pixels: &mut Vec<GapPixel>) {
+    fn doubt_pixels(&mut self, pixels: &mut Vec<GapPixel>) {
+        let radius = self.grid.radius();
         let farthest = self.frame.sight(radius);
         loop {
             let before = pixels.len();
@@ -251,13 +236,13 @@ impl LevelRegion {
                 let is_far = pixel.sight > f64::from(farthest);
                 let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
                 let edge = self.frame.inside(sight + radius.units);
-                let doubtful = self.grid.flags[self.grid.cell_at(pixel.min)] & flag::DOUBTFUL != 0;
+                let doubtful = self.flags.has(self.grid.cell_at(pixel.min), flag::DOUBTFUL);
                 let is_known = edge.contains(centre)
                     && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));
                 if !is_known {
                     let (at, reach) = (centre, pixel.half_diagonal() as i32 + 2);
-                    self.doubt(UnknownDisk { at, radius: reach }, radius);
+                    self.doubt(UnknownDisk { at, radius: reach });
                 }
                 is_known
             });
@@ -268,7 +253,8 @@ impl LevelRegion {
     }
 
     /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
-    fn look(&self, pixel: &mut GapPixel, radius: &LevelRadius, sites: &mut Vec<IVec2>) -> bool {
+    fn look(&self, pixel: &mut GapPixel, sites: &mut Vec<IVec2>) -> bool {
+        let radius = self.grid.radius();
         let (middle, half) = (pixel.middle(), pixel.half_diagonal());
         let centre = pixel.side / 2;
         let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
@@ -276,8 +262,8 @@ impl LevelRegion {
         let mut reach = radius.units + radius.units / 2;
         let limit = loop {
             sites.clear();
-            self.grid.any_near(at, reach, |x, y| {
-                sites.push(IVec2::new(x, y) + centre);
+            self.grid.any_near(at, reach, |offset| {
+                sites.push(offset + centre);
                 false
             });
             let squares = sites.iter().map(square);
@@ -299,20 +285,13 @@ impl LevelRegion {
     }
 
     /// Appends the candidates of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
-    fn find(
-        &self,
-        pixel: &mut GapPixel,
-        radius: &LevelRadius,
-        sites: &mut Vec<IVec2>,
-        found: &mut Vec<Point>,
-    ) -> bool {
-        if !self.look(pixel, radius, sites) {
+    fn find(&self, pixel: &mut GapPixel, sites: &mut Vec<IVec2>, found: &mut Vec<Point>) -> bool {
+        if !self.look(pixel, sites) {
             return false;
         }
         let places = Candidates {
             region: self,
             pixel,
-            radius,
             sites,
         };
         for (k, &a) in sites.iter().enumerate() {
@@ -331,23 +310,22 @@ impl LevelRegion {
     }
 
     /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
-    fn insert(&mut self, radius: &LevelRadius, key: Key, found: &[Point]) {
+    fn insert(&mut self, key: Key, found: &[Point]) {
         let ranked = |&p: &Point| {
             let place = self.frame.in_domain(p);
             (key.draw_at(place.x, place.y)[0], place.row_major(), p)
         };
         let mut candidates: Vec<_> = found.iter().map(ranked).collect();
         candidates.sort_unstable_by_key(|(rank, place, _)| (*rank, *place));
-        for flags in &mut self.grid.flags {
-            *flags &= !flag::CHANGED;
-        }
+        self.flags.clear(flag::CHANGED);
         // As far as pixels see that do not see farther, and a pixel.
+        let radius = self.grid.radius();
         let reach = gathered(radius) + radius.side() / 8;
         for (_, _, at) in candidates {
-            if self.grid.place(at, radius) == Place::Free {
-                self.grid.insert(at);
-                self.samples.push(KeptSample { at, foreign: true });
-                self.grid.flag_near(at, reach, flag::CHANGED, |_| ());
+            if !self.grid.covers(at) {
+                self.keep(at, true);
+                self.flags
+                    .set_near(&self.grid, at, reach, flag::CHANGED, |_| ());
             }
         }
     }
@@ -357,7 +335,6 @@ impl LevelRegion {
 struct Candidates<'a> {
     region: &'a LevelRegion,
     pixel: &'a GapPixel,
-    radius: &'a LevelRadius,
     sites: &'a [IVec2],
 }
 
@@ -370,8 +347,9 @@ impl Candidates<'_> {
         };
         let square = |site: &IVec2| site.as_i64vec2().distance_squared(centre);
         let nearest = made_by.iter().map(square).min().unwrap_or(0);
-        let slack = 12 * i64::from(self.radius.units);
-        let limit = (nearest - slack).max(self.radius.squared + 1);
+        let radius = self.region.grid.radius();
+        let slack = 12 * i64::from(radius.units);
+        let limit = (nearest - slack).max(radius.squared + 1);
         if self.sites.iter().any(|site| square(site) < limit) {
             return;
         }

@@ -7,19 +7,17 @@ use crate::error::SampleError;
 use crate::lattice::{Boundary, Domain, Point, Rect};
 use crate::parameters::PatternSpec;
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
-use crate::progress::{Meter, Observer};
-use crate::random::{Key, Stream, below};
+use crate::progress::Observer;
+use crate::radius::Radius;
+use crate::random::{Key, Stream};
 use crate::stage::Stage;
-use crate::stages::darts::{poisson, throw_key};
+use crate::stages::darts::DartProcess;
+use crate::stages::disks::DiskGrid;
 
-use super::grid::{LevelGrid, Place};
-use super::radius::{LevelRadius, check_levels};
+use super::check_levels;
 
 /// The shortest side of a pattern, in radii of its coarsest level.
 const SHORTEST_SIDE: f64 = 12.0;
-
-/// Throws of darts before cells are first divided.
-const FIRST_THROWS: u32 = 4;
 
 /// A nested pattern, from which blocks clip all levels at one place.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,18 +38,29 @@ impl NestedPattern {
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
         check_levels(levels)?;
-        let coarsest = LevelRadius::before(levels - 1);
+        let coarsest = Radius::before(levels - 1);
         let shortest = (SHORTEST_SIDE * f64::from(coarsest.units)).ceil() as i32;
         let side = spec.side_units()?.max(shortest);
         let key = Key::from_seed(spec.seed).derive(Stream::Pattern, levels);
-        let mut darts = NestedDarts::new(side);
+        let domain = Domain::from_units(side, side, Boundary::Periodic).rect();
+        let mut samples: Vec<Point> = Vec::new();
         let mut made = Vec::with_capacity(levels as usize);
-        let mut meter = Meter::begin(observer, Stage::Pattern, levels.into())?;
         for level in 0..levels {
-            let radius = LevelRadius::before(levels - 1 - level);
-            made.push(darts.fill(&radius, key.derive(Stream::Nested, level), &mut meter)?);
+            // A level keeps all samples of those before it, which are farther apart.
+            let mut disks = DiskGrid::default();
+            disks.reset(domain, true, Radius::before(levels - 1 - level));
+            let fits = samples.iter().all(|&p| disks.insert(p));
+            debug_assert!(fits, "the samples are conflict-free");
+
+            let mut darts = DartProcess::among(key.derive(Stream::Nested, level), disks);
+            let mut added = Vec::new();
+            while !darts.is_finished() {
+                added.append(&mut darts.step(Stage::Pattern, observer)?);
+            }
+            samples.extend_from_slice(&added);
+            added.sort_unstable_by_key(|p| p.canonical());
+            made.push(added);
         }
-        meter.end()?;
         Ok(Self { side, levels: made })
     }
 
@@ -74,10 +83,7 @@ impl NestedPattern {
         let levels = self.levels.iter().zip(finer);
         let clip = |(samples, halvings): (&Vec<Point>, u32)| {
             let pattern = Pattern::of_samples(&domain, samples.clone(), true);
-            LevelClip::new(
-                &pattern.variant(symmetry),
-                LevelRadius::before(halvings).bits,
-            )
+            LevelClip::new(&pattern.variant(symmetry), Radius::before(halvings).bits)
         };
         levels.map(clip).collect()
     }
@@ -146,109 +152,6 @@ impl LevelClip {
     }
 }
 
-/// The dart process that makes a nested pattern, level by level.
-struct NestedDarts {
-    rect: Rect,
-    samples: Vec<Point>,
-    disks: LevelGrid,
-}
-
-impl NestedDarts {
-    fn new(side: i32) -> Self {
-        Self {
-            rect: Rect {
-                min: Point::default(),
-                max: Point::new(side, side),
-            },
-            samples: Vec::new(),
-            disks: LevelGrid::default(),
-        }
-    }
-
-    /// Adds samples until no lattice point is uncovered at `radius`, and returns those in canonical order.
-    fn fill(
-        &mut self,
-        radius: &LevelRadius,
-        key: Key,
-        meter: &mut Meter<'_>,
-    ) -> Result<Vec<Point>, SampleError> {
-        self.disks.reset(self.rect, true, radius);
-        for &p in &self.samples {
-            self.disks.insert(p);
-        }
-        let first = self.samples.len();
-        let mut side = radius.side();
-        let starts = || (0..=(self.rect.max.x - 1) / side).map(|k| k * side);
-        let cells = starts().flat_map(|y| starts().map(move |x| Point::new(x, y)));
-        let mut active: Vec<Point> = cells
-            .filter(|&min| !self.covers(min, side, radius))
-            .collect();
-        let mut depth = 0;
-        while !active.is_empty() {
-            let throws = if depth == 0 { FIRST_THROWS } else { 1 };
-            for throw in 0..throws {
-                self.throw(&active, side, radius, throw_key(key, depth, throw));
-                meter.ask()?;
-            }
-            if side == 1 {
-                break;
-            }
-            side /= 2;
-            depth += 1;
-            let quarters = |min: Point| {
-                let corners = [(0, 0), (side, 0), (0, side), (side, side)];
-                corners.map(|(x, y)| Point::new(min.x + x, min.y + y))
-            };
-            let mut next: Vec<Point> = active.into_iter().flat_map(quarters).collect();
-            next.retain(|&min| self.rect.contains(min) && !self.covers(min, side, radius));
-            active = next;
-        }
-        let mut added = self.samples[first..].to_vec();
-        added.sort_unstable_by_key(|p| p.canonical());
-        Ok(added)
-    }
-
-    /// Throws darts at the active cells and keeps, by rank, those that no sample covers.
-    fn throw(&mut self, active: &[Point], side: i32, radius: &LevelRadius, key: Key) {
-        let mut darts: Vec<(u32, Point)> = Vec::new();
-        for &min in active {
-            let cell = key.derive_at(min.x, min.y);
-            let count = if side == 1 {
-                1
-            } else {
-                poisson(cell.words()[0])
-            };
-            for index in 0..count {
-                let [x, y] = cell.draw(Stream::Dart, 2 * index);
-                let [rank, _] = cell.draw(Stream::Dart, 2 * index + 1);
-                let [x, y] = [x, y].map(|word| below(word, side as u32) as i32);
-                let dart = Point::new(min.x + x, min.y + y);
-                if self.rect.contains(dart) && self.disks.place(dart, radius) == Place::Free {
-                    darts.push((rank, dart));
-                }
-            }
-        }
-        darts.sort_unstable_by_key(|(rank, dart)| (*rank, dart.row_major()));
-        for (_, dart) in darts {
-            if self.disks.place(dart, radius) == Place::Free {
-                self.disks.insert(dart);
-                self.samples.push(dart);
-            }
-        }
-    }
-
-    /// Returns whether one sample covers all lattice points of the domain in the cell at `min`.
-    fn covers(&self, min: Point, side: i32, radius: &LevelRadius) -> bool {
-        let reach = |from: i32, end: i32| side.min(end - from) - 1;
-        let (width, height) = (reach(min.x, self.rect.max.x), reach(min.y, self.rect.max.y));
-        let farthest = |from: i32, extent: i32| from.abs().max((from - extent).abs());
-        // Such a sample is at most the radius away from the lowest point.
-        self.disks.any_near(min, radius.units, |x, y| {
-            radius.covers(farthest(x, width), farthest(y, height))
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -271,52 +174,23 @@ mod tests {
         };
         let mut all = Vec::new();
         for (level, added) in (0..levels).zip(pattern.levels()) {
-            let radius = LevelRadius::before(levels - 1 - level);
-            let mut grid = LevelGrid::default();
-            grid.reset(rect, true, &radius);
+            let radius = Radius::before(levels - 1 - level);
+            let mut grid = DiskGrid::default();
+            grid.reset(rect, true, radius);
             all.extend_from_slice(added);
             for &p in &all {
-                assert_eq!(grid.place(p, &radius), Place::Free, "level {level}");
-                grid.insert(p);
+                assert!(!grid.covers(p) && grid.insert(p), "level {level}");
             }
-            assert_eq!(uncovered(&grid, &radius), None, "level {level}");
+            assert_eq!(grid.uncovered_point(0), None, "level {level}");
             let density = all.len() as f64 * radius.squared as f64 / f64::from(side).powi(2);
             assert!((0.64..0.75).contains(&density), "level {level}: {density}");
         }
-        // The coarsest set is not maximal for the next radius.
-        let mut grid = LevelGrid::default();
-        let radius = LevelRadius::before(levels - 2);
-        grid.reset(rect, true, &radius);
-        pattern.levels()[0].iter().for_each(|&p| grid.insert(p));
-        assert!(uncovered(&grid, &radius).is_some());
-    }
 
-    /// A lattice point that no sample covers: squares are divided until one sample covers all four of their corners.
-    fn uncovered(grid: &LevelGrid, radius: &LevelRadius) -> Option<Point> {
-        let end = grid.rect.max.x;
-        let mut squares = vec![(Point::default(), end)];
-        while let Some((min, side)) = squares.pop() {
-            let last = |from: i32| (from + side).min(end) - 1;
-            let (right, top) = (last(min.x) - min.x, last(min.y) - min.y);
-            let covered = grid.any_near(min, radius.units, |x, y| {
-                [(x, y), (x - right, y), (x, y - top), (x - right, y - top)]
-                    .iter()
-                    .all(|&(x, y)| radius.covers(x, y))
-            });
-            if covered {
-                continue;
-            }
-            if side == 1 {
-                return Some(min);
-            }
-            let half = (side + 1) / 2;
-            for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
-                if min.x + x < end && min.y + y < end && x < side && y < side {
-                    squares.push((Point::new(min.x + x, min.y + y), half));
-                }
-            }
-        }
-        None
+        // The coarsest set is not maximal for the next radius.
+        let mut grid = DiskGrid::default();
+        grid.reset(rect, true, Radius::before(levels - 2));
+        assert!(pattern.levels()[0].iter().all(|&p| grid.insert(p)));
+        assert!(grid.uncovered_point(0).is_some());
     }
 
     #[test]

@@ -17,14 +17,15 @@ use crate::parameters::{Insertion, Order, Parameters, Search, Variant, check_seq
 use crate::pattern::Symmetry;
 use crate::pool::Pool;
 use crate::progress::{Meter, Observer, Unobserved};
+use crate::radius::Radius;
 use crate::random::{Key, Stream};
 use crate::stage::Stage;
 
 use super::blocks::BlockDraws;
+use super::check_levels;
 use super::frame::LevelFrame;
 use super::nested::{Nested, WithinLevel};
 use super::pattern::{LevelClip, NestedPattern};
-use super::radius::{LevelRadius, check_levels};
 use super::region::LevelRegion;
 
 /// Width of the finest level's halo in its radii, at first. Where blocks are small beside the radius, what is unknown reaches
@@ -422,8 +423,8 @@ impl NestedPlane {
         (level..self.levels).map(width).sum()
     }
 
-    const fn units(&self, level: u32) -> LevelRadius {
-        LevelRadius::before(self.levels - 1 - level)
+    const fn units(&self, level: u32) -> Radius {
+        Radius::before(self.levels - 1 - level)
     }
 
     /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
@@ -496,10 +497,9 @@ impl NestedPlane {
         self.draws
             .find(&target, origin, coarsest.units, images, &mut region.blocks);
         for level in 0..self.levels {
-            let radius = self.units(level);
-            region.begin(frame(level), &radius);
-            region.claim(level as usize, &self.variants, &radius, meter)?;
-            region.fill(&radius, self.level_key(level), meter)?;
+            region.begin(frame(level), self.units(level));
+            region.claim(level as usize, &self.variants, meter)?;
+            region.fill(self.level_key(level), meter)?;
             region.ends.push(region.samples.len());
             meter.tick()?;
         }

@@ -8,14 +8,14 @@
 use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
 use crate::progress::Meter;
+use crate::radius::Radius;
+use crate::stages::disks::DiskGrid;
 
 use super::blocks::NestedBlock;
 use super::frame::LevelFrame;
-use super::grid::{LevelGrid, Place};
 use super::pattern::LevelClip;
-use super::radius::LevelRadius;
 
-/// Flags of the grid's cells.
+/// What a flag of a cell says.
 pub(super) mod flag {
     /// A sample that is not its block's own, or an unknown, may cover a place in it.
     pub const CONTESTED: u8 = 1;
@@ -25,6 +25,51 @@ pub(super) mod flag {
     pub const DOUBTFUL: u8 = 4;
     /// A sample inserted last may concern candidates in it.
     pub const CHANGED: u8 = 8;
+}
+
+/// Flags of the cells of a grid.
+#[derive(Default)]
+pub(super) struct CellFlags(Vec<u8>);
+
+impl CellFlags {
+    /// Returns whether a cell has a flag.
+    #[inline]
+    pub fn has(&self, cell: usize, flag: u8) -> bool {
+        self.0[cell] & flag != 0
+    }
+
+    /// Sets a flag of all cells that touch the square around `from`, and calls `first` with those that did not have it.
+    pub fn set_near(
+        &mut self,
+        grid: &DiskGrid,
+        from: Point,
+        reach: i32,
+        flag: u8,
+        mut first: impl FnMut(usize),
+    ) {
+        grid.any_range(from, reach, |range, _| {
+            for cell in range {
+                if self.0[cell] & flag == 0 {
+                    self.0[cell] |= flag;
+                    first(cell);
+                }
+            }
+            false
+        });
+    }
+
+    /// Takes a flag from all cells.
+    pub fn clear(&mut self, flag: u8) {
+        for flags in &mut self.0 {
+            *flags &= !flag;
+        }
+    }
+
+    /// Takes all flags from `count` cells.
+    fn reset(&mut self, count: usize) {
+        self.0.clear();
+        self.0.resize(count, 0);
+    }
 }
 
 /// A sample of the result.
@@ -59,7 +104,9 @@ pub(super) struct UnknownDisk {
 #[derive(Default)]
 pub(super) struct LevelRegion {
     pub frame: LevelFrame,
-    pub grid: LevelGrid,
+    /// The samples in the frame, at the level's radius.
+    pub grid: DiskGrid,
+    pub flags: CellFlags,
     /// The samples of all levels so far.
     pub samples: Vec<KeptSample>,
     /// How many samples there are up to the end of each level.
@@ -92,16 +139,19 @@ impl LevelRegion {
     }
 
     /// Begins a level: takes over what is known from the level before.
-    pub fn begin(&mut self, frame: LevelFrame, radius: &LevelRadius) {
+    pub fn begin(&mut self, frame: LevelFrame, radius: Radius) {
         self.grid.reset(frame.rect, frame.wraps, radius);
+        self.flags.reset(self.grid.cell_count());
         self.dirty.clear();
-        let grid = &mut self.grid;
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
-            grid.insert(sample.at);
+            let fits = self.grid.insert(sample.at);
+            debug_assert!(fits, "the samples are conflict-free");
             if sample.foreign {
-                grid.flag_near(sample.at, radius.units, flag::CONTESTED, |_| ());
+                self.flags
+                    .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
             }
         }
+
         let before = std::mem::take(&mut self.unknown);
         self.unknown_next.clear();
         self.unknown_in.clear();
@@ -110,32 +160,31 @@ impl LevelRegion {
         for unknown in before {
             // What a sample covers whole holds no other.
             let inner = i64::from(radius.units - 1 - unknown.radius);
-            let covered = self.grid.any_near(unknown.at, radius.units, |x, y| {
-                let (x, y) = (i64::from(x), i64::from(y));
-                inner >= 0 && x * x + y * y <= inner * inner
+            let covered = self.grid.any_near(unknown.at, radius.units, |offset| {
+                inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
             });
             if self.frame.rect.contains(unknown.at) && !covered {
-                self.doubt(unknown, radius);
+                self.doubt(unknown);
                 let reach = radius.units + unknown.radius;
-                self.grid
-                    .flag_near(unknown.at, reach, flag::CONTESTED, |_| ());
+                self.flags
+                    .set_near(&self.grid, unknown.at, reach, flag::CONTESTED, |_| ());
             }
         }
     }
 
     /// Adds an unknown.
-    pub fn doubt(&mut self, unknown: UnknownDisk, radius: &LevelRadius) {
+    pub fn doubt(&mut self, unknown: UnknownDisk) {
         if self.unknown_in.is_empty() {
-            self.unknown_in.resize(self.grid.flags.len(), NONE);
+            self.unknown_in.resize(self.grid.cell_count(), NONE);
         }
         let cell = self.grid.cell_at(unknown.at);
         self.unknown_next.push(self.unknown_in[cell]);
         self.unknown_in[cell] = self.unknown.len() as u32;
         self.largest_unknown = self.largest_unknown.max(unknown.radius);
         self.unknown.push(unknown);
-        let reach = self.frame.sight(radius) + unknown.radius;
-        self.grid
-            .flag_near(unknown.at, reach, flag::DOUBTFUL, |_| ());
+        let reach = self.frame.sight(self.grid.radius()) + unknown.radius;
+        self.flags
+            .set_near(&self.grid, unknown.at, reach, flag::DOUBTFUL, |_| ());
     }
 
     /// Returns whether an unknown touches the disk of `radius` units around `at`. Frames with unknowns do not wrap.
@@ -169,15 +218,15 @@ impl LevelRegion {
         &mut self,
         level: usize,
         variants: &[Vec<LevelClip>],
-        radius: &LevelRadius,
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
         let blocks = std::mem::take(&mut self.blocks);
         let mut claimants = std::mem::take(&mut self.claimants);
         claimants.clear();
-        let reach = i64::from(radius.units);
-        let tiled = self.frame.tiled(radius.units);
-        let inside = self.frame.inside(radius.units);
+        let Radius { units, .. } = self.grid.radius();
+        let reach = i64::from(units);
+        let tiled = self.frame.tiled(units);
+        let inside = self.frame.inside(units);
         for (block, index) in blocks.iter().zip(0..) {
             let Some(part) = block.rect.grown(reach, reach).within(&tiled) else {
                 continue;
@@ -186,8 +235,7 @@ impl LevelRegion {
             let safe = safe.unwrap_or_default();
             let clip = &variants[block.symmetry as usize][level];
             clip.clip(block.origin, &part, |p| {
-                if safe.contains(p) && self.grid.flags[self.grid.cell_at(p)] & flag::CONTESTED == 0
-                {
+                if safe.contains(p) && !self.flags.has(self.grid.cell_at(p), flag::CONTESTED) {
                     self.keep(p, false);
                 } else {
                     claimants.push(Claimant::new(block, index, p, &self.frame));
@@ -207,7 +255,7 @@ impl LevelRegion {
         claimants.sort_unstable();
         for some in claimants.chunks(CLAIMED) {
             for claimant in some {
-                self.decide(claimant, &inside, radius);
+                self.decide(claimant, &inside);
             }
             meter.ask()?;
         }
@@ -217,29 +265,33 @@ impl LevelRegion {
     }
 
     /// Decides the fate of a sample: all before it in the order are decided.
-    fn decide(&mut self, claimant: &Claimant, inside: &Rect, radius: &LevelRadius) {
+    fn decide(&mut self, claimant: &Claimant, inside: &Rect) {
         let p = Point::new(claimant.x, claimant.y);
+        let Radius { units, .. } = self.grid.radius();
         if self.frame.rect.contains(p) {
-            match self.grid.place(p, radius) {
-                Place::Taken => return,
-                Place::Covered => {}
-                Place::Free => {
-                    if inside.contains(p) && !self.touches_unknown(p, radius.units) {
-                        self.keep(p, claimant.in_margin);
-                        return;
-                    }
-                    self.doubt(UnknownDisk { at: p, radius: 0 }, radius);
+            // A sample of a coarser level is tiled again.
+            if self.grid.holds(p) {
+                return;
+            }
+            if !self.grid.covers(p) {
+                if inside.contains(p) && !self.touches_unknown(p, units) {
+                    self.keep(p, claimant.in_margin);
+                    return;
                 }
+                self.doubt(UnknownDisk { at: p, radius: 0 });
             }
         }
+
+        // What it covered may now be a gap.
         self.waiting.push(*claimant);
-        let dirty = &mut self.dirty;
-        let mark = |cell| dirty.push(cell as u32);
-        self.grid.flag_near(p, radius.units, flag::DIRTY, mark);
+        let mark = |cell| self.dirty.push(cell as u32);
+        self.flags.set_near(&self.grid, p, units, flag::DIRTY, mark);
     }
 
-    fn keep(&mut self, at: Point, foreign: bool) {
-        self.grid.insert(at);
+    /// Adds a sample, which no other may cover.
+    pub fn keep(&mut self, at: Point, foreign: bool) {
+        let fits = self.grid.insert(at);
+        debug_assert!(fits, "the samples are conflict-free");
         self.samples.push(KeptSample { at, foreign });
     }
 }

@@ -1,5 +1,6 @@
-//! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler, and uniform insertion, which is the
-//! same process restricted to the gaps. The result does not depend on the order in which cells are visited.
+//! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler; uniform insertion, which is the same
+//! process restricted to the gaps; and the pattern of nested levels, which is the same process at one radius after
+//! another. The result does not depend on the order in which cells are visited.
 //!
 //! A level works on active cells of one side. In a throw each active cell draws a Poisson number of
 //! darts with uniform positions and random ranks; over all cells that is a uniform process in
@@ -11,7 +12,7 @@
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
 use crate::progress::{Meter, Observer};
-use crate::random::{Key, Stream};
+use crate::random::{Key, Stream, below};
 use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
 use crate::stage::Stage;
 use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
@@ -32,7 +33,7 @@ pub const POISSON: [u32; 11] = [
     0xffff_fff8,
 ];
 
-/// The last level, whose cells have sides of one unit; level 0 has sides of R.
+/// The last level of a run, whose cells have sides of one unit; level 0 has sides of R.
 pub const LAST_LEVEL: u32 = R.ilog2();
 
 /// Throws at level 0, whose cells hardly any sample covers: as many darts to an area as one throw at the
@@ -48,9 +49,19 @@ struct Dart {
     point: Point,
 }
 
+/// How darts are drawn from the key of their cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DartDraws {
+    /// One draw for a dart: 16 bits for each coordinate, and the rank. The cell's side is at most 2^16 units.
+    One,
+    /// Two draws for a dart: a word for each coordinate, and the rank.
+    Two,
+}
+
 /// A dart process in progress.
 pub struct DartProcess {
     key: Key,
+    draws: DartDraws,
     level: u32,
     throw: u32,
     disks: DiskGrid,
@@ -61,13 +72,29 @@ impl DartProcess {
     /// Returns the process that fills an empty domain.
     #[must_use]
     pub fn everywhere(key: Key, domain: Domain) -> Self {
-        let cells = tiling_cells(&domain, R).into_iter();
+        let cells = tiling_cells(&domain.rect(), R);
         Self {
             key,
+            draws: DartDraws::One,
             level: 0,
             throw: 0,
-            disks: DiskGrid::new(domain),
             active: cells.map(|cell| cell.min).collect(),
+            disks: DiskGrid::new(domain),
+        }
+    }
+
+    /// Returns the process that adds samples to `disks`, of any radius, until no place of its rectangle is uncovered.
+    pub(crate) fn among(key: Key, disks: DiskGrid) -> Self {
+        let cells = tiling_cells(disks.rect(), disks.radius().side());
+        let active = cells.filter(|&cell| !disks.covers_cell(cell));
+        Self {
+            key,
+            // The cells of coarse levels have sides above 2^16.
+            draws: DartDraws::Two,
+            level: 0,
+            throw: 0,
+            active: active.map(|cell| cell.min).collect(),
+            disks,
         }
     }
 
@@ -77,6 +104,7 @@ impl DartProcess {
     pub fn in_gaps(key: Key, disks: DiskGrid, active: Vec<Point>) -> Self {
         Self {
             key,
+            draws: DartDraws::One,
             level: 1,
             throw: 0,
             disks,
@@ -98,7 +126,8 @@ impl DartProcess {
     }
 
     fn side(&self) -> i32 {
-        R >> self.level.min(LAST_LEVEL)
+        let bits = self.disks.radius().bits;
+        1 << (bits - self.level.min(bits))
     }
 
     /// Makes one throw, and cuts the cells after the level's last, and returns the new samples in
@@ -162,11 +191,10 @@ impl DartProcess {
     ) -> Result<Vec<Dart>, SampleError> {
         let key = throw_key(self.key, self.level, self.throw);
         let side = self.side();
-        let domain = self.disks.domain().rect();
         let mut darts = Vec::new();
         for &min in &self.active {
-            for (rank, point) in cell_darts(key, Cell { min, side }) {
-                let inside = domain.contains(point);
+            for (rank, point) in cell_darts(key, Cell { min, side }, self.draws) {
+                let inside = self.disks.rect().contains(point);
                 let covered = inside && self.disks.covers(point);
                 recorder.record(RunEvent::Dart {
                     point,
@@ -231,26 +259,42 @@ pub fn throw_key(key: Key, level: u32, throw: u32) -> Key {
 
 /// Returns the darts of a cell, each with its rank, some of them outside the domain. They depend only on the cell and
 /// `key`, the throw's key.
-pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Point)> {
+#[inline]
+pub(crate) fn cell_darts(
+    key: Key,
+    cell: Cell,
+    draws: DartDraws,
+) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
-    let shift = 16 - side.ilog2();
+    let shift = 16 - side.ilog2().min(16);
     let cell = key.derive_at(min.x, min.y);
+    // A cell of one point throws exactly it, so that the process ends.
     let count = if side == 1 {
         1
     } else {
         poisson(cell.words()[0])
     };
+
     (0..count).map(move |index| {
-        let [position, rank] = cell.draw(Stream::Dart, index);
-        let right = ((position >> 16) >> shift) as i32;
-        let up = ((position & 0xffff) >> shift) as i32;
-        (rank, Point::new(min.x + right, min.y + up))
+        let (rank, right, up) = match draws {
+            DartDraws::One => {
+                let [position, rank] = cell.draw(Stream::Dart, index);
+                let (right, up) = (position >> 16, position & 0xffff);
+                (rank, right >> shift, up >> shift)
+            }
+            DartDraws::Two => {
+                let [x, y] = cell.draw(Stream::Dart, 2 * index);
+                let [rank, _] = cell.draw(Stream::Dart, 2 * index + 1);
+                (rank, below(x, side as u32), below(y, side as u32))
+            }
+        };
+        (rank, Point::new(min.x + right as i32, min.y + up as i32))
     })
 }
 
 /// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key. The darts are
 /// drawn with the whole key, so they are independent of the count.
-pub(crate) fn poisson(word: u32) -> u32 {
+fn poisson(word: u32) -> u32 {
     POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
 }
 

@@ -1,25 +1,30 @@
-//! A compact grid for conflict-free sets: cells of one radius with a few packed slots. It answers coverage queries for
-//! the dart process and the pattern check. Samples have no ids here; for those see [`crate::SampleGrid`].
+//! A compact grid for conflict-free sets: cells whose sides are at most the radius, with room for three samples. It
+//! answers coverage queries for the dart process, for nested levels and for the check of patterns, in a rectangle of the
+//! plane or in a periodic domain. Samples have no ids here; for those see [`crate::SampleGrid`].
+
+use std::ops::Range;
 
 use glam::IVec2;
 
-use crate::grid::spans;
-use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};
+use crate::lattice::{Domain, Point, Rect};
+use crate::radius::Radius;
 
-/// Samples in one cell. Of four points some three form an angle of at least 90 degrees; were all
-/// farther than R apart, its far side would exceed sqrt 2 R, the diagonal of a cell. So a cell of a
-/// conflict-free set holds at most three; the fourth slot keeps cells aligned.
-const SLOTS: usize = 4;
-const EMPTY: u32 = u32::MAX;
-const LOW_BITS: i32 = R - 1;
-const CELL_BITS: u32 = R.ilog2();
+/// Samples in one cell. Of four points of a square some three form an angle of at least 90 degrees; were all farther
+/// apart than its side, two would be farther apart than its diagonal. A cell's side is at most the radius.
+const SLOTS: usize = 3;
 
-/// A conflict-free set of samples that grows.
-#[derive(Clone)]
+/// A slot without a sample: no rectangle reaches so far.
+const EMPTY: Point = Point::new(i32::MIN, i32::MIN);
+
+/// A conflict-free set of samples of one radius that grows.
+#[derive(Clone, Default)]
 pub struct DiskGrid {
-    domain: Domain,
+    /// The places that it holds. If the plane wraps, this is the domain.
+    rect: Rect,
+    wraps: bool,
+    radius: Radius,
     columns: usize,
-    cells: Vec<[u32; SLOTS]>,
+    cells: Vec<[Point; SLOTS]>,
 }
 
 /// A square of lattice points, `side` units wide, that starts at `min`.
@@ -31,76 +36,124 @@ pub struct Cell {
     pub side: i32,
 }
 
+impl Cell {
+    /// Returns the cell's quarters, row by row.
+    fn quarters(self) -> [Self; 4] {
+        let Self { min, side } = self;
+        let half = side / 2;
+        [(0, 0), (half, 0), (0, half), (half, half)].map(|(right, up)| Self {
+            min: Point::new(min.x + right, min.y + up),
+            side: half,
+        })
+    }
+}
+
 impl DiskGrid {
-    /// Returns an empty grid over `domain`.
+    /// Returns an empty grid over `domain`, for samples of radius `R`.
     #[must_use]
     pub fn new(domain: Domain) -> Self {
-        let rect = domain.rect();
-        let columns = ((rect.max.x - 1) / R + 1) as usize;
-        let rows = ((rect.max.y - 1) / R + 1) as usize;
-        Self {
-            domain,
-            columns,
-            cells: vec![[EMPTY; SLOTS]; columns * rows],
+        let mut grid = Self::default();
+        grid.reset(domain.rect(), domain.is_periodic(), Radius::FINEST);
+        grid
+    }
+
+    /// Empties the grid and sets what it holds; if `wraps`, opposite sides of `rect` are joined.
+    pub(crate) fn reset(&mut self, rect: Rect, wraps: bool, radius: Radius) {
+        self.rect = rect;
+        self.wraps = wraps;
+        self.radius = radius;
+        let cells = |side: i32| ((side - 1) >> radius.bits) as usize + 1;
+        self.columns = cells(rect.width());
+        self.cells.clear();
+        let count = self.columns * cells(rect.height());
+        self.cells.resize(count, [EMPTY; SLOTS]);
+    }
+
+    /// Returns the places that the grid holds.
+    pub(crate) const fn rect(&self) -> &Rect {
+        &self.rect
+    }
+
+    /// Returns the radius of the samples.
+    pub(crate) const fn radius(&self) -> Radius {
+        self.radius
+    }
+
+    /// Returns how many cells there are.
+    pub(crate) const fn cell_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Returns the index of the cell of a place in the rectangle.
+    #[inline]
+    pub(crate) const fn cell_at(&self, p: Point) -> usize {
+        let column = (p.x - self.rect.min.x) >> self.radius.bits;
+        let row = (p.y - self.rect.min.y) >> self.radius.bits;
+        row as usize * self.columns + column as usize
+    }
+
+    /// Returns the places of a cell.
+    pub(crate) fn cell_rect(&self, cell: usize) -> Rect {
+        let (column, row) = ((cell % self.columns) as i32, (cell / self.columns) as i32);
+        let Rect { min, max } = self.rect;
+        let side = self.radius.side();
+        let first = Point::new(min.x + column * side, min.y + row * side);
+
+        // A rectangle may end less than a cell before the end of the integers.
+        let end = |from: i32, max: i32| from + (max - from).min(side);
+        Rect {
+            min: first,
+            max: Point::new(end(first.x, max.x), end(first.y, max.y)),
         }
     }
 
-    /// Returns the domain.
-    #[must_use]
-    pub const fn domain(&self) -> &Domain {
-        &self.domain
-    }
-
-    /// Adds a sample of the domain; returns `false`, and adds nothing, when its cell is full, which only happens
-    /// in a set that is not conflict-free.
+    /// Adds a sample, which must lie in the rectangle; returns `false`, and adds nothing, when its cell is full, which
+    /// only happens in a set that is not conflict-free.
+    #[inline]
     #[must_use]
     pub fn insert(&mut self, p: Point) -> bool {
-        let cell = (p.y / R) as usize * self.columns + (p.x / R) as usize;
-        let packed = (((p.y & LOW_BITS) << 15) | (p.x & LOW_BITS)) as u32;
+        let cell = self.cell_at(p);
         let free = self.cells[cell].iter_mut().find(|slot| **slot == EMPTY);
-        free.map(|slot| *slot = packed).is_some()
+        free.map(|slot| *slot = p).is_some()
     }
 
-    /// Calls `visit` with the offset (the shortest way around) from `from` of every sample in the
-    /// cells that touch `[from - below, from + above]` on both axes, until it returns `true`.
+    /// Returns whether a sample lies at `p`, which must lie in the rectangle.
+    pub(crate) fn holds(&self, p: Point) -> bool {
+        self.cells[self.cell_at(p)].contains(&p)
+    }
+
+    /// Calls `visit` with ranges of cells, and how far they are shifted, that together hold all places at most `reach`
+    /// from `from` on both axes, until it returns `true`; returns whether it did.
     #[inline]
-    fn any_near(
+    pub(crate) fn any_range(
         &self,
         from: Point,
-        below: i32,
-        above: i32,
-        mut visit: impl FnMut(IVec2) -> bool,
+        reach: i32,
+        mut visit: impl FnMut(Range<usize>, IVec2) -> bool,
     ) -> bool {
-        let extent = self.domain.rect().max;
-        let (left, right) = (from.x - below, from.x + above);
-        let (bottom, top) = (from.y - below, from.y + above);
-        if left >= 0 && bottom >= 0 && right < extent.x && top < extent.y {
-            // Away from the border, which is nearly always: nothing wraps.
-            let columns = left >> CELL_BITS..=right >> CELL_BITS;
-            for row in bottom >> CELL_BITS..=top >> CELL_BITS {
-                let start = row as usize * self.columns;
-                let range = start + *columns.start() as usize..=start + *columns.end() as usize;
-                for (slots, column) in self.cells[range].iter().zip(columns.clone()) {
-                    for p in unpack(slots, column, row) {
-                        if visit(p - from) {
-                            return true;
-                        }
-                    }
-                }
-            }
-            return false;
+        let Rect { min, max } = self.rect;
+        let bits = self.radius.bits;
+        let cell = |at: i32, first: i32| ((at - first) >> bits) as usize;
+        let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
+        let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
+        // Away from the border, which is nearly always, nothing wraps and nothing is cut off.
+        if left >= min.x && bottom >= min.y && right < max.x && top < max.y {
+            let (first, last) = (cell(left, min.x), cell(right, min.x));
+            return (cell(bottom, min.y)..=cell(top, min.y)).any(|row| {
+                let start = row * self.columns;
+                visit(start + first..start + last + 1, IVec2::ZERO)
+            });
         }
-        // spans() takes a centre and a reach; an odd width is rounded outwards.
-        let reach = (below + above + 1) / 2;
-        let shift = reach - below;
-        let periodic = self.domain.is_periodic();
-        let (rows, row_spans) = spans(from.y + shift, reach, extent.y, periodic);
-        let (columns, column_spans) = spans(from.x + shift, reach, extent.x, periodic);
-        for row in rows[..row_spans].iter().flat_map(|&(a, b)| a..=b) {
-            for column in columns[..column_spans].iter().flat_map(|&(a, b)| a..=b) {
-                let slots = &self.cells[row as usize * self.columns + column as usize];
-                for p in unpack(slots, column, row) {
-                    if visit(self.domain.difference(from, p)) {
+
+        let rows = axis_spans(from.y, reach, min.y..max.y, self.wraps);
+        let columns = axis_spans(from.x, reach, min.x..max.x, self.wraps);
+        for row_span in rows.iter().filter(|span| span.first <= span.last) {
+            for row in cell(row_span.first, min.y)..=cell(row_span.last, min.y) {
+                let start = row * self.columns;
+                for span in columns.iter().filter(|span| span.first <= span.last) {
+                    let (first, last) = (cell(span.first, min.x), cell(span.last, min.x));
+                    let shift = IVec2::new(span.shift, row_span.shift);
+                    if visit(start + first..start + last + 1, shift) {
                         return true;
                     }
                 }
@@ -109,119 +162,180 @@ impl DiskGrid {
         false
     }
 
-    /// Returns whether any sample covers `point`, which must lie in the domain.
+    /// Calls `visit` with the offset from `from` of the samples at most `reach` away on both axes, and of some farther
+    /// ones, until it returns `true`; returns whether it did.
+    #[inline]
+    pub(crate) fn any_near(
+        &self,
+        from: Point,
+        reach: i32,
+        mut visit: impl FnMut(IVec2) -> bool,
+    ) -> bool {
+        self.any_range(from, reach, |range, shift| {
+            // A domain has at most 2^31 units, and a place near it lies at most a few radii outside.
+            let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
+            self.cells[range].iter().any(|cell| {
+                let mut held = cell.iter().take_while(|slot| slot.x != EMPTY.x);
+                held.any(|p| visit(IVec2::new(p.x.wrapping_add(x), p.y.wrapping_add(y))))
+            })
+        })
+    }
+
+    /// Returns whether any sample covers `point`, which must lie in the rectangle.
     #[inline]
     #[must_use]
     pub fn covers(&self, point: Point) -> bool {
+        let Radius { units, .. } = self.radius;
         // The point's own cell nearly always answers when it holds a sample.
-        let (column, row) = (point.x >> CELL_BITS, point.y >> CELL_BITS);
-        let slots = &self.cells[row as usize * self.columns + column as usize];
-        unpack(slots, column, row).any(|p| covers_offset(p - point))
-            || self.any_near(point, R, R, covers_offset)
+        let mut own = self.cells[self.cell_at(point)].iter();
+        own.any(|p| p.x != EMPTY.x && self.radius.covers(*p - point))
+            || self.any_near(point, units, |offset| self.radius.covers(offset))
     }
 
-    /// Appends to `out` the quarters of `cell` that hold points of the domain and are not covered
-    /// by a single sample.
-    pub fn uncovered_quarters(&self, cell: Cell, near: &mut Vec<IVec2>, out: &mut Vec<Point>) {
+    /// Appends to `out` the quarters of `cell` that hold places of the rectangle and are not covered by a single
+    /// sample. `near` is a buffer.
+    pub(crate) fn uncovered_quarters(
+        &self,
+        cell: Cell,
+        near: &mut Vec<IVec2>,
+        out: &mut Vec<Point>,
+    ) {
         near.clear();
-        self.any_near(cell.min, R, cell.side - 1 + R, |offset| {
-            near.push(offset);
+        // A sample that covers a quarter covers its lowest point, and these lie around the middle of the lowest quarter.
+        let half = cell.side / 2;
+        let middle = Point::new(cell.min.x + half / 2, cell.min.y + half / 2);
+        self.any_near(middle, self.radius.units + (half + 1) / 2, |offset| {
+            near.push(offset + half / 2);
             false
         });
-        let half = cell.side / 2;
-        let max = self.domain.rect().max;
-        for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
-            let min = Point::new(cell.min.x + right, cell.min.y + up);
-            if min.x >= max.x || min.y >= max.y {
+
+        for quarter in cell.quarters() {
+            if !self.rect.contains(quarter.min) {
                 continue;
             }
-            let extent = IVec2::splat(half).min(max - min) - 1;
-            let corner = IVec2::new(right, up);
-            let covered = near
-                .iter()
-                .any(|&offset| farthest_squared(offset - corner, extent) <= R_SQUARED);
-            if !covered {
-                out.push(min);
+            let extent = self.extent(quarter);
+            let corner = quarter.min - cell.min;
+            let mut offsets = near.iter().map(|&offset| offset - corner);
+            if !offsets.any(|offset| self.radius.covers(farthest(offset, extent))) {
+                out.push(quarter.min);
             }
         }
     }
 
-    /// Returns whether one sample covers every domain point of `cell`, counting distances up to
-    /// the root of `R^2 + slack`.
+    /// Returns whether one sample covers every place of `cell`, which begins in the rectangle.
     #[must_use]
-    pub fn covers_cell(&self, cell: Cell, slack: i64) -> bool {
-        let max = self.domain.rect().max;
-        let extent = IVec2::splat(cell.side).min(max - cell.min) - 1;
-        // One unit more than R where the slack lets disks grow beyond it.
-        let reach = R + i32::from(slack > 0);
-        self.any_near(cell.min, reach, cell.side - 1 + reach, |offset| {
-            farthest_squared(offset, extent) <= R_SQUARED + slack
+    pub(crate) fn covers_cell(&self, cell: Cell) -> bool {
+        self.covers_cell_within(cell, &self.radius)
+    }
+
+    /// The same if samples had another radius.
+    fn covers_cell_within(&self, cell: Cell, radius: &Radius) -> bool {
+        let extent = self.extent(cell);
+        // Such a sample covers the lowest place, too.
+        self.any_near(cell.min, radius.units, |offset| {
+            radius.covers(farthest(offset, extent))
         })
     }
 
-    /// Returns a lattice point of the domain that no sample covers, counting distances up to the
-    /// root of `R^2 + slack`, or `None`: an exact proof that the set is maximal on the lattice.
+    /// Returns a place that no sample covers, counting distances up to the root of the squared radius and `slack`, or
+    /// `None`: an exact proof that the set is maximal on the lattice.
     #[must_use]
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
-        let mut stack = tiling_cells(&self.domain, R / 2);
+        let radius = self.radius.with_slack(slack);
+        let mut stack: Vec<Cell> = tiling_cells(&self.rect, radius.side() / 2).collect();
         while let Some(cell) = stack.pop() {
-            if self.covers_cell(cell, slack) {
+            if self.covers_cell_within(cell, &radius) {
                 continue;
             }
             if cell.side == 1 {
                 return Some(cell.min);
             }
-            let half = cell.side / 2;
-            for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
-                let min = Point::new(cell.min.x + right, cell.min.y + up);
-                if self.domain.rect().contains(min) {
-                    stack.push(Cell { min, side: half });
-                }
-            }
+            let quarters = cell.quarters().into_iter();
+            stack.extend(quarters.filter(|quarter| self.rect.contains(quarter.min)));
         }
         None
     }
+
+    /// Returns the offset of a cell's highest place in the rectangle from its lowest.
+    fn extent(&self, cell: Cell) -> IVec2 {
+        IVec2::splat(cell.side).min(self.rect.max - cell.min) - 1
+    }
 }
 
-/// Returns the positions packed in a cell's slots.
-#[inline]
-fn unpack(slots: &[u32; SLOTS], column: i32, row: i32) -> impl Iterator<Item = Point> {
-    slots
-        .iter()
-        .take_while(|&&packed| packed != EMPTY)
-        .map(move |&packed| {
-            let (x, y) = (packed as i32 & LOW_BITS, (packed >> CELL_BITS) as i32);
-            Point::new((column << CELL_BITS) | x, (row << CELL_BITS) | y)
+/// Returns the cells of `side` units that tile a rectangle, row by row.
+pub(crate) fn tiling_cells(rect: &Rect, side: i32) -> impl Iterator<Item = Cell> + use<> {
+    let Rect { min, max } = *rect;
+    let starts =
+        move |min: i32, max: i32| (0..=(max - min - 1) / side).map(move |k| min + k * side);
+    starts(min.y, max.y).flat_map(move |y| {
+        starts(min.x, max.x).map(move |x| Cell {
+            min: Point::new(x, y),
+            side,
         })
+    })
 }
 
-/// Returns the cells of `side` units that tile the domain, row by row.
-#[must_use]
-pub fn tiling_cells(domain: &Domain, side: i32) -> Vec<Cell> {
-    let max = domain.rect().max;
-    let starts = |extent: i32| (0..=(extent - 1) / side).map(move |k| k * side);
-    starts(max.y)
-        .flat_map(|y| {
-            starts(max.x).map(move |x| Cell {
-                min: Point::new(x, y),
-                side,
-            })
-        })
-        .collect()
-}
-
-/// Returns the squared distance from a sample at `offset` from a rectangle's lowest point to the
-/// farthest lattice point of the rectangle, which ends at `extent`.
+/// Returns the offset of a sample from the farthest place of a rectangle, on each axis, without its sign. `offset` is
+/// the sample's from the lowest place, and `extent` that of the highest.
 #[inline]
-fn farthest_squared(offset: IVec2, extent: IVec2) -> i64 {
-    let farthest = offset.abs().max((offset - extent).abs());
-    farthest.as_i64vec2().length_squared()
+fn farthest(offset: IVec2, extent: IVec2) -> IVec2 {
+    offset.abs().max((offset - extent).abs())
+}
+
+/// Coordinates on an axis, and how far they are shifted. An empty span has its last before its first.
+#[derive(Clone, Copy)]
+struct AxisSpan {
+    first: i32,
+    last: i32,
+    shift: i32,
+}
+
+/// Returns the spans of coordinates of `held` that lie at most `reach` from `from` once they are shifted.
+#[inline]
+fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan; 3] {
+    const NOTHING: AxisSpan = AxisSpan {
+        first: 0,
+        last: -1,
+        shift: 0,
+    };
+    let (min, max) = (i64::from(held.start), i64::from(held.end));
+    let (low, high) = (
+        i64::from(from) - i64::from(reach),
+        i64::from(from) + i64::from(reach),
+    );
+    let last = max - 1;
+    let here = AxisSpan {
+        first: low.clamp(min, max) as i32,
+        last: high.clamp(min - 1, last) as i32,
+        shift: 0,
+    };
+    if !wraps {
+        return [here, NOTHING, NOTHING];
+    }
+
+    let side = max - min;
+    let below = AxisSpan {
+        first: (low + side).max(min) as i32,
+        last: last as i32,
+        shift: -side as i32,
+    };
+    let above = AxisSpan {
+        first: min as i32,
+        last: (high - side).min(last) as i32,
+        shift: side as i32,
+    };
+    [
+        here,
+        if low < min { below } else { NOTHING },
+        if high > last { above } else { NOTHING },
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::Boundary;
+    use crate::lattice::{Boundary, R};
+    use crate::random::{Key, Stream, below};
 
     #[test]
     fn an_uncovered_point_is_found() {
@@ -269,9 +383,68 @@ mod tests {
     fn a_full_cell_refuses_more() {
         let domain = Domain::from_units(10 * R, 10 * R, Boundary::Bounded);
         let mut disks = DiskGrid::new(domain);
-        for k in 0..4 {
+        for k in 0..3 {
             assert!(disks.insert(Point::new(k, 0)));
         }
         assert!(!disks.insert(Point::new(9, 9)));
+    }
+
+    /// Returns the offsets from `from` of all points, and of their images if the plane wraps, that are within reach.
+    fn scan(points: &[Point], from: Point, reach: i32, period: Option<Point>) -> Vec<[i32; 2]> {
+        let shifts = if period.is_some() { -1..=1 } else { 0..=0 };
+        let Point { x, y } = period.unwrap_or_default();
+        let mut scanned = Vec::new();
+        for p in points {
+            for i in shifts.clone() {
+                for j in shifts.clone() {
+                    let offset = *p - from + IVec2::new(i * x, j * y);
+                    if offset.abs().max_element() <= reach {
+                        scanned.push(offset.to_array());
+                    }
+                }
+            }
+        }
+        scanned.sort_unstable();
+        scanned
+    }
+
+    /// The grid visits what a scan of all images finds, each once.
+    #[test]
+    fn a_wrapping_grid_finds_what_a_scan_finds() {
+        let radius = Radius::before(1);
+        let rect = Rect {
+            min: Point::new(0, 0),
+            max: Point::new(13 * 46_341 + 77, 11 * 46_341 + 5),
+        };
+        let mut grid = DiskGrid::default();
+        for wraps in [true, false] {
+            grid.reset(rect, wraps, radius);
+            let mut points = Vec::new();
+            for k in 0..2_000 {
+                let [a, b] = Key::from_seed(1).draw(Stream::Dart, k);
+                let x = below(a, rect.max.x as u32) as i32;
+                let p = Point::new(x, below(b, rect.max.y as u32) as i32);
+                if !grid.covers(p) {
+                    assert!(!grid.holds(p) && grid.insert(p) && grid.holds(p));
+                    points.push(p);
+                }
+            }
+            assert!(points.len() > 60);
+
+            for reach in [1, 46_341, 100_000] {
+                for &from in &points {
+                    let mut found = Vec::new();
+                    grid.any_near(from, reach, |offset| {
+                        if offset.abs().max_element() <= reach {
+                            found.push(offset.to_array());
+                        }
+                        false
+                    });
+                    found.sort_unstable();
+                    let period = wraps.then_some(rect.max);
+                    assert_eq!(found, scan(&points, from, reach, period));
+                }
+            }
+        }
     }
 }

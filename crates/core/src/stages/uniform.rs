@@ -31,7 +31,7 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
     cells.dedup();
     cells.retain(|&min| {
         let side = GAP_SIDE;
-        !disks.covers_cell(Cell { min, side }, 0)
+        !disks.covers_cell(Cell { min, side })
     });
     DartProcess::in_gaps(gap_key(key), disks, cells)
 }

@@ -5,7 +5,7 @@
 use fearless_simd::Simd;
 
 use crate::lattice::{Point, R, R_SQUARED};
-use crate::stages::darts::{GAP_SIDE, LAST_LEVEL, cell_darts, throw_key};
+use crate::stages::darts::{DartDraws, GAP_SIDE, LAST_LEVEL, cell_darts, throw_key};
 use crate::stages::disks::Cell;
 use crate::stages::uniform::{SLACK, gap_key};
 
@@ -167,7 +167,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut darts = Vec::new();
         for cell in active {
             let min = Point::new(cell.domain_x, cell.domain_y);
-            for (rank, p) in cell_darts(key, Cell { min, side }) {
+            for (rank, p) in cell_darts(key, Cell { min, side }, DartDraws::One) {
                 let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
                 if domain.contains(p) && self.frame.holds(x, y) && !self.covered(simd, x, y) {
                     darts.push(RankedDart {
