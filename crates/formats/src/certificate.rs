@@ -3,6 +3,8 @@
 //! Written beside a data file as `<file>.certificate.json`, and inside a JSON point set. Every number in it is measured
 //! on the positions read back from the file.
 
+mod parts;
+
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -11,15 +13,19 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region};
 
+pub(crate) use self::parts::NoOther;
+use self::parts::Part;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 
-/// The highest version that this crate reads. It is written for sets with an origin, which programs that read version 1 alone
-/// would take for other positions; version 1 is written for all others.
+pub use self::parts::{CertifiedPrefix, CertifiedShape, Depth, RadiusField, RadiusRule, Thinned};
+
+/// The highest version that this crate reads. It is written for sets with a part of it, such as an origin, which
+/// programs that read version 1 alone would take for other sets; version 1 is written for all others.
 pub const CERTIFICATE_FORMAT_VERSION: u32 = 2;
 
-/// The version of certificates that state an origin.
-pub(crate) const WITH_ORIGIN: u32 = 2;
+/// The version of certificates that have a part.
+const WITH_PARTS: u32 = 2;
 
 /// The suffix that makes a certificate's file name from the data file's name.
 pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
@@ -89,10 +95,21 @@ impl CertifiedLevel {
 
 /// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
 ///
-/// Every field must be there when one is read, null where it may be, and no others; only [`Self::levels`] may
-/// be left out.
+/// Every field must be there when one is read, null where it may be, and no others; only [`Self::levels`] and the parts
+/// of version 2 may be left out:
+///
+/// | part | states | left out |
+/// |---|---|---|
+/// | `origin` | `[x, y]`, where the file holds the region's lower corner | 0 0 |
+/// | `depth` | a third side of the region, see [`Depth`] | the set is planar |
+/// | `shape` | which part of the region is to be covered, see [`CertifiedShape`] | all of it |
+/// | `radius` | an object, where the radius varies, see [`RadiusField`] | a number, as in version 1 |
+/// | `prefix` | that the set is the beginning of a larger one, see [`CertifiedPrefix`] | it is whole |
+/// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
+/// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | named by the others |
+///
+/// Of these, this version judges sets with an origin, and refuses certificates with any of the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
     pub format_version: u32,
@@ -108,9 +125,28 @@ pub struct Certificate {
     /// The region of the positions.
     pub region: Region,
     /// The position in the file of the region's lower corner, in version 2; version 1 has none, and positions begin at 0 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "parts::part",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub origin: Option<[f64; 2]>,
-    /// The sampling radius.
+    /// A third side of the region, in version 2.
+    #[serde(
+        default,
+        deserialize_with = "parts::part",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub depth: Option<Depth>,
+    /// The part of the region that is to be covered, in version 2; all of it if none is stated.
+    #[serde(
+        default,
+        deserialize_with = "parts::part",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub shape: Option<CertifiedShape>,
+    /// The sampling radius. Version 2 may state a [`RadiusField`] instead, which is refused.
+    #[serde(deserialize_with = "parts::radius")]
     pub radius: f64,
     /// Relative tolerance of maximality used by the verifier.
     pub covering_tolerance: f64,
@@ -133,10 +169,25 @@ pub struct Certificate {
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
     /// Who verified.
+    #[serde(deserialize_with = "parts::judges")]
     pub judges: Vec<Judge>,
     /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<CertifiedLevel>,
+    /// That the set is the beginning of a larger one, in version 2.
+    #[serde(
+        default,
+        deserialize_with = "parts::part",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub prefix: Option<CertifiedPrefix>,
+    /// That the points were chosen from another set, in version 2.
+    #[serde(
+        default,
+        deserialize_with = "parts::part",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub thinned: Option<Thinned>,
     /// The data file's name when it was written, without folders.
     pub file: String,
     /// Its format.
@@ -156,6 +207,9 @@ pub struct Certificate {
     /// [`bytes_digest`](crate::bytes_digest) of the data file; null inside the file it would have to contain.
     #[serde(deserialize_with = "stated")]
     pub digest: Option<String>,
+    /// Every other field, all of which are refused.
+    #[serde(flatten, skip_serializing)]
+    pub(crate) others: NoOther,
 }
 
 /// Read before the rest, so that a certificate of a newer version is reported as such.
@@ -241,15 +295,42 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
-    /// Refuses a certificate of a newer version, and one that has an origin in version 1 or none in version 2.
+    /// Returns the certificate with the version that its parts need. A set without any keeps the version that programs before
+    /// there were parts read.
+    pub(crate) fn with_version(self) -> Self {
+        let has_parts = self.parts().next().is_some();
+        Self {
+            format_version: if has_parts { WITH_PARTS } else { 1 },
+            ..self
+        }
+    }
+
+    /// Returns the names of the parts of version 2 that it states.
+    fn parts(&self) -> impl Iterator<Item = &'static str> {
+        let parts = [
+            (<[f64; 2]>::NAME, self.origin.is_some()),
+            (Depth::NAME, self.depth.is_some()),
+            (CertifiedShape::NAME, self.shape.is_some()),
+            (CertifiedPrefix::NAME, self.prefix.is_some()),
+            (Thinned::NAME, self.thinned.is_some()),
+        ];
+        (parts.into_iter()).filter_map(|(part, is_stated)| is_stated.then_some(part))
+    }
+
+    /// Refuses a certificate of a newer version, one that has a part in version 1 or none in version 2, and one with a part that
+    /// no judge of this program takes into account.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         let version = self.format_version;
         check_version(version, name)?;
-        let reason = match self.origin {
+
+        let unjudged = self.parts().find(|part| !parts::JUDGED.contains(part));
+        let reason = match (self.parts().next(), unjudged) {
             // Programs of version 1 would take positions with an origin for positions in the domain.
-            Some(_) if version < WITH_ORIGIN => format!("version {version} has no origin"),
-            None if version >= WITH_ORIGIN => format!("version {version} needs an origin"),
-            Some([x, y]) if !(x.is_finite() && y.is_finite()) => format!("its origin is {x} {y}"),
+            (Some(part), _) if version < WITH_PARTS => format!("version {version} has no {part}"),
+            (None, _) if version >= WITH_PARTS => {
+                format!("version {version} needs an origin, or another part that version 1 lacks")
+            }
+            (_, Some(part)) => parts::beyond_judging(part),
             _ => return Ok(()),
         };
         Err(FormatError::Certificate {

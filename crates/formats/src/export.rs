@@ -12,7 +12,7 @@ use tilescope_analysis::{
     Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
-use crate::certificate::{Certificate, CertifiedLevel, Rounding, WITH_ORIGIN, finite};
+use crate::certificate::{Certificate, CertifiedLevel, NoOther, Rounding, finite};
 use crate::codecs::{Hint, ReadSet, Target, decode, encode_certified};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -425,16 +425,16 @@ pub(crate) fn certificate(
     rounding: Option<Rounding>,
     positions_digest: String,
 ) -> Certificate {
-    // Sets without an origin keep the version that programs before it read.
-    let origin = Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0);
     Certificate {
-        format_version: if origin.is_some() { WITH_ORIGIN } else { 1 },
+        format_version: 1,
         program: context.program.clone(),
         program_version: context.program_version.clone(),
         method: context.method.clone(),
         parameters: context.parameters.clone(),
         region: report.region,
-        origin,
+        origin: Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
+        depth: None,
+        shape: None,
         radius: report.radius,
         covering_tolerance: report.covering_tolerance,
         count: report.count as u64,
@@ -447,6 +447,8 @@ pub(crate) fn certificate(
         valid: report.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),
+        prefix: None,
+        thinned: None,
         file: name.to_owned(),
         file_format: target.format,
         precision: target.format.precision(target.precision),
@@ -455,7 +457,9 @@ pub(crate) fn certificate(
         rounding,
         positions_digest,
         digest: None,
+        others: NoOther,
     }
+    .with_version()
 }
 
 pub(crate) fn warnings(

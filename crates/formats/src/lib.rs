@@ -39,8 +39,8 @@ mod stream;
 mod text;
 
 pub use certificate::{
-    CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, CertifiedLevel,
-    MAX_CERTIFICATE_BYTES, Rounding,
+    CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, CertifiedLevel, CertifiedPrefix,
+    CertifiedShape, Depth, MAX_CERTIFICATE_BYTES, RadiusField, RadiusRule, Rounding, Thinned,
 };
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,

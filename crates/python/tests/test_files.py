@@ -289,6 +289,26 @@ def test_a_set_without_an_origin_has_a_certificate_of_version_1(small, trees, tm
         assert tilescope.read(tmp_path / name).origin == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("fields", "refusal"),
+    [
+        ({"depth": 1.0}, "has the part `depth`, which this version knows but cannot judge"),
+        ({"prefix": {"made": 0, "kept": 1, "factor": 1}}, "`prefix` is .*: from 1 to `made` points are kept"),
+        ({"judges": ["subdivision"]}, "has the part `judges: subdivision`, which this version knows but cannot judge"),
+        ({"foo": 1}, "has the part `foo`, which this version does not know"),
+    ],
+    ids=["depth", "prefix", "judge", "unknown"],
+)
+def test_a_part_that_cannot_be_judged_is_not_passed_over(fields, refusal, small, tmp_path):
+    path = tmp_path / "set.npy"
+    small.save(path)
+    restated(path, format_version=2, **fields)
+    for call in (tilescope.read, tilescope.verify, tilescope.analyze):
+        with pytest.raises(ValueError, match=refusal):
+            call(path)
+    assert tilescope.read(path, certificate=False).method == "unknown"
+
+
 def test_an_origin_that_is_given_is_that_of_a_file_without_a_certificate(trees, tmp_path):
     path = tmp_path / "alone.csv"
     trees.save(path, verify=False)

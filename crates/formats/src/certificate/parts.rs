@@ -1,0 +1,251 @@
+//! The parts of version 2: what a certificate states of a set that is more than points of one radius in a rectangle at 0 0.
+//! [`Certificate`](super::Certificate) lists them.
+//!
+//! Readers refuse what they do not know, and what they know but cannot judge, each by its name: a statement that is passed
+//! over would be lost from the next certificate of the same points.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeOwned, Error, IntoDeserializer};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
+use tilescope_analysis::{Judge, Region};
+
+use super::Distinct;
+
+/// A part with a value of its own.
+pub(super) trait Part: DeserializeOwned {
+    /// Its field.
+    const NAME: &'static str;
+
+    /// Returns the limit that the value breaks, if it breaks one.
+    fn broken_limit(&self) -> Option<&'static str>;
+}
+
+/// An origin; where there is a depth, later versions may state a third number.
+impl Part for [f64; 2] {
+    const NAME: &'static str = "origin";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        (!self.iter().all(|at| at.is_finite())).then_some("it must be finite")
+    }
+}
+
+/// The third side of the region, in domain units. The region's boundary is that of all sides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Depth(pub f64);
+
+impl Part for Depth {
+    const NAME: &'static str = "depth";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        (!EXTENTS.contains(&self.0)).then_some("a side must be from 2^-100 to 2^100")
+    }
+}
+
+/// The part of the region that is to be covered, and that all points lie in. Coordinates are in domain units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum CertifiedShape {
+    /// The places around which the rings wind an odd number of times, and the places on the rings: a ring within another one is
+    /// a hole.
+    Polygon {
+        /// The corners of each ring, in order; the last one is joined to the first.
+        rings: Vec<Vec<[f64; 2]>>,
+    },
+    /// The pixels of an image that are set, beginning at the region's lower corner.
+    Mask {
+        /// [`bytes_digest`](crate::bytes_digest) of the mask.
+        digest: String,
+        /// The side of a pixel.
+        pitch: f64,
+    },
+}
+
+/// A triangle is the simplest ring with an inside.
+const MIN_CORNERS: usize = 3;
+
+impl Part for CertifiedShape {
+    const NAME: &'static str = "shape";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        match self {
+            Self::Polygon { rings } if rings.is_empty() => Some("a polygon has at least one ring"),
+            Self::Polygon { rings } => (rings.iter().any(|ring| ring.len() < MIN_CORNERS))
+                .then_some("a ring has at least 3 corners"),
+            Self::Mask { digest, pitch } => broken_raster(digest, *pitch),
+        }
+    }
+}
+
+/// A radius that depends on the place: numbers at the nodes of a grid, and between them bilinear. Lengths that are measured
+/// against a radius, such as the covering radius, are then shares of what the rule says of the two places.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RadiusField {
+    /// Which of two radii counts.
+    pub rule: RadiusRule,
+    /// [`bytes_digest`](crate::bytes_digest) of the field, which has the number of its nodes and its unit in its head.
+    pub digest: String,
+    /// The distance between nodes, in domain units.
+    pub pitch: f64,
+}
+
+impl Part for RadiusField {
+    const NAME: &'static str = "radius";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        broken_raster(&self.digest, self.pitch)
+    }
+}
+
+/// How near two places of different radii may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RadiusRule {
+    /// The harmonic mean of the two radii.
+    HarmonicMean,
+}
+
+/// The set is the beginning of a larger one that was maximal: what was left out was added last.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertifiedPrefix {
+    /// How many points were made.
+    pub made: u64,
+    /// How many of them the set has.
+    pub kept: u64,
+    /// The factor of the radius within which they cover.
+    pub factor: f64,
+}
+
+impl Part for CertifiedPrefix {
+    const NAME: &'static str = "prefix";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        let Self { made, kept, factor } = *self;
+        if !(1..=made).contains(&kept) {
+            return Some("from 1 to `made` points are kept");
+        }
+        // Points that cover within less would be a set of a smaller radius.
+        (!(1.0..f64::INFINITY).contains(&factor)).then_some("the factor must be at least 1")
+    }
+}
+
+/// The points were chosen from another set, as many as keep their distance.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Thinned {
+    /// [`positions_digest`](crate::positions_digest) of that set.
+    pub source: String,
+    /// By what the points were taken, the first one first: the name of an order or of a column.
+    pub priority: String,
+}
+
+impl Part for Thinned {
+    const NAME: &'static str = "thinned";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        if self.priority.is_empty() {
+            return Some("the priority has no name");
+        }
+        (!is_digest(&self.source)).then_some(DIGEST_LIMIT)
+    }
+}
+
+/// The sides that the verifier accepts.
+const EXTENTS: RangeInclusive<f64> = Region::MIN_EXTENT..=Region::MAX_EXTENT;
+
+const DIGEST_LIMIT: &str = "a digest is `blake3:` and 64 hexadecimal digits";
+
+fn is_digest(text: &str) -> bool {
+    let is_digit = |c: u8| matches!(c, b'0'..=b'9' | b'a'..=b'f');
+    (text.strip_prefix("blake3:"))
+        .is_some_and(|digits| digits.len() == 64 && digits.bytes().all(is_digit))
+}
+
+/// Returns the limit broken by values at the nodes, or the pixels, of a grid.
+fn broken_raster(digest: &str, pitch: f64) -> Option<&'static str> {
+    if !is_digest(digest) {
+        return Some(DIGEST_LIMIT);
+    }
+    (!EXTENTS.contains(&pitch)).then_some("the pitch must be from 2^-100 to 2^100")
+}
+
+/// The parts that judges take into account.
+pub(super) const JUDGED: [&str; 1] = [<[f64; 2]>::NAME];
+
+/// Says of a part that it is understood, but that nothing here could bear it out.
+pub(super) fn beyond_judging(part: &str) -> String {
+    format!("the certificate has the part `{part}`, which this version knows but cannot judge")
+}
+
+/// Reads a part. A fault of it names the part, its value and the limit.
+pub(super) fn part<'de, D: Deserializer<'de>, T: Part>(from: D) -> Result<Option<T>, D::Error> {
+    let Distinct(value) = Distinct::deserialize(from)?;
+    let fault = |limit: &dyn Display| {
+        let (name, value) = (T::NAME, abridged(&value.to_string()));
+        D::Error::custom(format_args!("`{name}` is {value}: {limit}"))
+    };
+
+    let part = T::deserialize(&value).map_err(|error| fault(&error))?;
+    match part.broken_limit() {
+        Some(limit) => Err(fault(&limit)),
+        None => Ok(Some(part)),
+    }
+}
+
+/// The longest text of a value in a message; a polygon may have thousands of corners.
+const MAX_SHOWN: usize = 120;
+
+fn abridged(text: &str) -> String {
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// Reads the radius, which must be a number as long as no judge knows of fields.
+pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let Distinct(value) = Distinct::deserialize(from)?;
+    if value.is_object() {
+        part::<_, RadiusField>(value).map_err(D::Error::custom)?;
+        return Err(D::Error::custom(beyond_judging("radius: a field")));
+    }
+    f64::deserialize(value).map_err(D::Error::custom)
+}
+
+/// Reads the judges, who must be of this program.
+pub(super) fn judges<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Judge>, D::Error> {
+    let names = Vec::<String>::deserialize(from)?;
+    let judge = |name: &String| {
+        if name == "subdivision" {
+            return Err(D::Error::custom(beyond_judging("judges: subdivision")));
+        }
+        let name: StrDeserializer<'_, D::Error> = name.as_str().into_deserializer();
+        Judge::deserialize(name)
+    };
+    names.iter().map(judge).collect()
+}
+
+/// The fields that a certificate has besides those it may have: none, as any is refused by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NoOther;
+
+impl<'de> Deserialize<'de> for NoOther {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let others = Map::<String, Value>::deserialize(from)?;
+        match others.keys().next() {
+            Some(name) => Err(D::Error::custom(format_args!(
+                "the certificate has the part `{}`, which this version does not know",
+                abridged(name)
+            ))),
+            None => Ok(Self),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
