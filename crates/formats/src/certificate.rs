@@ -106,7 +106,7 @@ impl CertifiedLevel {
 /// | `radius` | an object, where the radius varies, see [`RadiusField`] | a number, as in version 1 |
 /// | `prefix` | that the set is the beginning of a larger one, see [`CertifiedPrefix`] | it is whole |
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
-/// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | named by the others |
+/// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
 /// Of these, this version judges sets with an origin, and refuses certificates with any of the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

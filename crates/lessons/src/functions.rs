@@ -19,7 +19,7 @@ use tilescope_debugger::{
 
 use crate::fields::Field;
 use crate::parameters::{MAX_SAMPLES, with_parameter};
-use crate::sets::{Measure, PointSet, position, radii};
+use crate::sets::{self, PointSet, position, radii};
 
 /// How many searches and computations the expressions of one question may make.
 const MAX_WORK: i64 = 1_000;
@@ -461,13 +461,13 @@ impl Now {
     }
 
     fn measure(&self, name: &str, changes: Option<&str>) -> Found<f64> {
-        let measure = Measure::named(name).map_err(wrong)?;
+        let number = sets::named(name).map_err(wrong)?;
         let set = match changes {
             Some(changes) => self.set_with(changes)?,
             None => self.set()?,
         };
         self.spend(SET)?;
-        set.measure(measure).map_err(wrong)
+        set.number(number).map_err(wrong)
     }
 
     /// Returns whether the fate of a sample is open after a first round in which each sample is kept if all its

@@ -44,7 +44,7 @@ reach_of_insertions(): the same of samples that are inserted, now or later
 reach_of_detectors(): how far a gap detector of elimination is at most from the lost sample nearest to it
 block_size(b): the sides of a block, [width, height]
 parameter(name): a parameter of the run
-measure(name): a measure of the valid samples: density, packing, closest, covering, peak, low-power, anisotropy
+measure(name): a number of the valid samples by its name in the JSON of `tilescope analyze`, such as density, packing, min_distance_r, peak
 measure_with(name, changes): the same of the result with other parameters, such as "leaf=10"
 same_points(engine): whether an engine ("parallel") makes the same points
 parts_at(changes): the number of the event in which the run with other parameters first differs

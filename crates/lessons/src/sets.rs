@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 
 use glam::DVec2;
-use tilescope_analysis::measures::{MeasureError, Periodogram, RadialProfile, Spectrum};
-use tilescope_analysis::{Progress, Region, VerifyOptions, verify};
+use tilescope_analysis::measures::{
+    CATALOGUE, MeasureError, MeasuredSet, Part, Periodogram, SetNumber, Spectrum, number,
+};
+use tilescope_analysis::{Progress, Region};
 use tilescope_core::{Domain, Key, Point, R, Run, Stream};
 use tilescope_debugger::Recording;
 
@@ -18,35 +20,6 @@ pub(crate) struct PointSet {
     pub region: Region,
 }
 
-/// A number that describes a point set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Measure {
-    /// Samples per r^2.
-    Density,
-    /// The number of samples as a share of the most that disks of this size allow: the hexagonal packing.
-    Packing,
-    /// The smallest distance.
-    Closest,
-    /// The radius of the largest empty circle.
-    Covering,
-    /// The frequency of the highest mean power, in 1/r.
-    Peak,
-    /// The mean power below 0.3 / r.
-    LowPower,
-    /// The largest anisotropy from 0.3 / r on, in decibels over that of a set without preferred directions.
-    Anisotropy,
-}
-
-const MEASURES: [(&str, Measure); 7] = [
-    ("density", Measure::Density),
-    ("packing", Measure::Packing),
-    ("closest", Measure::Closest),
-    ("covering", Measure::Covering),
-    ("peak", Measure::Peak),
-    ("low-power", Measure::LowPower),
-    ("anisotropy", Measure::Anisotropy),
-];
-
 /// The highest relative frequency nu of spectra: 3 / r for maximal sets.
 const REACH_NU: f64 = 3.7;
 
@@ -54,14 +27,11 @@ fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-impl Measure {
-    pub fn named(name: &str) -> Result<Self, String> {
-        let found = MEASURES.iter().find(|(other, _)| *other == name);
-        let names = MEASURES.map(|(name, _)| name);
-        found
-            .map(|(_, measure)| *measure)
-            .ok_or_else(|| LessonError::unknown(0, "measure", name, &names).message)
-    }
+/// Returns the number of the catalogue with a key.
+pub(crate) fn named(key: &str) -> Result<&'static SetNumber, String> {
+    let keys = || CATALOGUE.iter().map(|number| number.key);
+    let unknown = || LessonError::unknown(0, "measure", key, &keys().collect::<Vec<_>>());
+    number(key).ok_or_else(|| unknown().message)
 }
 
 fn region(domain: &Domain) -> Region {
@@ -168,13 +138,14 @@ impl PointSet {
         distances.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn profile(&self) -> Result<RadialProfile, String> {
-        let read = || {
-            let window = Spectrum::window_to(REACH_NU, self.points.len() as f64, self.region)?;
-            let periodogram = Periodogram::of(&self.points, self.region, &window, &go_on)?;
-            Ok(Spectrum::of(&periodogram)?.profile)
-        };
-        read().map_err(|error: MeasureError| error.to_string())
+    fn spectrum(&self) -> Result<Spectrum, MeasureError> {
+        let window = Spectrum::window_to(REACH_NU, self.points.len() as f64, self.region)?;
+        Spectrum::of(&Periodogram::of(
+            &self.points,
+            self.region,
+            &window,
+            &go_on,
+        )?)
     }
 
     /// Returns the factor from a relative frequency nu to cycles per r.
@@ -184,7 +155,8 @@ impl PointSet {
 
     /// Returns the mean power by frequency in 1/r, with the number of frequencies behind each mean.
     pub fn power(&self) -> Result<Vec<MeanPower>, String> {
-        let profile = self.profile()?;
+        let spectrum = self.spectrum();
+        let profile = spectrum.map_err(|error| error.to_string())?.profile;
         let unit = self.cycles_per_r();
         let annuli = profile
             .relative_frequencies()
@@ -200,41 +172,22 @@ impl PointSet {
             .collect())
     }
 
-    pub fn measure(&self, measure: Measure) -> Result<f64, String> {
-        let count = self.points.len();
-        Ok(match measure {
-            Measure::Density => count as f64 / self.region.area(),
-            Measure::Packing => count as f64 * 3f64.sqrt() / 2.0 / self.region.area(),
-            Measure::Closest | Measure::Covering => {
-                let report = verify(
-                    &self.points,
-                    self.region,
-                    1.0,
-                    &VerifyOptions::default(),
-                    &go_on,
-                );
-                let report = report.map_err(|error| error.to_string())?;
-                if measure == Measure::Closest {
-                    report.min_distance
-                } else {
-                    report.covering_radius
-                }
-            }
-            Measure::Peak => {
-                let power = self.power()?;
-                let peak = power.iter().max_by(|a, b| a.mean.total_cmp(&b.mean));
-                peak.map_or(f64::NAN, |at| at.frequency)
-            }
-            Measure::LowPower => mean(&self.power()?, [0.0, 0.3]).0,
-            Measure::Anisotropy => {
-                let power = self.power()?;
-                let from = power
-                    .iter()
-                    .filter(|at| at.frequency >= 0.3 && at.anisotropy_db.is_finite());
-                from.map(|at| at.anisotropy_db)
-                    .fold(f64::NEG_INFINITY, f64::max)
-            }
-        })
+    /// Returns a number of the set, whose r is 1. Only what it needs is measured.
+    pub fn number(&self, number: &SetNumber) -> Result<f64, String> {
+        let mut set = MeasuredSet::new(self.points.len(), self.region, Some(1.0));
+        let measured = match number.needs {
+            None => Ok(()),
+            // Questions show the spectrum farther than tables do.
+            Some(Part::Spectrum) => self.spectrum().map(|found| set.take_spectrum(found)),
+            Some(part) => set.measure(part, &self.points, &go_on),
+        };
+        measured.map_err(|error| error.to_string())?;
+
+        let refusal = || match &set.report {
+            Some(Err(why)) => why.clone(),
+            _ => format!("this set has no {}", number.key),
+        };
+        number.of(&set).ok_or_else(refusal)
     }
 }
 

@@ -3,9 +3,9 @@
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use tilescope_analysis::measures::{
-    PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers, Spectrum,
+    MeasuredSet, PairBins, PairCorrelation, Part, Periodogram, PowerCurve, Spectrum,
 };
 use tilescope_analysis::{VerifyOptions, verify};
 
@@ -16,25 +16,34 @@ use crate::memory::ask_to_measure;
 use crate::task::run;
 use crate::values::real_if_given;
 
-/// Returns the numbers of `tilescope analyze` as JSON, by its names. Of a set without a known radius, the smallest distance
-/// stands for it.
+/// Returns the numbers of `tilescope analyze` by its names; `None` for one that is not defined. Of a set without a known
+/// radius, the smallest distance stands for it.
 #[pyfunction]
-pub fn analyze(
-    py: Python<'_>,
+pub fn analyze<'py>(
+    py: Python<'py>,
     set: SetArgument<'_>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<String> {
+) -> PyResult<Bound<'py, PyDict>> {
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
-    run(py, progress, |watch| {
+    let measured = run(py, progress, |watch| {
         ask_to_measure(points.len())?;
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
         let any = || (region.area() / points.len().max(1) as f64).sqrt();
         let (r, options) = (known.unwrap_or_else(any), VerifyOptions::default());
         let report = verify(points, region, r, &options, &watch.control("verify"))?;
+
+        let mut measured = MeasuredSet::new(points.len(), region, known);
+        measured.take_report(report);
         let control = watch.control("measure");
-        let (numbers, _) = SetNumbers::of(points, &report, known.is_some(), &control)?;
-        serde_json::to_string(&numbers).map_err(|error| Failure::Runtime(error.to_string()))
-    })
+        for part in Part::of_numbers() {
+            measured.measure(part, points, &control)?;
+        }
+        Ok(measured)
+    })?;
+
+    let numbers = measured.numbers();
+    let values = numbers.map(|(number, value)| (number.key, value));
+    values.into_py_dict(py)
 }
 
 /// Returns the spectrum of a set up to the frequency `nu`, or as far as it is usually looked at.

@@ -1,6 +1,8 @@
 //! The terms of the program, each defined once. The window's explanations read them, and the glossary of `crates/README.md` is
 //! generated from them. Nothing here needs a session.
 
+use tilescope_analysis::measures::{CATALOGUE, SetNumber};
+
 /// A term and what it means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
@@ -19,8 +21,8 @@ macro_rules! glossary {
             pub const $constant: Term = Term { name: $name, meaning: $meaning, paper: $paper };
         )*
 
-        /// Every term, from the points to the program around them.
-        pub const TERMS: &[Term] = &[$($constant),*];
+        /// The terms but the numbers of a set, from the points to the program around them.
+        const OWN: &[Term] = &[$($constant),*];
     };
 }
 
@@ -35,9 +37,6 @@ glossary! {
     GAP, "gap", "3.2.1", "An area that no sample covers: every place in it is farther than r from all samples.";
     MAXIMAL, "maximal", "3.1.1", "Without gaps: no sample can be added without a conflict.";
     VALID, "valid", "", "Conflict-free and maximal, as the verifier decides it.";
-    COVERING_RADIUS, "covering radius", "", "The largest distance from any place of the domain to its nearest sample. A set counts as maximal up to (1 + 2^-15) r, since its positions are rounded to a lattice.";
-    MIN_DISTANCE, "smallest distance", "", "The smallest distance between two samples.";
-    DENSITY, "density", "", "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.";
     LATTICE, "lattice", "", "The integer positions on which all samples lie: r is 2^15 units.";
 
     PATTERN, "pattern", "3.1.2", "A small maximal set, made once, from which every block takes its samples.";
@@ -97,22 +96,37 @@ glossary! {
     RADIAL_MEAN, "radial mean", "4.1.3", "The mean power in rings of equal frequency.";
     ANISOTROPY, "anisotropy", "", "How much the power varies within a ring of frequencies: large where a direction is preferred.";
     PAIR_CORRELATION, "g(r)", "", "The pair correlation: pairs of samples at a distance, relative to those of independent random samples.";
-    RELATIVE_RADIUS, "relative radius", "", "The smallest distance, divided by that of the densest packing of as many samples.";
-    NYQUIST, "effective Nyquist frequency", "", "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r). That is smooth, so that a square lattice, whose first peak is at 1, has 0.92.";
-    OSCILLATION, "oscillation", "", "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.";
     DELAUNAY, "Delaunay triangles", "3.2.1", "The triangles of three samples whose circumcircle holds no other sample.";
     VORONOI, "Voronoi cell", "", "The places that are nearer to one sample than to any other.";
     COVERED_CIRCLE, "covered circle", "", "The circle of radius r around a sample, if other disks cover all of it: the set is maximal when every circle is covered. An exposed arc is a part of a circle that no other disk covers, the border of a gap.";
     CIRCUMCIRCLE, "empty circle", "3.2.1", "A circle through three samples with no sample inside. One that is larger than r proves a gap.";
 }
 
+/// Returns every term: those above, and the numbers of a set by the catalogue that all tables read.
+pub fn terms() -> impl Iterator<Item = Term> {
+    let numbers = CATALOGUE.iter().filter(|number| !is_defined(number.name));
+    let term = |number: &SetNumber| Term {
+        name: number.name,
+        meaning: number.meaning,
+        paper: "",
+    };
+    OWN.iter().copied().chain(numbers.map(term))
+}
+
+/// Returns whether a number is a term already, or counts what is one, such as samples and gaps.
+fn is_defined(number: &str) -> bool {
+    let first = number.split(' ').next().unwrap_or_default();
+    let names = [number, first.trim_end_matches('s')];
+    OWN.iter().any(|term| names.contains(&term.name))
+}
+
 /// Returns the terms that are words of a text, in the singular or the plural.
-pub fn terms_in(text: &str) -> impl Iterator<Item = &'static Term> {
+pub fn terms_in(text: &str) -> impl Iterator<Item = Term> {
     let words: Vec<String> = text
         .split(|c: char| !c.is_alphanumeric() && c != '-')
         .map(|word| word.trim_end_matches('s').to_lowercase())
         .collect();
-    TERMS.iter().filter(move |term| {
+    terms().filter(move |term| {
         let name = term.name.to_lowercase();
         words.iter().any(|word| *word == name.trim_end_matches('s'))
     })
@@ -136,11 +150,20 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_a_set_are_terms_unless_they_count_one() {
+        let named = |name| terms().filter(|term| term.name == name).count();
+        let numbers = ["density", "largest anisotropy", "radius r"];
+        assert_eq!(numbers.map(named), [1, 1, 1]);
+        assert_eq!(["samples N", "conflicts", "gaps"].map(named), [0, 0, 0]);
+    }
+
+    #[test]
     fn each_term_is_defined_once_in_one_or_two_sentences() {
-        let names: BTreeSet<String> = TERMS.iter().map(|term| term.name.to_lowercase()).collect();
-        let meanings: BTreeSet<&str> = TERMS.iter().map(|term| term.meaning).collect();
-        assert_eq!((names.len(), meanings.len()), (TERMS.len(), TERMS.len()));
-        for Term { name, meaning, .. } in TERMS {
+        let names: BTreeSet<String> = terms().map(|term| term.name.to_lowercase()).collect();
+        let meanings: BTreeSet<&str> = terms().map(|term| term.meaning).collect();
+        let count = terms().count();
+        assert_eq!((names.len(), meanings.len()), (count, count));
+        for Term { name, meaning, .. } in terms() {
             assert!(meaning.ends_with('.') && !meaning.contains('|'), "{name}");
             assert!(meaning.matches(". ").count() <= 1, "{name}");
         }

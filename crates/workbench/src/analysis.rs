@@ -9,10 +9,11 @@ pub mod reference_file;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use tilescope_analysis::measures::{MeasuredSet, Part};
 use tilescope_core::Stage;
 
 use brush::{Brush, Marks};
-use measured::{MeasurePart, MeasuredSet, Samples, refusal};
+use measured::{Samples, missing, refusal};
 pub use reference::Reference;
 use reference_file::ReferenceFile;
 use tilescope_session::geometry::{Key, key_of, region_of};
@@ -58,7 +59,7 @@ pub type Step = Result<(Arc<Samples>, MeasuredSet), Option<String>>;
 struct MeasureWork {
     key: Key,
     name: String,
-    part: MeasurePart,
+    part: Part,
     job: Job<Step>,
 }
 
@@ -109,7 +110,7 @@ impl Analysis {
 
     /// Returns the part being measured and the fraction of it done, from 0 to 1.
     #[must_use]
-    pub fn progress(&self) -> Option<(MeasurePart, f32)> {
+    pub fn progress(&self) -> Option<(Part, f32)> {
         let work = self.work.as_ref()?;
         Some((work.part, work.job.fraction()))
     }
@@ -131,7 +132,7 @@ impl Analysis {
     #[must_use]
     pub fn is_whole(&self, shown: &ShownMoment<'_>) -> bool {
         self.of(shown)
-            .is_some_and(|known| known.measured.missing().is_none())
+            .is_some_and(|known| missing(&known.measured).is_none())
     }
 
     /// Applies a command at the moment `shown`.
@@ -189,7 +190,7 @@ impl Analysis {
         let key = key_of(shown);
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
         let (part, job) = if let Some((known, set)) = growing {
-            let Some(part) = known.measured.missing() else {
+            let Some(part) = missing(&known.measured) else {
                 return;
             };
             let measured = MeasuredSet::clone(&known.measured);
@@ -201,7 +202,7 @@ impl Analysis {
             (part, task::start(wake, task))
         } else {
             let task = StartMeasuringTask(Still::of(session, shown.moment()));
-            (MeasurePart::Pairs, task::start(wake, task))
+            (Part::Pairs, task::start(wake, task))
         };
         let name = name_of(shown);
         self.work = Some(MeasureWork {
@@ -223,7 +224,7 @@ impl Analysis {
     fn take(&mut self, key: Key, name: String, outcome: Result<Step, String>) {
         match outcome {
             Ok(Ok((set, measured))) => {
-                let whole = measured.missing().is_none();
+                let whole = missing(&measured).is_none();
                 let measured = Arc::new(measured);
                 let known = Known {
                     key,
@@ -271,8 +272,8 @@ impl Task for StartMeasuringTask {
 
     fn run(self, monitor: &Monitor) -> Step {
         let set = Arc::new(samples(&self.0));
-        let mut measured = MeasuredSet::nothing(&set);
-        one_more(&mut measured, MeasurePart::Pairs, &set, monitor)?;
+        let mut measured = set.unmeasured();
+        one_more(&mut measured, Part::Pairs, &set, monitor)?;
         Ok((set, measured))
     }
 }
@@ -281,7 +282,7 @@ impl Task for StartMeasuringTask {
 #[derive(Serialize, Deserialize)]
 pub struct ContinueMeasuringTask {
     measured: MeasuredSet,
-    part: MeasurePart,
+    part: Part,
     set: Arc<Samples>,
 }
 
@@ -297,12 +298,12 @@ impl Task for ContinueMeasuringTask {
 
 fn one_more(
     measured: &mut MeasuredSet,
-    part: MeasurePart,
+    part: Part,
     set: &Samples,
     monitor: &Monitor,
 ) -> Result<(), Option<String>> {
     monitor.set_activity(part.doing());
-    let done = measured.measure(part, set, &|progress| monitor.follow(progress));
+    let done = measured.measure(part, &set.points, &|progress| monitor.follow(progress));
     done.map_err(|error| refusal(&error))
 }
 

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use tilescope_session::glossary::TERMS;
+use tilescope_session::glossary::terms;
 
 use crate::arrows::{CrateMap, map};
 use crate::circles::{graph, sources};
@@ -198,7 +198,7 @@ fn picture(map: &CrateMap) -> String {
 
 fn glossary() -> String {
     let mut text = "| term | meaning | paper |\n|---|---|---|\n".to_owned();
-    for term in TERMS {
+    for term in terms() {
         let _ = writeln!(
             text,
             "| **{}** | {} | {} |",

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::check_set;
 use super::error::MeasureError;
@@ -12,7 +12,7 @@ use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// L2 discrepancies of a set.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Discrepancy {
     /// The root of the mean square over all places `x` of: share of samples in `[0, x]` less the area of `[0, x]`
     /// (Warnock 1972). `sqrt((1/4 - 1/9) / N)` in quadratic mean for noise.

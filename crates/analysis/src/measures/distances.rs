@@ -2,7 +2,7 @@
 //! Conflicts are counted by [`verify`](crate::verify).
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::MeasureError;
 use super::neighbors::Neighbors;
@@ -47,7 +47,7 @@ pub fn density(count: usize, radius: f64, region: Region) -> Result<f64, Measure
 }
 
 /// Distances from each sample to the nearest other one, in the unit of the samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearestDistances {
     /// In the sequence of the samples.
     pub distances: Vec<f64>,

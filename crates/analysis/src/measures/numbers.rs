@@ -1,113 +1,288 @@
-//! The numbers that describe a set, gathered from its verdict and the measures beside this module.
+//! The catalogue of the numbers that describe a set. `tilescope analyze`, the window, Python, the expressions of lessons and the
+//! glossary read it; a number that stands here appears in all of them. How one is computed is in the modules of its measure;
+//! those that only read a spectrum are in the modules below this one.
 
-use serde::Serialize;
+mod rings;
 
-use super::blue_noise::PowerCurve;
-use super::discrepancy::Discrepancy;
 use super::distances::NearestDistances;
-use super::error::MeasureError;
+use super::measured::{MeasuredSet, Part};
 use super::order::Order;
-use crate::monitor::Control;
-use crate::report::Report;
 
-/// The numbers of a set; `None` where one is not defined. Serialized, a number that is not finite is null.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SetNumbers {
-    /// Number of samples N.
-    pub samples: f64,
-    /// The radius r, or the smallest distance between two samples if no radius is known.
-    pub radius: Option<f64>,
-    /// N r² / area.
-    pub density: Option<f64>,
-    /// The smallest distance, in r.
-    pub min_distance_r: f64,
-    /// The largest distance from a place to the nearest sample, in r.
-    pub covering_radius_r: f64,
-    /// Pairs closer than r, if r is known.
-    pub conflicts: Option<f64>,
-    /// Places farther than r from all samples, if r is known.
-    pub gaps: Option<f64>,
-    /// The smallest distance, in `r_max`.
-    pub relative_radius: f64,
-    /// The mean distance to the nearest sample, in `r_max`.
-    pub mean_nearest_distance: f64,
-    /// [`PowerCurve::effective_nyquist`].
-    pub effective_nyquist: Option<f64>,
-    /// [`PowerCurve::effective_nyquist_psa`].
-    pub effective_nyquist_psa: Option<f64>,
-    /// [`PowerCurve::oscillation`].
-    pub oscillation: Option<f64>,
-    /// Standard deviation of the areas of Voronoi cells, in mean areas. Cells and what follows from them are not defined
-    /// if two samples are equal.
-    pub area_deviation: Option<f64>,
-    /// Share of the cells that have six sides.
-    pub six_sided: Option<f64>,
-    /// Mean number of sides of a cell.
-    pub mean_sides: Option<f64>,
-    /// [`Order::bond_order`].
-    pub bond_order: Option<f64>,
-    /// [`Order::global_bond_order`].
-    pub global_bond_order: Option<f64>,
-    /// [`Discrepancy::star`], unless the set is too large for it.
-    pub star_discrepancy: Option<f64>,
-    /// [`Discrepancy::centered`], unless the set is too large for it.
-    pub centered_discrepancy: Option<f64>,
+/// A number that describes a set.
+#[derive(Clone, Copy, Debug)]
+pub struct SetNumber {
+    /// Its name in JSON, CSV, Python and the expressions of lessons.
+    pub key: &'static str,
+    /// Its name in tables, as it is written within a sentence.
+    pub name: &'static str,
+    /// Its name in the narrow table of the window; `None` if that has no row for it.
+    pub short: Option<&'static str>,
+    /// Its unit; empty for a number without one.
+    pub unit: &'static str,
+    /// Decimals in tables; none for what is counted.
+    pub decimals: usize,
+    /// What it means, in one or two sentences.
+    pub meaning: &'static str,
+    /// The part of the measures that it is read from, its cost; `None` if it costs nothing.
+    pub needs: Option<Part>,
+    /// Reads it.
+    value: fn(&MeasuredSet) -> Option<f64>,
 }
 
-impl SetNumbers {
-    /// Measures a set that was verified, and returns also the power from which its blue noise is read. If no radius is
-    /// known, `report` is that for any radius: the smallest distance and the covering radius do not depend on it.
-    ///
-    /// # Errors
-    ///
-    /// Fewer than three samples, samples outside the region, samples that are all equal; the caller cancelled.
-    pub fn of(
-        points: &[[f64; 2]],
-        report: &Report,
-        has_radius: bool,
-        control: Control<'_>,
-    ) -> Result<(Self, Option<PowerCurve>), MeasureError> {
-        let (region, samples) = (report.region, points.len() as f64);
-        let distances = NearestDistances::of(points, region, control)?;
-        let discrepancy = match Discrepancy::of(points, region, control) {
-            Err(MeasureError::TooMany { .. }) => None,
-            discrepancy => Some(discrepancy?),
-        };
-        let curve = PowerCurve::of_samples(points, region, control)?;
-        let has_cells = report.min_distance > 0.0;
-        let order = has_cells.then(|| Order::of(points, region, control));
-        let order = order.transpose()?;
-        let least = distances.summary.least;
-        let r = if has_radius { report.radius } else { least };
-        let radius = Some(r).filter(|r| *r > 0.0);
-        let judged = has_radius.then_some(report);
-        let of_curve = |value: fn(&PowerCurve) -> Option<f64>| curve.as_ref().and_then(value);
-        let of_order = |value: fn(&Order) -> f64| order.as_ref().map(value);
-        let six_sided = |order: &Order| {
-            let all: u64 = order.sides.iter().sum();
-            order.sides.get(6).copied().unwrap_or(0) as f64 / all as f64
-        };
-        let numbers = Self {
-            samples,
-            radius,
-            density: radius.map(|r| samples * r.powi(2) / region.area()),
-            min_distance_r: least / r,
-            covering_radius_r: report.covering_radius / r,
-            conflicts: judged.map(|report| report.conflicts as f64),
-            gaps: judged.map(|report| report.gaps as f64),
-            relative_radius: distances.relative_radius(),
-            mean_nearest_distance: distances.mean_relative_distance(),
-            effective_nyquist: of_curve(PowerCurve::effective_nyquist),
-            effective_nyquist_psa: of_curve(PowerCurve::effective_nyquist_psa),
-            oscillation: of_curve(PowerCurve::oscillation),
-            area_deviation: of_order(|order| order.relative_areas.deviation),
-            six_sided: of_order(six_sided),
-            mean_sides: of_order(|order| order.mean_sides),
-            bond_order: of_order(|order| order.bond_order),
-            global_bond_order: of_order(|order| order.global_bond_order),
-            star_discrepancy: discrepancy.as_ref().map(|found| found.star),
-            centered_discrepancy: discrepancy.as_ref().map(|found| found.centered),
-        };
-        Ok((numbers, curve))
+impl SetNumber {
+    /// Returns this number of a set; `None` if it is not defined for the set, not finite, or not yet measured.
+    #[must_use]
+    pub fn of(&self, set: &MeasuredSet) -> Option<f64> {
+        (self.value)(set).filter(|value| value.is_finite())
     }
 }
+
+/// Returns the number with a key.
+///
+/// ```
+/// use tilescope_analysis::measures::number;
+///
+/// assert_eq!(number("density").unwrap().decimals, 4);
+/// assert!(number("Density").is_none());
+/// ```
+#[must_use]
+pub fn number(key: &str) -> Option<&'static SetNumber> {
+    CATALOGUE.iter().find(|number| number.key == key)
+}
+
+/// All numbers, in the sequence of tables.
+pub static CATALOGUE: &[SetNumber] = &[
+    SetNumber {
+        key: "samples",
+        name: "samples N",
+        short: Some("Samples"),
+        unit: "",
+        decimals: 0,
+        meaning: "The samples of the set. At a moment of a run these are the samples kept: tiled or inserted, and not eliminated.",
+        needs: None,
+        value: |set| Some(set.samples as f64),
+    },
+    SetNumber {
+        key: "radius",
+        name: "radius r",
+        short: None,
+        unit: "user units",
+        decimals: 8,
+        meaning: "The radius r, or the smallest distance between two samples if no radius is known.",
+        needs: None,
+        value: MeasuredSet::r,
+    },
+    SetNumber {
+        key: "density",
+        name: "density",
+        short: Some("Density N r\u{b2}/A"),
+        unit: "N r\u{b2} / area",
+        decimals: 4,
+        meaning: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
+        needs: None,
+        value: |set| Some(set.samples as f64 * set.r()?.powi(2) / set.region.area()),
+    },
+    SetNumber {
+        key: "packing",
+        name: "packing",
+        short: None,
+        unit: "of hexagonal",
+        decimals: 4,
+        meaning: "The samples, as a share of the most that disks of this radius allow: those of the hexagonal packing.",
+        needs: None,
+        value: |set| {
+            let most = set.samples as f64 * 3f64.sqrt() / 2.0 / set.region.area();
+            Some(most * set.r()?.powi(2))
+        },
+    },
+    SetNumber {
+        key: "min_distance_r",
+        name: "smallest distance",
+        short: Some("Smallest distance, r"),
+        unit: "r",
+        decimals: 6,
+        meaning: "The smallest distance between two samples.",
+        needs: Some(Part::Report),
+        value: |set| Some(set.verdict()?.min_distance / set.r()?),
+    },
+    SetNumber {
+        key: "covering_radius_r",
+        name: "covering radius",
+        short: None,
+        unit: "r",
+        decimals: 6,
+        meaning: "The largest distance from any place of the domain to its nearest sample. A set counts as maximal up to (1 + 2^-15) r, since its positions are rounded to a lattice.",
+        needs: Some(Part::Report),
+        value: |set| Some(set.verdict()?.covering_radius / set.r()?),
+    },
+    SetNumber {
+        key: "conflicts",
+        name: "conflicts",
+        short: Some("Conflicts"),
+        unit: "pairs",
+        decimals: 0,
+        meaning: "Pairs of samples closer than r.",
+        needs: Some(Part::Report),
+        value: |set| Some(set.judged()?.conflicts as f64),
+    },
+    SetNumber {
+        key: "gaps",
+        name: "gaps",
+        short: Some("Open places"),
+        unit: "places",
+        decimals: 0,
+        meaning: "The centres of empty circles larger than r: a gap has one or more.",
+        needs: Some(Part::Report),
+        value: |set| Some(set.judged()?.gaps as f64),
+    },
+    SetNumber {
+        key: "relative_radius",
+        name: "relative radius",
+        short: Some("Relative radius"),
+        unit: "r_max",
+        decimals: 4,
+        meaning: "The smallest distance, divided by that of the densest packing of as many samples.",
+        needs: Some(Part::Report),
+        value: |set| Some(set.verdict()?.relative_radius),
+    },
+    SetNumber {
+        key: "mean_nearest_distance",
+        name: "mean nearest distance",
+        short: None,
+        unit: "r_max",
+        decimals: 4,
+        meaning: "The mean distance from a sample to its nearest neighbour, divided by that of the densest packing of as many samples.",
+        needs: Some(Part::Distances),
+        value: |set| (set.distances.as_deref()).map(NearestDistances::mean_relative_distance),
+    },
+    SetNumber {
+        key: "effective_nyquist",
+        name: "effective Nyquist frequency",
+        short: Some("Eff. Nyquist \u{3bd}"),
+        unit: "nu",
+        decimals: 3,
+        meaning: "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r). That is smooth, so that a square lattice, whose first peak is at 1, has 0.92.",
+        needs: Some(Part::Smooth),
+        value: |set| set.curve.as_ref()?.effective_nyquist(),
+    },
+    SetNumber {
+        key: "effective_nyquist_psa",
+        name: "Nyquist frequency by psa",
+        short: None,
+        unit: "nu",
+        decimals: 3,
+        meaning: "The effective Nyquist frequency as the program psa has it: from the rise of the mean power back to where it is last under 0.1.",
+        needs: Some(Part::Smooth),
+        value: |set| set.curve.as_ref()?.effective_nyquist_psa(),
+    },
+    SetNumber {
+        key: "oscillation",
+        name: "oscillation of power",
+        short: Some("Oscillation"),
+        unit: "",
+        decimals: 3,
+        meaning: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.",
+        needs: Some(Part::Smooth),
+        value: |set| set.curve.as_ref()?.oscillation(),
+    },
+    SetNumber {
+        key: "peak",
+        name: "frequency of most power",
+        short: None,
+        unit: "1/r",
+        decimals: 3,
+        meaning: "The frequency at which the radial mean of the power is highest.",
+        needs: Some(Part::Spectrum),
+        value: rings::peak,
+    },
+    SetNumber {
+        key: "low_power",
+        name: "power below 0.3 / r",
+        short: None,
+        unit: "",
+        decimals: 4,
+        meaning: "The mean power of the frequencies below 0.3 / r: 1 for independent random samples.",
+        needs: Some(Part::Spectrum),
+        value: rings::low_power,
+    },
+    SetNumber {
+        key: "anisotropy",
+        name: "largest anisotropy",
+        short: None,
+        unit: "dB",
+        decimals: 2,
+        meaning: "The largest anisotropy of a ring of frequencies from 0.3 / r on: about 0 dB without a preferred direction, but for the scatter of the ring.",
+        needs: Some(Part::Spectrum),
+        value: rings::anisotropy,
+    },
+    SetNumber {
+        key: "area_deviation",
+        name: "deviation of cell areas",
+        short: None,
+        unit: "mean area",
+        decimals: 4,
+        meaning: "The standard deviation of the areas of the Voronoi cells, in mean areas.",
+        needs: Some(Part::Cells),
+        value: |set| Some(set.order.as_ref()?.relative_areas.deviation),
+    },
+    SetNumber {
+        key: "six_sided",
+        name: "cells with six sides",
+        short: None,
+        unit: "share",
+        decimals: 4,
+        meaning: "The share of the Voronoi cells that have six sides.",
+        needs: Some(Part::Cells),
+        value: |set| set.order.as_deref().map(Order::six_sided),
+    },
+    SetNumber {
+        key: "mean_sides",
+        name: "mean sides of a cell",
+        short: None,
+        unit: "",
+        decimals: 3,
+        meaning: "The mean number of sides of a Voronoi cell: 6 for every periodic set in general position.",
+        needs: Some(Part::Cells),
+        value: |set| Some(set.order.as_ref()?.mean_sides),
+    },
+    SetNumber {
+        key: "bond_order",
+        name: "bond order, local",
+        short: None,
+        unit: "",
+        decimals: 4,
+        meaning: "How nearly the neighbours of a sample are the corners of a regular hexagon, in the mean: 1 for the hexagonal lattice, 0 for the square one.",
+        needs: Some(Part::Cells),
+        value: |set| Some(set.order.as_ref()?.bond_order),
+    },
+    SetNumber {
+        key: "global_bond_order",
+        name: "bond order, global",
+        short: None,
+        unit: "",
+        decimals: 4,
+        meaning: "The bond order of all samples together: near 0 also where the hexagons of neighbours have no common direction.",
+        needs: Some(Part::Cells),
+        value: |set| Some(set.order.as_ref()?.global_bond_order),
+    },
+    SetNumber {
+        key: "star_discrepancy",
+        name: "L2 star discrepancy",
+        short: None,
+        unit: "",
+        decimals: 6,
+        meaning: "How far the share of samples in boxes from the lower left corner is from the area of the boxes, in quadratic mean. It is measured of up to 100,000 samples.",
+        needs: Some(Part::Discrepancy),
+        value: |set| Some(set.discrepancy?.star),
+    },
+    SetNumber {
+        key: "centered_discrepancy",
+        name: "L2 centred discrepancy",
+        short: None,
+        unit: "",
+        decimals: 6,
+        meaning: "The same deviation for boxes from the nearest corner, together with the projections onto the axes. It is measured of up to 100,000 samples.",
+        needs: Some(Part::Discrepancy),
+        value: |set| Some(set.discrepancy?.centered),
+    },
+];

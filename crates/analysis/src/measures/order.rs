@@ -1,7 +1,7 @@
 //! Order of a set as its Voronoi cells show it: areas, numbers of sides, bond-orientational order. Cells at a bounded
 //! region's border count for nothing: their shape is the border's. The cells come from [`super::tiles`].
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::MeasureError;
 use super::statistics::Summary;
@@ -12,7 +12,7 @@ use crate::region::Region;
 use crate::tessellation::VoronoiCell;
 
 /// The measures of one cell.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellOrder {
     /// Area over the mean area, `region area / N`.
     pub relative_area: f64,
@@ -26,7 +26,7 @@ pub struct CellOrder {
 }
 
 /// Order of a whole set; cells at the border are left out of all but `cells`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Order {
     /// Each sample's cell, in the sequence of the samples.
     pub cells: Vec<CellOrder>,
@@ -63,6 +63,13 @@ impl Order {
             order(cell, mean_area)
         })?;
         Self::of_cells(cells)
+    }
+
+    /// Returns the share of the cells that have six sides.
+    #[must_use]
+    pub fn six_sided(&self) -> f64 {
+        let all: u64 = self.sides.iter().sum();
+        self.sides.get(6).copied().unwrap_or(0) as f64 / all as f64
     }
 
     fn of_cells(cells: Vec<CellOrder>) -> Result<Self, MeasureError> {

@@ -1,7 +1,7 @@
 //! Summaries of values and averages of curves over sets, with standard errors and confidence bands. Sums run in the
 //! sequence given, so the same values give the same bits.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distributions::{chi_square_quantile, student_quantile};
 use super::error::MeasureError;
@@ -12,7 +12,7 @@ use super::{check_length, check_range};
 pub(super) const LEVELS: [f64; 2] = [0.01, 0.999_999];
 
 /// The count, mean, deviation and quartiles of values.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Number of values.
     pub count: usize,

@@ -9,7 +9,7 @@ mod plot;
 use std::sync::Arc;
 
 use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
-use tilescope_analysis::measures::Spectrum;
+use tilescope_analysis::measures::{MeasuredSet, Spectrum};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::words::capital;
@@ -19,7 +19,7 @@ use tilescope_ui::widgets::{Kebab, Known, heading};
 use super::content::{Content, Room};
 use plot::{Dash, Dragged};
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
-use tilescope_workbench::analysis::measured::MeasuredSet;
+use tilescope_workbench::analysis::measured::missing;
 use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::Command;
@@ -61,7 +61,7 @@ struct Sets<'a> {
 impl<'a> Sets<'a> {
     fn of(context: &AnalysisContext<'a>, shown: &ShownMoment<'a>) -> Self {
         let now = context.analysis.of(shown).map(|known| &*known.measured);
-        let whole = now.is_some_and(|now| now.missing().is_none());
+        let whole = now.is_some_and(|now| missing(now).is_none());
         let before = context.analysis.last(shown).map(|known| &*known.measured);
         Self {
             now,
@@ -259,9 +259,10 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
                 ""
             };
             let radius = file.measured.radius;
-            let name = format!("file: {}{guessed}, judged at r = {radius}", file.name());
+            let judged = radius.map_or_else(String::new, |r| format!(", judged at r = {r}"));
+            let name = format!("file: {}{guessed}{judged}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
-            if let Some(reason) = numbers::unjudged(&file.measured, sets.unit) {
+            if let Some(reason) = numbers::unjudged(&file.measured.with_radius(sets.unit)) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
             }

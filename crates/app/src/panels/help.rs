@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, FontId, Grid, Id, Label, Layout, Modal, RichText, Ui, vec2};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::glossary::TERMS;
+use tilescope_session::glossary::terms;
 use tilescope_session::layers::Layer;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, figure, heading};
@@ -61,7 +61,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         ui.separator();
         sheet::scrolled(ui, width, |ui| match page {
             HelpPage::Keys => keys(ui, state, palette),
-            HelpPage::Terms => terms(ui, palette),
+            HelpPage::Terms => glossary(ui, palette),
             HelpPage::About => about(ui, palette),
         });
         is_closed
@@ -136,8 +136,8 @@ fn keys_of_menu(ui: &mut Ui, (menu, keyed): &(Menu, Vec<&Action>), palette: &Pal
 }
 
 /// Lists the terms with their meanings.
-fn terms(ui: &mut Ui, palette: &Palette) {
-    for term in TERMS {
+fn glossary(ui: &mut Ui, palette: &Palette) {
+    for term in terms() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(term.name).font(FontId::new(13.5, semibold())));
             if !term.paper.is_empty() {

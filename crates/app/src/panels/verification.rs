@@ -6,6 +6,7 @@ use egui::{
     Color32, CursorIcon, FontId, Galley, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
     vec2,
 };
+use tilescope_analysis::measures::number;
 use tilescope_analysis::{COVERING_TOLERANCE, Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
@@ -191,6 +192,11 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     divide(ui, palette);
 }
 
+/// Returns what a number of the catalogue means.
+fn meaning(key: &str) -> &'static str {
+    number(key).map_or("", |number| number.meaning)
+}
+
 /// Shows the measures of the set, each with its meaning.
 fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let verdict = context.run.verdict();
@@ -209,24 +215,24 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let relative = number(report.map(|r| r.relative_radius), 4, "");
     let count = report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count));
 
-    // A term's meaning stands in its tooltip, as the glossary has it.
-    for (name, term, value) in [
-        ("Smallest distance", glossary::MIN_DISTANCE, &least),
-        ("Covering radius", glossary::COVERING_RADIUS, &cover),
-        ("Density N r\u{b2}/A", glossary::DENSITY, &density),
-        ("Relative radius", glossary::RELATIVE_RADIUS, &relative),
+    // A number's meaning stands in its tooltip, as the catalogue has it.
+    for (name, meaning, value) in [
+        ("Smallest distance", meaning("min_distance_r"), &least),
+        ("Covering radius", meaning("covering_radius_r"), &cover),
+        ("Density N r\u{b2}/A", meaning("density"), &density),
+        ("Relative radius", meaning("relative_radius"), &relative),
         (
             if context.run.prefix().is_some() {
                 "First samples"
             } else {
                 "Samples"
             },
-            glossary::SAMPLE,
+            glossary::SAMPLE.meaning,
             &count,
         ),
     ] {
         let shown = ui.scope(|ui| row(ui, name, value, context.palette));
-        shown.response.on_hover_text(ui.words(term.meaning));
+        shown.response.on_hover_text(ui.words(meaning));
     }
 }
 
@@ -298,7 +304,7 @@ fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, pale
     let covers = covering.map(|_| of(verdict.maximal()));
     property(
         ui,
-        (&name, glossary::COVERING_RADIUS.meaning),
+        (&name, meaning("covering_radius_r")),
         covers.as_ref(),
         palette,
     );

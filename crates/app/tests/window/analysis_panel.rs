@@ -38,9 +38,9 @@ pub(crate) fn analysing() -> Harness<'static, App> {
 }
 
 /// The rows of numbers.
-const SAMPLES: &str = "analysis.number-1";
-const DENSITY: &str = "analysis.number-2";
-const CONFLICTS: &str = "analysis.number-3";
+const SAMPLES: &str = "analysis.number-samples";
+const DENSITY: &str = "analysis.number-density";
+const CONFLICTS: &str = "analysis.number-conflicts";
 
 /// Asserts that a widget's text contains all of `facts`.
 #[track_caller]

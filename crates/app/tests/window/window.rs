@@ -407,6 +407,7 @@ fn the_verification_says_up_to_which_covering_radius_a_set_is_maximal() {
         harness.query_by_label("1.000031 r").is_some(),
         "the limit beside the radius"
     );
-    let meaning = tilescope_session::glossary::COVERING_RADIUS.meaning;
+    let number = tilescope_analysis::measures::number("covering_radius_r");
+    let meaning = number.expect("a number").meaning;
     assert!(meaning.contains("(1 + 2^-15) r"), "{meaning}");
 }

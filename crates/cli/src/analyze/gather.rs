@@ -7,7 +7,7 @@ use serde::Serialize;
 use tilescope_analysis::measures::Spectrum;
 
 use super::differences::Differences;
-use super::measured::{MeasuredSet, Request, Source, check_domain};
+use super::measured::{Measurement, Request, Source, check_domain};
 use super::subject::{Population, Subject};
 use super::{AnalyzeArguments, names};
 use crate::output::region_text;
@@ -150,7 +150,7 @@ impl Analysis {
     }
 
     /// Returns a set unless its domain differs from that of the reference.
-    fn with_domain_of_reference(&self, set: MeasuredSet) -> Result<MeasuredSet> {
+    fn with_domain_of_reference(&self, set: Measurement) -> Result<Measurement> {
         if let Some(Subject { name, region, .. }) = self.reference() {
             let member = &set.member;
             check_domain(member.region, name, *region).in_file(Path::new(&member.name))?;

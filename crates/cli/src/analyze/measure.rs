@@ -1,8 +1,9 @@
 //! The numbers of the tables, in the sequence of their rows, with their names and units: of one set, or means over several.
 
 use serde::Serializer;
-use serde_json::json;
-use tilescope_analysis::measures::{Average, MeasureError, PowerCurve, SetNumbers, Spectrum};
+use tilescope_analysis::measures::{
+    Average, MeasureError, MeasuredSet, PowerCurve, SetNumber, Spectrum,
+};
 
 /// A number of a set, or its mean over several sets.
 #[derive(Clone)]
@@ -29,40 +30,13 @@ pub struct Spread {
     pub most: f64,
 }
 
-/// Key, label, unit and decimals of a measure.
-type Row = (&'static str, &'static str, &'static str, usize);
-
-/// The rows of [`SetNumbers`], whose fields are the keys.
-const OF_A_SET: [Row; 19] = [
-    ("samples", "samples N", "", 0),
-    ("radius", "radius r", "user units", 8),
-    ("density", "density", "N r\u{b2} / area", 4),
-    ("min_distance_r", "smallest distance", "r", 6),
-    ("covering_radius_r", "covering radius", "r", 6),
-    ("conflicts", "conflicts", "pairs", 0),
-    ("gaps", "gaps", "places", 0),
-    ("relative_radius", "relative radius", "r_max", 4),
-    ("mean_nearest_distance", "mean nearest distance", "r_max", 4),
-    ("effective_nyquist", "effective Nyquist frequency", "nu", 3),
-    ("effective_nyquist_psa", "the same, as psa has it", "nu", 3),
-    ("oscillation", "oscillation of power", "", 3),
-    ("area_deviation", "deviation of cell areas", "mean area", 4),
-    ("six_sided", "cells with six sides", "share", 4),
-    ("mean_sides", "mean sides of a cell", "", 3),
-    ("bond_order", "bond order, local", "", 4),
-    ("global_bond_order", "bond order, global", "", 4),
-    ("star_discrepancy", "L2 star discrepancy", "", 6),
-    ("centered_discrepancy", "L2 centred discrepancy", "", 6),
-];
-
-/// Returns the measures of a set, in the sequence of the rows.
-pub fn of_set(numbers: &SetNumbers) -> Vec<Measure> {
-    let values = json!(numbers);
-    let measure = |&(key, label, unit, decimals): &Row| {
-        let value = values[key].as_f64();
-        Measure::new(key.to_owned(), label.to_owned(), (unit, decimals), value)
+/// Returns the numbers of a set, in the sequence of the rows.
+pub fn of_set(set: &MeasuredSet) -> Vec<Measure> {
+    let measure = |(number, value): (&SetNumber, Option<f64>)| {
+        let (key, label) = (number.key.to_owned(), number.name.to_owned());
+        Measure::new(key, label, (number.unit, number.decimals), value)
     };
-    OF_A_SET.iter().map(measure).collect()
+    set.numbers().map(measure).collect()
 }
 
 /// Returns the measures of the mean power of several sets, which vary less than those of one.

@@ -3,12 +3,13 @@
 use std::cell::Cell;
 use std::fmt::Display;
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use serde::{Serialize, Serializer};
 use tilescope_analysis::measures::{
-    FrequencyWindow, MeasureError, PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers,
-    Spectrum, largest_min_distance,
+    FrequencyWindow, MeasureError, MeasuredSet, PairBins, PairCorrelation, Part, Periodogram,
+    PowerCurve, Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{Control, MAX_CONFLICTS, Region, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
@@ -47,13 +48,13 @@ fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, 
     serializer.collect_str(value)
 }
 
-/// A set and its curves.
-pub struct MeasuredSet {
+/// A set and its curves, to be averaged with those of others.
+pub struct Measurement {
     pub member: Member,
     /// The radial mean power.
     pub powers: Vec<f64>,
     /// The smooth spectrum that follows from g(r), unless the domain is too narrow.
-    pub curve: Option<PowerCurve>,
+    pub curve: Option<Arc<PowerCurve>>,
     /// Distance over `r_max`, and g(r).
     pub pairs: Vec<[f64; 2]>,
     pub periodogram: Periodogram,
@@ -134,11 +135,11 @@ impl<'a> Request<'a> {
     }
 
     /// Reads, verifies and measures a set.
-    pub fn measure(&self, source: Source<'_>, common: Option<&Common>) -> Result<MeasuredSet> {
+    pub fn measure(&self, source: Source<'_>, common: Option<&Common>) -> Result<Measurement> {
         self.measured(source, common).in_file(source.path)
     }
 
-    fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<MeasuredSet> {
+    fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<Measurement> {
         self.refuse_early(source.path)?;
         let (set, check, has_radius) = read(source, self.arguments)?;
         let (samples, region) = (set.len(), check.report.region);
@@ -149,11 +150,23 @@ impl<'a> Request<'a> {
         let own = (self.window(samples as f64, region)?, bins);
         let shared = common.map(|common| (common.window.clone(), common.bins));
         let (window, bins) = shared.unwrap_or(own);
-        let (points, report) = (&set.points, &check.report);
+
+        let (points, report) = (&set.points, check.report);
+        // The verdict for a radius that is not known means nothing.
+        let valid = has_radius.then(|| report.valid());
+        let radius = has_radius.then_some(report.radius);
         let measure = |control: Control<'_>| {
-            let (numbers, curve) = SetNumbers::of(points, report, has_radius, control)?;
+            let mut set = MeasuredSet::new(samples, region, radius);
+            set.take_report(report.clone());
+            // The spectrum comes last and by its own window: it takes the most memory.
+            for part in Part::of_numbers().filter(|part| *part != Part::Spectrum) {
+                set.measure(part, points, control)?;
+            }
             let periodogram = Periodogram::of(points, region, &window, control)?;
-            let powers = Spectrum::of(&periodogram)?.profile.powers();
+            let spectrum = Spectrum::of(&periodogram)?;
+            let powers = spectrum.profile.powers();
+            set.take_spectrum(spectrum);
+
             let farthest = bins.farthest(samples, region);
             let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
             let member = Member {
@@ -162,19 +175,19 @@ impl<'a> Request<'a> {
                 format: check.detection.format,
                 samples,
                 has_radius,
-                // The verdict for a radius that is not known means nothing.
-                valid: has_radius.then(|| report.valid()),
-                measures: of_set(&numbers),
+                valid,
+                measures: of_set(&set),
             };
-            Ok::<_, MeasureError>(MeasuredSet {
+            Ok::<_, MeasureError>(Measurement {
                 member,
                 powers,
-                curve,
+                curve: set.curve,
                 pairs: pairs.points(),
                 periodogram,
                 bins,
             })
         };
+
         let mut measured = watched("measure", measure)?;
         if self.radius.is_some() {
             let own = largest_min_distance(samples, region.area());
@@ -226,7 +239,7 @@ pub fn check_domain(own: Region, name: &str, region: Region) -> Result<()> {
 
 impl Common {
     /// Returns the settings of the first set of an average.
-    pub fn of(first: &MeasuredSet) -> Self {
+    pub fn of(first: &Measurement) -> Self {
         Self {
             first: first.member.clone(),
             window: first.periodogram.window.clone(),

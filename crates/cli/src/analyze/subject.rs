@@ -8,7 +8,7 @@ use tilescope_analysis::measures::{
 
 use super::curve::Curve;
 use super::measure::{Measure, of_mean_power};
-use super::measured::{Common, MeasuredSet, Member};
+use super::measured::{Common, Measurement, Member};
 
 /// A column of the tables.
 pub struct Subject {
@@ -33,7 +33,7 @@ pub struct Subject {
 
 impl Subject {
     /// Returns the column of one set.
-    pub fn one(set: MeasuredSet) -> Result<Option<Self>, MeasureError> {
+    pub fn one(set: Measurement) -> Result<Option<Self>, MeasureError> {
         let mut alone = Population::default();
         alone.add(set)?;
         alone.finish(false)
@@ -78,7 +78,7 @@ pub struct Population {
 
 impl Population {
     /// Adds a set that was measured with [`Self::common`].
-    pub fn add(&mut self, set: MeasuredSet) -> Result<(), MeasureError> {
+    pub fn add(&mut self, set: Measurement) -> Result<(), MeasureError> {
         if self.common.is_none() {
             self.common = Some(Common::of(&set));
             self.distances = set.pairs.iter().map(|point| point[0]).collect();

@@ -517,8 +517,7 @@ def analyze(
         _check_no_file(format, set, origin)
         points = _set_of(points, radius, width, height, boundary)
     with following(progress) as told:
-        measures: dict[str, float | None] = json.loads(_tilescope.analyze(points, told))
-    return measures
+        return _tilescope.analyze(points, told)
 
 
 def read(

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use tilescope_analysis::Region;
+use tilescope_analysis::measures::MeasuredSet;
 use tilescope_core::{Boundary, Pattern, PatternSpec, Unobserved};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
-use super::measured::{MeasuredSet, Samples, refusal};
+use super::measured::{Samples, refusal};
 
 /// The set is made as a pattern, larger than the default pattern of runs.
 pub const SPEC: PatternSpec = PatternSpec {
@@ -106,7 +107,7 @@ impl Task for MeasureReferenceTask {
             region: Region::new([domain.width(), domain.height()].map(radii), true),
             radius: 1.0,
         };
-        let measured = MeasuredSet::whole(&set, &|progress| monitor.follow(progress));
+        let measured = set.measured(&|progress| monitor.follow(progress));
         measured.map_err(|error| refusal(&error).unwrap_or_default())
     }
 }

@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
+use tilescope_analysis::measures::MeasuredSet;
 use tilescope_analysis::{Boundary, Region};
 use tilescope_formats::{ReadSet, refuse_degrees};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::last_part;
 
-use super::measured::{self, MeasuredSet, Samples};
+use super::measured::{self, Samples};
 
 /// A set from a file and its measures.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -92,7 +93,7 @@ pub fn of(
         region,
         radius,
     };
-    let measured = MeasuredSet::whole(&set, &|progress| monitor.follow(progress));
+    let measured = set.measured(&|progress| monitor.follow(progress));
     let measured = measured.map_err(|error| {
         let why = measured::refusal(&error);
         named(why.as_deref().unwrap_or("cancelled"))

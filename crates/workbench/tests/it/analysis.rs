@@ -4,12 +4,14 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use tilescope_analysis::measures::{PairCorrelation, Periodogram, PowerCurve, Spectrum};
+use tilescope_analysis::measures::{
+    MeasuredSet, PairCorrelation, Part, Periodogram, PowerCurve, Spectrum,
+};
 use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
 use tilescope_session::Session;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
-use tilescope_workbench::analysis::measured::{MeasurePart, MeasuredSet, Samples};
+use tilescope_workbench::analysis::measured::{Samples, missing};
 use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::Field;
@@ -287,8 +289,8 @@ fn the_rough_spectrum_has_the_same_range_along_both_axes() {
             region,
             radius: 0.001,
         };
-        let mut measured = MeasuredSet::nothing(&set);
-        measured.measure(MeasurePart::Rough, &set, &go_on).unwrap();
+        let mut measured = set.unmeasured();
+        measured.measure(Part::Rough, &set.points, &go_on).unwrap();
         let [x, y] = measured.rough.unwrap().picture_reach;
         assert!(
             (0.55..0.7).contains(&x) && (0.55..0.7).contains(&y),
@@ -306,12 +308,12 @@ fn parts_are_measured_one_after_the_other() {
     while !is_whole(&state) {
         state.advance(0.0);
         let known = state.analysis().of(&state.shown().unwrap());
-        let missing = known.and_then(|known| known.measured.missing());
-        if let Some(part) = missing.filter(|part| seen.last() != Some(part)) {
+        let next = known.and_then(|known| missing(&known.measured));
+        if let Some(part) = next.filter(|part| seen.last() != Some(part)) {
             seen.push(part);
         }
         frames += 1;
         assert!(frames < 50_000_000, "it comes to an end");
     }
-    assert_eq!(seen, [MeasurePart::Report, MeasurePart::Spectrum]);
+    assert_eq!(seen, [Part::Report, Part::Spectrum, Part::Smooth]);
 }

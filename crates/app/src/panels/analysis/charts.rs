@@ -1,14 +1,13 @@
 //! The charts of the analysis: their curves and axis ranges.
 
 use egui::{Color32, RichText, Ui};
-use tilescope_analysis::measures::{Spectrum, anisotropy_reference_db};
+use tilescope_analysis::measures::{MeasuredSet, Spectrum, anisotropy_reference_db};
 use tilescope_ui::widgets::heading;
 
 use super::plot::{Curve, Dash, Plot, PlotAxis};
 use super::{Sets, drag, picture as periodogram};
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
-use tilescope_workbench::analysis::measured::MeasuredSet;
 
 /// Height of charts, in screen points.
 const HEIGHT: f32 = 168.0;

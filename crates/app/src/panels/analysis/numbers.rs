@@ -1,125 +1,74 @@
 //! The table of numbers of the analysis, with a column for each set.
 
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
-use tilescope_analysis::Report;
-use tilescope_analysis::measures::PowerCurve;
-use tilescope_session::glossary;
-use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SetNumber};
+use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::widgets::Known;
 
 use super::Sets;
-use tilescope_workbench::analysis::measured::MeasuredSet;
 
 /// Width of a number, in screen points.
 const COLUMN: f32 = 62.0;
 const ROW: f32 = 19.0;
 
-/// A row: its name, explanation, and the value of a set where r has the given length.
-struct NumberRow {
-    name: &'static str,
-    explanation: &'static str,
-    value: fn(&MeasuredSet, f64) -> Option<String>,
-}
-
-const NUMBERS: [NumberRow; 8] = [
-    NumberRow {
-        name: "Samples",
-        explanation: "Samples kept at this moment: tiled or inserted, and not eliminated.",
-        value: |set, _| Some(grouped(set.samples)),
-    },
-    NumberRow {
-        name: "Density N r\u{b2}/A",
-        explanation: glossary::DENSITY.meaning,
-        value: |set, unit| {
-            let density = set.samples as f64 * unit * unit / set.region.area();
-            Some(format!("{density:.4}"))
-        },
-    },
-    NumberRow {
-        name: "Conflicts",
-        explanation: glossary::CONFLICT.meaning,
-        value: |set, unit| Some(grouped(judged(set, unit)?.conflicts as usize)),
-    },
-    NumberRow {
-        name: "Open places",
-        explanation: glossary::OPEN_PLACE.meaning,
-        value: |set, unit| Some(grouped(judged(set, unit)?.gaps as usize)),
-    },
-    NumberRow {
-        name: "Smallest distance, r",
-        explanation: glossary::MIN_DISTANCE.meaning,
-        value: |set, unit| Some(finite(set.verdict()?.min_distance / unit)),
-    },
-    NumberRow {
-        name: "Relative radius",
-        explanation: glossary::RELATIVE_RADIUS.meaning,
-        value: |set, _| Some(finite(set.verdict()?.relative_radius)),
-    },
-    NumberRow {
-        name: "Eff. Nyquist \u{3bd}",
-        explanation: glossary::NYQUIST.meaning,
-        value: |set, _| of_curve(set, PowerCurve::effective_nyquist),
-    },
-    NumberRow {
-        name: "Oscillation",
-        explanation: glossary::OSCILLATION.meaning,
-        value: |set, _| of_curve(set, PowerCurve::oscillation),
-    },
-];
-
 /// Shows the table. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads = ["moment", "reference", "file"];
     let columns = if sets.reference_file.is_some() { 3 } else { 2 };
-    row(
-        ui,
-        sets,
-        (0, ""),
-        &heads.map(str::to_owned)[..columns],
-        false,
-        "",
-    );
-    for (ordinal, number) in (1..).zip(&NUMBERS) {
-        let value = |set: Option<&MeasuredSet>, unit| {
-            let text = set.and_then(|set| (number.value)(set, unit));
+    let heads = heads.map(str::to_owned);
+    row(ui, sets, ("", ""), &heads[..columns], false, "");
+
+    // The file keeps its own unit, and this run's r has another length in it.
+    let file = (sets.reference_file).map(|file| file.measured.with_radius(sets.unit));
+    for number in CATALOGUE {
+        let Some(name) = number.short else {
+            continue;
+        };
+        let shown = |set: Option<&MeasuredSet>| {
+            let text = set.and_then(|set| text_of(number, set));
             text.unwrap_or_else(|| "\u{2013}".to_owned())
         };
         let (now, faded) = sets
-            .part(|set| (number.value)(set, 1.0))
+            .part(|set| text_of(number, set))
             .unwrap_or_else(|| ("\u{2013}".to_owned(), false));
-        let file = sets.reference_file.map(|file| &*file.measured);
-        let texts = [
-            now,
-            value(sets.reference.map(|set| &**set), 1.0),
-            value(file, sets.unit),
-        ];
-        let reason = sets
-            .reference_file
-            .and_then(|file| unjudged(&file.measured, sets.unit));
-        let explanation = match reason.filter(|_| JUDGED.contains(&number.name)) {
-            Some(reason) => format!("{} {reason}", number.explanation),
-            None => number.explanation.to_owned(),
+        let reference = sets.reference.map(|set| &**set);
+        let texts = [now, shown(reference), shown(file.as_ref())];
+
+        let explanation = match file.as_ref().and_then(unjudged) {
+            Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
+            _ => number.meaning.to_owned(),
         };
-        let texts = &texts[..columns];
-        let name = (ordinal, number.name);
-        row(ui, sets, name, texts, faded, &explanation);
+        let name = (number.key, name);
+        row(ui, sets, name, &texts[..columns], faded, &explanation);
     }
 }
 
-/// Numbers that depend on the radius the set was verified with.
-const JUDGED: [&str; 2] = ["Conflicts", "Open places"];
-
-/// Returns the verdict on a set, if it was verified with r of length `unit`.
-fn judged(set: &MeasuredSet, unit: f64) -> Option<&Report> {
-    set.verdict().filter(|_| set.is_judged_with(unit))
+/// Returns a number of a set, once it is known.
+fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
+    match number.of(set) {
+        Some(value) if number.decimals == 0 => Some(grouped(value as usize)),
+        // The column has room for so many decimals.
+        Some(value) => Some(format!("{value:.4}")),
+        // It is measured, and this set has none; without a verdict nothing is known of it.
+        None => {
+            let is_measured = |part| part != Part::Report && set.knows(part);
+            (number.needs.is_some_and(is_measured)).then(|| "none".to_owned())
+        }
+    }
 }
 
-/// Returns why conflicts and gaps of a file are not shown, if they are for another radius.
-pub fn unjudged(file: &MeasuredSet, unit: f64) -> Option<String> {
-    (!file.is_judged_with(unit)).then(|| {
+/// Returns whether a number depends on the radius that the set was judged with.
+fn is_of_verdict(number: &SetNumber) -> bool {
+    number.needs == Some(Part::Report) && number.decimals == 0
+}
+
+/// Returns why conflicts and gaps of a file are not shown, if they are for another radius than that of the run.
+pub fn unjudged(file: &MeasuredSet) -> Option<String> {
+    let (report, unit) = (file.verdict()?, file.radius?);
+    file.judged().is_none().then(|| {
         format!(
             "The file was judged at r = {}, and this run's r is {unit}: compare with it again.",
-            file.radius
+            report.radius
         )
     })
 }
@@ -133,7 +82,7 @@ pub fn counts(set: &MeasuredSet) -> String {
             conflicts_in(report),
             counted(report.gaps as usize, "open place", "open places")
         ),
-        Some(Err(why)) => format!("{samples}. {why}"),
+        Some(Err(why)) => format!("{samples}. {}", sentence(why)),
         None => format!("{samples}."),
     }
 }
@@ -141,7 +90,7 @@ pub fn counts(set: &MeasuredSet) -> String {
 fn row(
     ui: &mut Ui,
     sets: &Sets<'_>,
-    (ordinal, name): (usize, &str),
+    (key, name): (&str, &str),
     texts: &[String],
     faded: bool,
     explanation: &str,
@@ -158,7 +107,7 @@ fn row(
         let old = if faded { " (of a moment before)" } else { "" };
         let description = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &description));
-        response.known_as(format_args!("analysis.number-{ordinal}"));
+        response.known_as(format_args!("analysis.number-{key}"));
         response.on_hover_text(explanation);
     }
     let painter = ui.painter();
@@ -180,19 +129,4 @@ fn row(
         let x = rect.right() - COLUMN * (texts.len() - 1 - k) as f32;
         painter.text(pos2(x, at.y), Align2::RIGHT_CENTER, text, font, color);
     }
-}
-
-fn finite(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.4}")
-    } else {
-        "none".to_owned()
-    }
-}
-
-/// Returns a number derived from the smooth spectrum, if the spectrum is known.
-fn of_curve(set: &MeasuredSet, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
-    set.spectrum.as_ref()?;
-    let found = set.curve.as_deref().and_then(number);
-    Some(found.map_or_else(|| "none".to_owned(), finite))
 }

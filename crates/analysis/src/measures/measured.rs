@@ -1,0 +1,329 @@
+//! What is measured of a set, part by part, so that a caller can show the first parts while the others are measured. The
+//! numbers of [`super::numbers`] are read from it.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::blue_noise::PowerCurve;
+use super::discrepancy::Discrepancy;
+use super::distances::NearestDistances;
+use super::error::MeasureError;
+use super::numbers::{CATALOGUE, SetNumber};
+use super::order::Order;
+use super::pair_correlation::PairCorrelation;
+use super::periodogram::Periodogram;
+use super::spectrum::Spectrum;
+use super::window::FrequencyWindow;
+use crate::error::VerifyError;
+use crate::monitor::Control;
+use crate::region::Region;
+use crate::report::Report;
+use crate::verify::{VerifyOptions, verify};
+
+/// The factor by which the spectrum of low frequencies has fewer frequencies along each axis.
+const ROUGHER: i64 = 4;
+
+/// A part of the measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// The pair correlation.
+    Pairs,
+    /// The verifier's report: conflicts, gaps and extreme distances.
+    Report,
+    /// The distance from each sample to its nearest neighbour.
+    Distances,
+    /// The spectrum of low frequencies, a sixteenth of the work of the whole.
+    Rough,
+    /// The spectrum. Its transform takes the most memory.
+    Spectrum,
+    /// The smooth spectrum that follows from g(r).
+    Smooth,
+    /// The Voronoi cells.
+    Cells,
+    /// The discrepancies. They take the square of the number of samples in time.
+    Discrepancy,
+}
+
+impl Part {
+    /// The parts in the sequence in which they are measured: what is quick and says much comes first.
+    pub const ALL: [Self; 8] = [
+        Self::Pairs,
+        Self::Report,
+        Self::Distances,
+        Self::Rough,
+        Self::Spectrum,
+        Self::Smooth,
+        Self::Cells,
+        Self::Discrepancy,
+    ];
+
+    /// Returns the parts that numbers of the catalogue are read from.
+    pub fn of_numbers() -> impl Iterator<Item = Self> {
+        let is_needed = |part: &Self| CATALOGUE.iter().any(|number| number.needs == Some(*part));
+        Self::ALL.into_iter().filter(is_needed)
+    }
+
+    /// Returns the name of what is measured, as shown while it is.
+    #[must_use]
+    pub const fn doing(self) -> &'static str {
+        match self {
+            Self::Pairs => "g(r)",
+            Self::Report => "conflicts and gaps",
+            Self::Distances => "nearest neighbours",
+            Self::Rough => "low frequencies",
+            Self::Spectrum => "spectrum",
+            Self::Smooth => "smooth spectrum",
+            Self::Cells => "cells",
+            Self::Discrepancy => "discrepancy",
+        }
+    }
+}
+
+/// The measures of a set that are known so far. Cloning it shares them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredSet {
+    /// The number of samples.
+    pub samples: usize,
+    /// Their region.
+    pub region: Region,
+    /// The Poisson-disk radius in the unit of the region, if it is known.
+    pub radius: Option<f64>,
+    /// The pair correlation.
+    pub pairs: Option<Arc<PairCorrelation>>,
+    /// Conflicts, gaps, distances and density; or why there is no verdict. Without a verdict the other parts are measured,
+    /// too.
+    pub report: Option<Result<Arc<Report>, String>>,
+    /// Distances to nearest neighbours.
+    pub distances: Option<Arc<NearestDistances>>,
+    /// The spectrum of low frequencies, until the whole one is known.
+    pub rough: Option<Arc<Spectrum>>,
+    /// The spectrum.
+    pub spectrum: Option<Arc<Spectrum>>,
+    /// The smooth spectrum, unless the region is too narrow for it.
+    pub curve: Option<Arc<PowerCurve>>,
+    /// The order of the cells, unless two samples are equal.
+    pub order: Option<Arc<Order>>,
+    /// The discrepancies, unless the set is too large for them.
+    pub discrepancy: Option<Discrepancy>,
+    /// The parts that were measured, also those that are not defined for this set.
+    known: Vec<Part>,
+}
+
+impl MeasuredSet {
+    /// Returns the measures of a set before any part is known.
+    #[must_use]
+    pub const fn new(samples: usize, region: Region, radius: Option<f64>) -> Self {
+        Self {
+            samples,
+            region,
+            radius,
+            pairs: None,
+            report: None,
+            distances: None,
+            rough: None,
+            spectrum: None,
+            curve: None,
+            order: None,
+            discrepancy: None,
+            known: Vec::new(),
+        }
+    }
+
+    /// Returns whether a part was measured.
+    #[must_use]
+    pub fn knows(&self, part: Part) -> bool {
+        self.known.contains(&part)
+    }
+
+    /// Measures a part of the set with these samples, unless it is known.
+    ///
+    /// # Errors
+    ///
+    /// Fewer than three samples, samples outside the region or all at one position; `control` broke.
+    pub fn measure(
+        &mut self,
+        part: Part,
+        points: &[[f64; 2]],
+        control: Control<'_>,
+    ) -> Result<(), MeasureError> {
+        if self.knows(part) {
+            return Ok(());
+        }
+
+        let (samples, region) = (points.len() as f64, self.region);
+        match part {
+            Part::Pairs => self.pairs = Some(Arc::new(self.pairs_of(points, control)?)),
+            Part::Report => {
+                let report = self.report_of(points, control)?;
+                self.report = Some(report.map(Arc::new));
+            }
+            Part::Distances => {
+                self.distances = Some(Arc::new(NearestDistances::of(points, region, control)?));
+            }
+            Part::Rough => {
+                let window = fewer(&Spectrum::window(samples, region));
+                self.rough = Some(Arc::new(spectrum(points, region, &window, control)?));
+            }
+            Part::Spectrum => {
+                let window = Spectrum::window(samples, region);
+                self.take_spectrum(spectrum(points, region, &window, control)?);
+            }
+            Part::Smooth => {
+                self.curve = PowerCurve::of_samples(points, region, control)?.map(Arc::new);
+            }
+            Part::Cells => self.order = self.order_of(points, control)?.map(Arc::new),
+            Part::Discrepancy => {
+                self.discrepancy = match Discrepancy::of(points, region, control) {
+                    Err(MeasureError::TooMany { .. }) => None,
+                    found => Some(found?),
+                };
+            }
+        }
+        self.know(part);
+        Ok(())
+    }
+
+    /// Takes the verifier's report from whoever verified the set before. If no radius is known, it may be that for any
+    /// radius: the smallest distance and the covering radius do not depend on it.
+    pub fn take_report(&mut self, report: Report) {
+        self.report = Some(Ok(Arc::new(report)));
+        self.know(Part::Report);
+    }
+
+    /// Takes the spectrum of a window of frequencies that the caller chose.
+    pub fn take_spectrum(&mut self, spectrum: Spectrum) {
+        self.spectrum = Some(Arc::new(spectrum));
+        self.rough = None;
+        self.know(Part::Spectrum);
+    }
+
+    fn know(&mut self, part: Part) {
+        if !self.knows(part) {
+            self.known.push(part);
+        }
+    }
+
+    fn pairs_of(
+        &self,
+        points: &[[f64; 2]],
+        control: Control<'_>,
+    ) -> Result<PairCorrelation, MeasureError> {
+        let region = self.region;
+        let Some(radius) = self.radius else {
+            return PairCorrelation::to_look_at(points, region, control);
+        };
+
+        match PairCorrelation::in_units_of(points, region, radius, control) {
+            // The set is too dense for a bin of r to be within range.
+            Err(MeasureError::OutOfRange { .. }) => {
+                PairCorrelation::to_look_at(points, region, control)
+            }
+            pairs => pairs,
+        }
+    }
+
+    fn report_of(
+        &self,
+        points: &[[f64; 2]],
+        control: Control<'_>,
+    ) -> Result<Result<Report, String>, MeasureError> {
+        // Without a radius only what does not depend on it is read; the spacing keeps the search quick.
+        let spacing = || (self.region.area() / points.len().max(1) as f64).sqrt();
+        let radius = self.radius.unwrap_or_else(spacing);
+
+        match verify(
+            points,
+            self.region,
+            radius,
+            &VerifyOptions::default(),
+            control,
+        ) {
+            Err(VerifyError::Cancelled) => Err(MeasureError::Cancelled),
+            report => Ok(report.map_err(|error| error.to_string())),
+        }
+    }
+
+    /// Returns the order of the cells; `None` if two samples are equal, which have no cells.
+    fn order_of(
+        &mut self,
+        points: &[[f64; 2]],
+        control: Control<'_>,
+    ) -> Result<Option<Order>, MeasureError> {
+        self.measure(Part::Report, points, control)?;
+        let has_equal = (self.verdict()).is_some_and(|report| report.min_distance <= 0.0);
+        let order = (!has_equal).then(|| Order::of(points, self.region, control));
+        order.transpose()
+    }
+
+    /// Returns these measures with distances in another radius. Conflicts and gaps are defined only if it is the one that
+    /// they were judged with.
+    #[must_use]
+    pub fn with_radius(&self, radius: f64) -> Self {
+        Self {
+            radius: Some(radius),
+            ..self.clone()
+        }
+    }
+
+    /// Returns the numbers of the catalogue in its sequence; `None` for one that is not defined or not finite.
+    pub fn numbers(&self) -> impl Iterator<Item = (&'static SetNumber, Option<f64>)> {
+        CATALOGUE.iter().map(|number| (number, number.of(self)))
+    }
+
+    /// Returns the verifier's report, once there is one.
+    #[must_use]
+    pub fn verdict(&self) -> Option<&Report> {
+        self.report.as_ref()?.as_deref().ok()
+    }
+
+    /// Returns the verifier's report if it was made for the radius of the set.
+    #[must_use]
+    pub fn judged(&self) -> Option<&Report> {
+        let radius = self.radius?;
+        let is_same = |report: &&Report| (report.radius - radius).abs() <= 1e-9 * radius;
+        self.verdict().filter(is_same)
+    }
+
+    /// Returns r: the radius, or the smallest distance if the radius is not known. `None` if that is zero, or not known.
+    #[must_use]
+    pub fn r(&self) -> Option<f64> {
+        let least = || Some(self.verdict()?.min_distance);
+        self.radius.or_else(least).filter(|r| *r > 0.0)
+    }
+
+    /// Returns the spectrum, or otherwise that of low frequencies.
+    #[must_use]
+    pub fn spectrum_so_far(&self) -> Option<&Arc<Spectrum>> {
+        self.spectrum.as_ref().or(self.rough.as_ref())
+    }
+
+    /// Returns the pair correlation as pairs of a distance, divided by `unit`, and g.
+    #[must_use]
+    pub fn correlation(&self, unit: f64) -> Vec<[f64; 2]> {
+        let Some(pairs) = &self.pairs else {
+            return Vec::new();
+        };
+        let scale = pairs.r_max / unit;
+        let points = pairs.points().into_iter();
+        points.map(|[x, g]| [x * scale, g]).collect()
+    }
+}
+
+/// Returns the low frequencies of a window.
+fn fewer(whole: &FrequencyWindow) -> FrequencyWindow {
+    let [x, y] = [&whole.x, &whole.y].map(|axis| ((axis.end - 1) / ROUGHER).max(1));
+    FrequencyWindow {
+        x: -x..x + 1,
+        y: -y..y + 1,
+    }
+}
+
+fn spectrum(
+    points: &[[f64; 2]],
+    region: Region,
+    window: &FrequencyWindow,
+    control: Control<'_>,
+) -> Result<Spectrum, MeasureError> {
+    Spectrum::of(&Periodogram::of(points, region, window, control)?)
+}
