@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyError, VerifyOptions};
+use tilescope_core::{Parameter, ParameterOption};
 use tilescope_formats::{
     Certificate, CertificateUse, CheckError, Format, FormatError, Hint, Overrides, ReadSet,
     StreamReader, refuse_degrees,
@@ -16,12 +17,6 @@ use crate::paths::InFile;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
 pub type Names<const N: usize> = [(&'static str, &'static str); N];
-
-/// The names of boundaries.
-pub const BOUNDARIES: Names<2> = [
-    ("periodic", "Opposite sides are joined"),
-    ("bounded", "The border is closed and must be covered"),
-];
 
 /// The names of number types.
 pub const PRECISIONS: Names<2> = [("f32", ""), ("f64", "")];
@@ -69,6 +64,21 @@ where
         .try_map(|name| serde_json::from_value::<T>(serde_json::Value::String(name)))
 }
 
+/// Reads the words for a parameter's values.
+pub fn words(options: &[ParameterOption]) -> PossibleValuesParser {
+    let values = options.iter().map(|option| match option.help {
+        "" => PossibleValue::new(option.word),
+        help => PossibleValue::new(option.word).help(help),
+    });
+    PossibleValuesParser::new(values)
+}
+
+/// Reads the names of boundaries.
+fn boundaries() -> impl TypedValueParser<Value = Boundary> + use<> {
+    words(Parameter::Boundary.options())
+        .try_map(|name| serde_json::from_value::<Boundary>(serde_json::Value::String(name)))
+}
+
 /// Reads the names of file formats, so that shells complete them and `--help` lists them.
 pub fn formats() -> impl TypedValueParser<Value = Format> + use<> {
     let names = Format::ALL.map(|format| {
@@ -96,7 +106,7 @@ pub struct SetArguments {
     #[arg(long, value_name = "H")]
     pub height: Option<f64>,
     /// How the domain ends
-    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES))]
+    #[arg(long, value_parser = boundaries())]
     pub boundary: Option<Boundary>,
     /// Format of the input, if neither its extension nor its content names one
     #[arg(long, value_name = "FORMAT", value_parser = formats())]

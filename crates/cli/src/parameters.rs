@@ -1,110 +1,161 @@
 //! Arguments that determine a run, and the run that they resolve to, with its radius, pattern and engine.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{ArgGroup, Args};
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use serde_json::Value;
 use tilescope_analysis::Region;
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, Insertion, MAXIMAL_DENSITY, Order, Parameters, Pattern, PatternSpec, Search,
-    Variant, radius_estimate, radius_for_count,
+    Boundary, Domain, MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, Pattern,
+    radius_estimate, radius_for_count,
 };
 use tilescope_formats::Hint;
 use tilescope_gpu::Backend;
 
 use crate::facts::{Facts, named_by_content};
-use crate::options::{BOUNDARIES, Names, named};
+use crate::options::words;
 use crate::paths::InFile;
 use crate::progress::Stopwatch;
 
 /// Arguments that determine a run.
-#[derive(Debug, Args)]
-#[command(group = ArgGroup::new("size").args(["radius", "count"]).required(true))]
+#[derive(Debug)]
 pub struct RunArguments {
-    /// Poisson-disk radius, in user units
-    #[arg(long, value_name = "R")]
-    pub radius: Option<f64>,
-    /// Choose the radius so that N samples result, to within 1%
-    #[arg(long, value_name = "N")]
+    /// The parameters; the radius is 0 if a count is given in its place.
+    pub asked: Parameters,
     pub count: Option<u64>,
-    /// Width of the domain
-    #[arg(long, value_name = "W", default_value_t = 1.0)]
-    pub width: f64,
-    /// Height of the domain
-    #[arg(long, value_name = "H", default_value_t = 1.0)]
-    pub height: f64,
-    /// How the domain ends
-    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES), default_value = "periodic")]
-    pub boundary: Boundary,
-    /// Seed of every draw: any 64-bit number
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
-    /// Shortest edge of a building block, in radii: any number of at least 6
-    #[arg(long, value_name = "LEAF", default_value_t = 30.0)]
-    pub leaf: f64,
-    /// Side of the generated pattern, in radii
-    #[arg(long, value_name = "SIDE", default_value_t = 100.0)]
-    pub pattern_side: f64,
-    /// How the generated pattern ends: a bounded one is the paper's, and must be larger than every block
-    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES), default_value = "periodic")]
-    pub pattern_boundary: Boundary,
-    /// Seed of the generated pattern
-    #[arg(long, value_name = "S", default_value_t = 0)]
-    pub pattern_seed: u64,
-    /// Clip from this point set instead; it needs a certificate or --pattern-radius
-    #[arg(
-        long,
-        value_name = "FILE",
-        conflicts_with_all = ["pattern_side", "pattern_seed", "pattern_boundary"]
-    )]
     pub pattern: Option<PathBuf>,
-    /// Radius of a pattern file without a certificate; its domain is then the unit square
-    #[arg(long, value_name = "R", requires = "pattern")]
-    pub pattern_radius: Option<f64>,
-    /// Clip from the pattern's 8 rotations and mirror images
-    #[arg(long)]
-    pub dihedral: bool,
-    /// Order of elimination
-    #[arg(long, value_parser = named::<Order>(&ORDERS), default_value = "own-block-first")]
-    pub order: Order,
-    /// How gaps are filled
-    #[arg(long, value_parser = named::<Insertion>(&INSERTIONS), default_value = "circumcentre")]
-    pub insertion: Insertion,
-    /// How far gap detectors search, in radii: 4 is proven, 2 is an experiment that leaves gaps
-    #[arg(long, value_name = "4|2", default_value = "4", value_parser = searches())]
-    pub search: Search,
-    /// Staged, or Algorithm 4 as printed
-    #[arg(long, value_parser = named::<Variant>(&VARIANTS), default_value = "staged")]
-    pub variant: Variant,
+    pattern_radius: Option<f64>,
 }
 
-const ORDERS: Names<4> = [
-    ("index", "Block by block, row by row"),
-    ("random", "A random rank for each sample"),
-    (
-        "own-block-first",
-        "Samples inside their own block before margin samples",
-    ),
-    ("phase-group", "Four groups of far-apart cells in turn"),
-];
-const INSERTIONS: Names<2> = [
-    ("circumcentre", "At uncovered circumcentres"),
-    ("uniform", "Uniformly within the gap"),
-];
-const VARIANTS: Names<2> = [
-    ("staged", "Elimination first, then insertion"),
-    ("as-printed", "Interleaved"),
-];
+/// The options that say how large the samples' disks are: one of them must be given.
+const SIZE: [&str; 2] = ["radius", "count"];
 
-fn searches() -> impl TypedValueParser<Value = Search> {
-    PossibleValuesParser::new(["4", "2"]).map(|radii| match radii.as_str() {
-        "2" => Search::TwoRadii,
-        _ => Search::Complete,
-    })
+impl Args for RunArguments {
+    fn augment_args(command: Command) -> Command {
+        // In the order in which `--help` lists them: what must be given first, and what stands in for a generated pattern
+        // behind the options of that.
+        let size = ArgGroup::new("size").args(SIZE).required(true);
+        let mut command = command
+            .group(size)
+            .arg(option(Parameter::Radius))
+            .arg(count());
+        for parameter in Parameter::all().filter(|it| *it != Parameter::Radius) {
+            command = command.arg(option(parameter));
+            if parameter == Parameter::PatternSeed {
+                command = command.args(pattern_file());
+            }
+        }
+        command
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for RunArguments {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut asked = Parameters {
+            radius: 0.0,
+            ..Parameters::default()
+        };
+        for parameter in Parameter::all() {
+            let taken = take(&mut asked, parameter, matches);
+            taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
+        }
+        Ok(Self {
+            asked,
+            count: matches.get_one("count").copied(),
+            pattern: matches.get_one("pattern").cloned(),
+            pattern_radius: matches.get_one("pattern-radius").copied(),
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Returns the option of a parameter, with the default that the core has.
+fn option(parameter: Parameter) -> Arg {
+    let row = parameter.row();
+    let arg = Arg::new(row.key).long(row.key).help(row.help);
+    let arg = match row.kind {
+        ParameterKind::Real { .. } => arg.value_parser(value_parser!(f64)),
+        ParameterKind::Whole(_) => arg.value_parser(value_parser!(u64)),
+        ParameterKind::Choice { options, .. } => arg.value_parser(words(options)),
+        ParameterKind::Switch { .. } => return arg.action(ArgAction::SetTrue),
+    };
+
+    let arg = arg.value_name(row.value_name);
+    // The radius has no default, as it or a count must be given.
+    if parameter == Parameter::Radius {
+        return arg;
+    }
+    arg.default_value(DEFAULTS[&parameter].as_str())
+}
+
+/// The core's defaults as they are typed, which clap keeps as long as the program runs.
+static DEFAULTS: LazyLock<BTreeMap<Parameter, String>> = LazyLock::new(|| {
+    let defaults = Parameters::default();
+    let typed = |parameter: Parameter| (parameter, parameter.text(&defaults));
+    Parameter::all().map(typed).collect()
+});
+
+fn count() -> Arg {
+    Arg::new("count")
+        .long("count")
+        .value_name("N")
+        .help("Choose the radius so that N samples result, to within 1%")
+        .value_parser(value_parser!(u64))
+}
+
+/// Returns the options of a pattern from a file.
+fn pattern_file() -> [Arg; 2] {
+    let file = Arg::new("pattern")
+        .long("pattern")
+        .value_name("FILE")
+        .help("Clip from this point set instead; it needs a certificate or --pattern-radius")
+        .value_parser(value_parser!(PathBuf))
+        .conflicts_with_all(["pattern-side", "pattern-seed", "pattern-boundary"]);
+    let radius = Arg::new("pattern-radius")
+        .long("pattern-radius")
+        .value_name("R")
+        .help("Radius of a pattern file without a certificate; its domain is then the unit square")
+        .value_parser(value_parser!(f64))
+        .requires("pattern");
+    [file, radius]
+}
+
+/// Sets a parameter to what its option says. A radius that is not given stays.
+fn take(parameters: &mut Parameters, parameter: Parameter, matches: &ArgMatches) -> Result<()> {
+    let key = parameter.key();
+    match &parameter.row().kind {
+        ParameterKind::Real { place, .. } => {
+            let place = place(parameters);
+            *place = matches.get_one(key).copied().unwrap_or(*place);
+        }
+        ParameterKind::Whole(place) => {
+            let place = place(parameters);
+            *place = matches.get_one(key).copied().unwrap_or(*place);
+        }
+        ParameterKind::Switch { place, .. } => *place(parameters) = matches.get_flag(key),
+        ParameterKind::Choice { options, .. } => {
+            let word: Option<&String> = matches.get_one(key);
+            let mut options = options.iter();
+            // The parser has refused all other words.
+            if let Some(option) = options.find(|option| word.is_some_and(|it| it == option.word)) {
+                parameter.set(parameters, parameter.value_of(option))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A run with its radius, pattern and engine, ready to be computed.
@@ -131,24 +182,7 @@ impl Resolved {
 impl RunArguments {
     /// Returns the parameters; with `--count` the radius is an estimate.
     pub fn parameters(&self) -> Result<Parameters> {
-        let mut parameters = Parameters {
-            width: self.width,
-            height: self.height,
-            radius: self.radius.unwrap_or_default(),
-            boundary: self.boundary,
-            seed: self.seed,
-            leaf: self.leaf,
-            pattern: PatternSpec {
-                side: self.pattern_side,
-                boundary: self.pattern_boundary,
-                seed: self.pattern_seed,
-            },
-            dihedral: self.dihedral,
-            order: self.order,
-            insertion: self.insertion,
-            search: self.search,
-            variant: self.variant,
-        };
+        let mut parameters = self.asked;
         if let Some(count) = self.count {
             parameters.radius = radius_estimate(&parameters, count)?;
         }

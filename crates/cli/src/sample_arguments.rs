@@ -131,7 +131,7 @@ impl SampleArguments {
     /// Returns whether the set is made band by band: if it is large, if it is resumed, and if it is not verified.
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method == SamplingMethod::Kdrt;
-        let engine = is_kdrt && self.engine.makes_bands(self.run.variant);
+        let engine = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
         if self.resume {
             ensure!(

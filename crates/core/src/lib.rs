@@ -74,7 +74,8 @@ pub use levels::{
 };
 pub use parameters::{
     Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
-    MIN_PATTERN_SIDE_RADII, Order, Parameters, PatternSpec, Search, Variant,
+    MIN_PATTERN_SIDE_RADII, Order, PARAMETERS, Parameter, ParameterGroup, ParameterKind,
+    ParameterOption, ParameterRow, Parameters, PatternSpec, Search, Variant,
 };
 pub use pattern::{Pattern, PatternVariant, Symmetry};
 pub use progress::{Observer, Progress, Unobserved};

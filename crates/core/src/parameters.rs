@@ -1,6 +1,12 @@
 //! The parameters of a run, and their validation. Everything here is plain data that serialises; a run is a function of
 //! its parameters and its pattern.
 
+mod table;
+
+pub use table::{
+    PARAMETERS, Parameter, ParameterGroup, ParameterKind, ParameterOption, ParameterRow,
+};
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;

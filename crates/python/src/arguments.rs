@@ -5,12 +5,13 @@ use std::sync::Arc;
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, NestedRequest, ParameterError, Parameters, Pattern, PatternSpec, Search,
-    WithinLevel, radius_estimate, radius_for_count,
+    Boundary, Domain, NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern,
+    Search, WithinLevel, radius_estimate, radius_for_count,
 };
 use tilescope_formats::{Format, Overrides, positions_digest};
 
@@ -150,6 +151,58 @@ pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Fai
     Ok(Set::from_positions(points, size, radius, boundary)?)
 }
 
+/// Returns the parameters of a run. Those that are not given have their defaults; a radius that is not given is 0.
+fn parameters_of(given: Option<&Bound<'_, PyDict>>, radius: Option<f64>) -> PyResult<Parameters> {
+    let mut parameters = Parameters {
+        radius: radius.unwrap_or_default(),
+        ..Parameters::default()
+    };
+
+    // In the order of the caller, so that the first wrong argument is the one that is named.
+    for (name, value) in given.into_iter().flatten() {
+        let name: String = name.extract()?;
+        let mut all = Parameter::all();
+        let Some(parameter) = all.find(|it| it.key().replace('-', "_") == name) else {
+            return Err(PyTypeError::new_err(format!(
+                "there is no parameter {name}"
+            )));
+        };
+        set_parameter(&mut parameters, parameter, &name, &value)?;
+    }
+    Ok(parameters)
+}
+
+/// Sets a parameter to a value of Python.
+fn set_parameter(
+    parameters: &mut Parameters,
+    parameter: Parameter,
+    name: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let wrong_type = |error: PyErr| {
+        let said = error.value(value.py());
+        PyTypeError::new_err(format!("argument '{name}': {said}"))
+    };
+    match &parameter.row().kind {
+        ParameterKind::Real { place, .. } => *place(parameters) = real(name, value)?,
+        ParameterKind::Whole(place) => *place(parameters) = whole(name, value)?,
+        ParameterKind::Switch { place, .. } => {
+            *place(parameters) = value.extract().map_err(wrong_type)?;
+        }
+        // Python has the number of radii, as a number.
+        ParameterKind::Choice { .. } if parameter == Parameter::Search => {
+            parameters.search = search_of(value)?;
+        }
+        ParameterKind::Choice { set, .. } => {
+            // No name is so long that it would be shortened.
+            let chosen = shortened(value.extract().map_err(wrong_type)?);
+            let wrong = |error| PyValueError::new_err(format!("{name} is '{chosen}': {error}"));
+            set(parameters, Value::from(chosen.as_str())).map_err(wrong)?;
+        }
+    }
+    Ok(())
+}
+
 /// Returns how far detectors look for gaps, by the number of radii.
 fn search_of(radii: &Bound<'_, PyAny>) -> PyResult<Search> {
     match radii.extract::<i64>() {
@@ -278,8 +331,7 @@ impl RunRequest {
     /// from, as JSON.
     #[new]
     #[pyo3(signature = (
-        *, count, radius, width, height, boundary, seed, leaf, pattern_side, pattern_boundary, pattern_seed, pattern,
-        pattern_source, dihedral, order, insertion, search, variant, levels, exactly, order_within
+        *, count, radius, pattern, pattern_source, levels, exactly, order_within, **parameters
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -289,24 +341,12 @@ impl RunRequest {
         py: Python<'_>,
         count: Option<&Bound<'_, PyAny>>,
         radius: Option<&Bound<'_, PyAny>>,
-        width: &Bound<'_, PyAny>,
-        height: &Bound<'_, PyAny>,
-        boundary: &str,
-        seed: &Bound<'_, PyAny>,
-        leaf: &Bound<'_, PyAny>,
-        pattern_side: &Bound<'_, PyAny>,
-        pattern_boundary: &str,
-        pattern_seed: &Bound<'_, PyAny>,
         pattern: Option<SetArgument<'_>>,
         pattern_source: Option<&str>,
-        dihedral: bool,
-        order: &str,
-        insertion: &str,
-        search: &Bound<'_, PyAny>,
-        variant: &str,
         levels: Option<&Bound<'_, PyAny>>,
         exactly: Option<&Bound<'_, PyAny>>,
         order_within: &str,
+        parameters: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
@@ -317,24 +357,7 @@ impl RunRequest {
         }
 
         let radius = real_if_given("radius", radius)?;
-        let mut parameters = Parameters {
-            width: real("width", width)?,
-            height: real("height", height)?,
-            radius: radius.unwrap_or_default(),
-            boundary: named("boundary", boundary)?,
-            seed: whole("seed", seed)?,
-            leaf: real("leaf", leaf)?,
-            pattern: PatternSpec {
-                side: real("pattern_side", pattern_side)?,
-                boundary: named("pattern_boundary", pattern_boundary)?,
-                seed: whole("pattern_seed", pattern_seed)?,
-            },
-            dihedral,
-            order: named("order", order)?,
-            insertion: named("insertion", insertion)?,
-            search: search_of(search)?,
-            variant: named("variant", variant)?,
-        };
+        let mut parameters = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
         let mut stated = stated_of(&parameters, nested.as_ref());

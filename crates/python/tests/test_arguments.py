@@ -1,14 +1,14 @@
 """Wrong arguments raise errors that name the value and the limit."""
 
-import inspect
+import json
 import math
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tilescope
+from tilescope import _tilescope
 
 SAMPLE = [
     ({}, "neither count nor radius"),
@@ -95,15 +95,22 @@ def test_numbers_of_numpy_are_numbers():
 
 
 def test_the_defaults_are_those_of_the_command_line():
-    source = (Path(__file__).parents[2] / "cli/src/parameters.rs").read_text()
-    theirs = re.findall(r'default_value(?:_t)? = "?([a-z0-9.-]+)"?.*\)\]\s*pub (\w+):', source)
-    assert len(theirs) >= 10
-    windows = [(value, name) for value, name in theirs if name != "variant"]
-    for function, of_function in ((tilescope.sample, theirs), (tilescope.Plane, windows)):
-        ours = {name: one.default for name, one in inspect.signature(function).parameters.items()}
-        for value, name in of_function:
-            same = ours[name] == value if isinstance(ours[name], str) else ours[name] == float(value)
-            assert same, (name, value, ours[name])
+    # What is left out has the defaults of the core, which the command line has as well.
+    left_out = _tilescope.RunRequest(
+        count=None, radius=0.05, pattern=None, pattern_source=None, levels=None, exactly=None, order_within="random"
+    )
+    theirs = tilescope.PointSet._made(*_tilescope.sample(left_out, "kdrt", "auto", None))
+    assert tilescope.sample(radius=0.05).parameters == theirs.parameters
+    assert json.loads(_tilescope.Plane(left_out, None).facts())["parameters"] == theirs.parameters
+    assert tilescope.Plane(radius=0.05).parameters == theirs.parameters
+
+
+def test_the_native_module_refuses_a_parameter_that_there_is_not():
+    with pytest.raises(TypeError, match="there is no parameter pattern_size"):
+        _tilescope.RunRequest(
+            count=None, radius=0.05, pattern=None, pattern_source=None, levels=None, exactly=None,
+            order_within="random", pattern_size=50,
+        )  # fmt: skip
 
 
 def test_a_pattern_that_is_not_maximal_is_refused(holed, crowded):

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::glue::{blocks, glue};
 use super::{CombineError, CombineOptions, Combined, Piece, Seam, check, layout};
 use crate::lattice::{Domain, R};
-use crate::parameters::{Parameters, PatternSpec, Variant};
+use crate::parameters::Parameters;
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::run::Run;
@@ -71,12 +71,11 @@ fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
         boundary: domain.boundary(),
         seed: options.seed,
         leaf: f64::from(sides.min().unwrap_or(0)) / f64::from(R),
-        pattern: PatternSpec::default(),
-        dihedral: false,
         order: options.order,
         insertion: options.insertion,
         search: options.search,
-        variant: Variant::Staged,
+        // Nothing is tiled, so that all else is without effect.
+        ..Parameters::default()
     };
     let mut run = Run::new(&parameters, domain, Arc::clone(&pieces[0].set));
     run.blocks = blocks(pieces, Key::from_seed(options.seed));
