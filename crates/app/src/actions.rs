@@ -516,7 +516,7 @@ fn layers(list: &mut List, state: &State) {
     list.group();
     let shown = state.appearance().layers(state.current_stage());
     let is_nested = state.runs().first.kind() == SessionKind::Nested;
-    let hidden = state.hidden_layers();
+    let hidden = state.lessons().hidden_layers(state.current_stage());
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let has_none = is_nested && !layer.is_of(SessionKind::Nested);

@@ -131,7 +131,7 @@ impl App {
             now: now(),
             is_full: ui.input(|input| input.viewport().fullscreen),
         });
-        language::speak(ui.ctx(), self.state.language());
+        language::speak(ui.ctx(), self.state.lessons().shown_language());
         if self.state.window().embedding.is_none() && self.state.talks().open.is_none() {
             panels::lesson::show(ui, &self.state, &mut self.commands);
         }

@@ -13,6 +13,7 @@ use tilescope_lessons::{
     Answer, Change, CutAxis, Feedback, Form, Key, Learner, Lesson, LessonError, Question, letter,
     shipped,
 };
+use tilescope_session::language::Language;
 use tilescope_session::units::position;
 
 /// An action in a lesson, or on the list of lessons.
@@ -423,6 +424,25 @@ impl Lessons {
     #[must_use]
     pub fn veil(&self) -> Option<usize> {
         self.learner()?.limit()
+    }
+
+    /// Closes the list of lessons, and opens no lesson once the shelf is there.
+    pub fn close_list(&mut self) {
+        (self.wanted, self.lists) = (None, false);
+    }
+
+    /// Returns the language of the window: that of lessons while one is open, otherwise English, which is `None`.
+    #[must_use]
+    pub fn shown_language(&self) -> Option<&'static Language> {
+        self.open.as_ref()?;
+        Language::of(&self.language)
+    }
+
+    /// Returns the text to show for an English one, in the language of the window.
+    #[must_use]
+    pub fn in_words(&self, english: &str) -> String {
+        let language = self.shown_language();
+        language.map_or_else(|| english.to_owned(), |language| language.text(english))
     }
 
     pub(crate) fn learner(&self) -> Option<&Learner> {

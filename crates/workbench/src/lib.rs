@@ -19,6 +19,7 @@
 pub mod analysis;
 pub mod appearance;
 pub mod arrangement;
+pub mod classroom;
 pub mod clock;
 pub mod command;
 pub mod compare;

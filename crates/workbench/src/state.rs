@@ -7,6 +7,7 @@ use tilescope_debugger::Target;
 
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
+use crate::classroom::Classroom;
 use crate::command::{
     AppearanceCommand, Command, FormCommand, GpuCommand, LinkCommand, TimeCommand, ViewCommand,
     Which,
@@ -14,13 +15,10 @@ use crate::command::{
 use crate::device::EngineChoice;
 use crate::draft::DraftRefusal;
 use crate::export::ExportCommand;
-use crate::layout::Panel;
-use crate::lesson_picture::NextPicture;
 use crate::lessons::Lessons;
 use crate::scenes::ShownScene;
 use crate::talk::Talks;
 use crate::thumbnails::Thumbnails;
-use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use frame::{FrameStart, Requests, Settings};
@@ -115,12 +113,8 @@ pub struct State {
     analysis: Analysis,
     /// The scene that is shown, if one is.
     scene: Option<ShownScene>,
-    /// Lessons: the one that is open, the list, the results.
-    lessons: Lessons,
-    /// Presenter mode.
-    talks: Talks,
-    /// The picture of the next step of a talk.
-    next_picture: NextPicture,
+    /// Lessons and talks.
+    classroom: Classroom,
     /// The scenes' pictures.
     thumbnails: Thumbnails,
     /// Links.
@@ -147,9 +141,7 @@ impl State {
             gpu: GpuState::default(),
             analysis: Analysis::default(),
             scene: None,
-            lessons: Lessons::default(),
-            talks: Talks::default(),
-            next_picture: NextPicture::default(),
+            classroom: Classroom::default(),
             thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),
@@ -212,15 +204,19 @@ impl State {
 
     /// Applies a command. The user changes the state by commands only.
     pub fn apply(&mut self, command: Command) {
-        if self.refuse_veiled(&command) || self.refuse_index(&command) {
+        if self.refuse(&command) {
             return;
         }
         let rules = command.rules();
         // What the tour itself offers is carried out by `take_offer`.
-        if self.is_touring() && rules.ends_tour {
-            self.leave_scene();
+        if rules.ends_tour {
+            self.end_tour();
         }
-        self.draft_from_canvas(&command);
+        if let Command::View(Which::First, ViewCommand::Pick(selection)) = command {
+            let at = self.runs.first.position_of(selection);
+            let lessons = &mut self.classroom.lessons;
+            lessons.draft_from_canvas(selection, at);
+        }
         if matches!(command, Command::Time(_) | Command::Scene(_)) {
             self.drop_brief_notice();
         }
@@ -253,7 +249,14 @@ impl State {
             Some(before) => self.follow_event(before),
             None => {}
         }
-        self.hide_layers_of_question();
+        self.follow();
+    }
+
+    /// Brings the parts into line with what has changed: layers with an open question, the second run with the first.
+    fn follow(&mut self) {
+        let stage = self.current_stage();
+        let chosen = &mut self.appearance.chosen_layers;
+        *chosen = self.classroom.lessons.permitted(*chosen, stage);
         self.follow_first();
         self.follow_passes();
     }
@@ -306,19 +309,23 @@ impl State {
             Command::Undo | Command::Redo => {}
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
-            Command::File(command) => {
-                if !self.open_dropped_lesson(&command) {
-                    self.apply_to_files(command);
-                }
-            }
+            Command::File(command) => match self.files.take_lesson(&command) {
+                Some(Ok(lesson)) => self.dispatch(Command::Lesson(lesson)),
+                Some(Err(why)) => self.tell(why, true),
+                None => self.apply_to_files(command),
+            },
             Command::Compare(command) => self.apply_to_comparison(command),
             Command::Analysis(command) => {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
             }
             Command::Scene(command) => self.apply_to_scenes(command),
-            Command::Lesson(command) => self.apply_to_lessons(command),
-            Command::Talk(command) => self.apply_to_talk(command),
+            Command::Lesson(command) => {
+                self.in_class(|class, context| class.apply(command, context));
+            }
+            Command::Talk(command) => {
+                self.in_class(|class, context| class.apply_to_talk(command, context));
+            }
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
                     run.apply_to_debugger(command, context);
@@ -363,79 +370,11 @@ impl State {
         });
     }
 
-    /// Runs `act`, and carries out the effects it asks for.
-    fn with<T>(&mut self, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
-        self.with_of(Which::First, act)
-    }
-
-    /// Runs `act` for one of the runs; its notices name that run.
-    fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
-        let mut context = Context::new(&self.jobs, &self.appearance);
-        let outcome = act(self, &mut context);
-        self.jobs.generation = context.generation;
-        self.carry_out_effects(which, context.effects);
-        outcome
-    }
-
-    /// Runs `act` on a run, if it exists, and carries out the effects it asks for.
-    fn on<T>(
-        &mut self,
-        which: Which,
-        act: impl FnOnce(&mut RunView, &mut Context) -> T,
-    ) -> Option<T> {
-        self.with_of(which, |state, context| {
-            Some(act(state.runs.get_mut(which)?, context))
-        })
-    }
-
-    /// Runs `act` on playback and the run that it moves, and carries out the effects they ask for.
-    fn in_time<T>(&mut self, act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T) -> T {
-        self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
-    }
-
     /// Stops making and reading sessions, and closes the notice.
     fn stop_making(&mut self) {
         self.files.stop_reading();
         self.runs.first.sampling = None;
         (self.links.arriving, self.messages.notice) = (None, None);
-    }
-
-    fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
-        for effect in effects {
-            match effect {
-                Effect::Tell(notice) => self.notify(which, notice),
-                Effect::Copy(text) => self.links.copied = Some(text),
-                Effect::Inspect => self.inspect(which),
-                Effect::Download(file) => self.files.downloads.push(file),
-            }
-        }
-    }
-
-    /// Opens the inspector, if something is selected and the window has panels. A selection that answers a question opens
-    /// nothing: the inspector would take room from the picture, and may tell the answer.
-    fn inspect(&mut self, which: Which) {
-        let run = self.runs.get(which);
-        let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
-        let is_asked = self.lessons.open_question().is_some();
-        if is_selected && !is_asked && self.window.embedding.is_none() {
-            self.window.open_panel(Panel::Inspector);
-        }
-    }
-
-    pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.messages.notice = Some(Notice::new(text, is_error));
-    }
-
-    /// Shows a notice that concerns one of the runs.
-    pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
-        self.notify(which, Notice::new(text, is_error));
-    }
-
-    fn notify(&mut self, which: Which, mut notice: Notice) {
-        if which == Which::Second {
-            notice.text = format!("Run B: {}", notice.text);
-        }
-        self.messages.notice = Some(notice);
     }
 }
 
@@ -498,19 +437,19 @@ impl State {
     /// Returns lessons: the one that is open, the list, the results.
     #[must_use]
     pub const fn lessons(&self) -> &Lessons {
-        &self.lessons
+        &self.classroom.lessons
     }
 
     /// Returns presenter mode.
     #[must_use]
     pub const fn talks(&self) -> &Talks {
-        &self.talks
+        &self.classroom.talks
     }
 
-    /// Returns the picture of the next step of a talk.
+    /// Returns lessons and talks together.
     #[must_use]
-    pub const fn next_picture(&self) -> &NextPicture {
-        &self.next_picture
+    pub const fn classroom(&self) -> &Classroom {
+        &self.classroom
     }
 
     /// Returns the scenes' pictures.

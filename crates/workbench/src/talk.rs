@@ -10,6 +10,7 @@ use tilescope_lessons::{Advice, Key, Lesson, Vote, advice};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::jobs::Job;
 
+use crate::lesson_picture::NextPicture;
 use crate::pen::{MAX_POINTS, PenStroke};
 
 /// An action of a lecturer.
@@ -320,6 +321,8 @@ pub struct Talks {
     pub address: String,
     /// The command that begins a talk, to be carried out once the lessons are loaded.
     pub(crate) wanted: Option<TalkCommand>,
+    /// The picture of the next step.
+    pub next_picture: NextPicture,
     /// How a step of a restored talk is shown, once its run is made.
     pub(crate) restored: Option<RestoredStep>,
 }

@@ -479,7 +479,7 @@ impl Page {
 
     /// Makes the page load the lessons once they are wanted.
     fn load_lessons(&mut self) {
-        let wants = self.app.state.wants_lessons();
+        let wants = self.app.state.classroom().wants_lessons();
         if wants && !self.asked_for_lessons {
             hooks::lessons();
         }

@@ -213,7 +213,7 @@ fn all_of_a_steps_text_is_on_the_stage_at_once() {
                     last = last.max(node.rect().bottom());
                 }
             }
-            let step = harness.state().state.talk_key();
+            let step = harness.state().state.classroom().talk_key();
             too_long.extend((last > bottom).then(|| format!("{step} to {last:.0} of {bottom:.0}")));
             press(&mut harness, Key::PageDown);
             if harness
@@ -322,12 +322,12 @@ fn the_laser_points_and_the_pen_draws_without_moving_the_canvas() {
     harness.run();
     harness.drop_at(canvas.center() + egui::vec2(60.0, 40.0));
     harness.run();
-    let strokes = harness.state().state.strokes();
+    let strokes = harness.state().state.classroom().strokes();
     assert_eq!(strokes.len(), 1);
     assert!(strokes[0].points.len() >= 2, "{strokes:?}");
     assert_eq!(harness.state().state.runs().first.camera, camera);
     press(&mut harness, Key::U);
-    assert!(harness.state().state.strokes().is_empty());
+    assert!(harness.state().state.classroom().strokes().is_empty());
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Announcements for screen readers: the last event or stage, the verdict and the notice, each when it changes.
 
-use tilescope_session::language::Language;
 use tilescope_session::sentence::{happened, name_in};
 use tilescope_session::words::grouped;
 
@@ -16,21 +15,6 @@ pub struct Announcer {
 }
 
 impl State {
-    /// Returns the language of the window: that of lessons while one is open, otherwise English, which is `None`.
-    #[must_use]
-    pub fn language(&self) -> Option<&'static Language> {
-        let lessons = &self.lessons;
-        lessons.open.as_ref()?;
-        Language::of(&lessons.language)
-    }
-
-    /// Returns the text to show for an English one, in the language of the window.
-    #[must_use]
-    pub fn in_words(&self, english: &str) -> String {
-        let language = self.language();
-        language.map_or_else(|| english.to_owned(), |language| language.text(english))
-    }
-
     /// Returns the text for a screen reader: the newest of these. It stays the same until there is another.
     #[must_use]
     pub fn announcement(&self) -> Option<String> {
@@ -48,13 +32,13 @@ impl State {
         let old = &self.messages.announcer;
         let mut new = Vec::new();
         if old.happened != happened {
-            new.push(self.in_words(&happened));
+            new.push(self.classroom.lessons.in_words(&happened));
         }
         if let Some((_, text)) = verdict.as_ref().filter(|_| old.verdict != verdict) {
-            new.push(self.in_words(text));
+            new.push(self.classroom.lessons.in_words(text));
         }
         if let Some(text) = notice.as_ref().filter(|_| old.notice != notice) {
-            new.push(self.in_words(text));
+            new.push(self.classroom.lessons.in_words(text));
         }
         let announcement = if new.is_empty() {
             self.messages.announcer.announcement.take()

@@ -3,16 +3,19 @@
 
 use std::sync::Arc;
 
+use tilescope_debugger::Recording;
 use tilescope_session::session::Session;
 
 use super::undo::History;
 use super::window::KeptPanels;
 use super::{Form, RunView, State};
 use crate::appearance::Appearance;
+use crate::classroom::Classroom;
 use crate::clock::Playback;
 use crate::command::Which;
 use crate::compare::Comparison;
 use crate::layout::Layout;
+use crate::lessons::OpenLesson;
 use crate::scenes::ShownScene;
 
 /// The parts of the state that a lesson or the tour replaces.
@@ -75,13 +78,21 @@ impl State {
 
     /// Ends the lesson or the tour, if one is open, and restores what it had replaced.
     pub(super) fn give_back(&mut self) {
+        // To close a lesson gives back what it replaced.
+        self.in_class(Classroom::close);
+        self.end_tour();
+    }
+
+    /// Ends the tour, if it is shown, and restores what it had replaced.
+    pub(super) fn end_tour(&mut self) {
         if self.is_touring() {
             self.scene = None;
+            self.give_back_of(None);
         }
-        let lesson = self.lessons.open.take();
-        if lesson.is_some() {
-            (self.lessons.wanted, self.lessons.lists) = (None, false);
-        }
+    }
+
+    /// Restores what a lesson that was closed, or the tour, had replaced.
+    pub(super) fn give_back_of(&mut self, lesson: Option<OpenLesson>) {
         let Some(borrowed) = self.borrowed.take() else {
             return;
         };
@@ -102,9 +113,32 @@ impl State {
         self.runs.second = borrowed.second;
         match (borrowed.run, lesson) {
             (Some(run), _) => self.put_run_back(*run),
-            (None, Some(lesson)) => self.keep_run_of_lesson(lesson.run),
+            (None, Some(lesson)) => self.keep_run_of_lesson(lesson.run.as_ref()),
             (None, None) => self.end_at_first_run(),
         }
+    }
+
+    /// Shows the whole run of a lesson that was closed, if it was made, and verifies it.
+    fn keep_run_of_lesson(&mut self, run: Option<&Arc<Recording>>) {
+        if let Some(run) = run {
+            self.show_recording(run, None);
+            self.on(Which::First, |run, context| run.verify(context));
+        }
+    }
+
+    /// Shows a recorded run, whole or up to a cursor, without verifying it.
+    pub(super) fn show_recording(&mut self, run: &Arc<Recording>, limit: Option<usize>) {
+        self.jobs.generation += 1;
+        let shown = match limit {
+            Some(cursor) => Arc::new(run.until(cursor)),
+            None => Arc::clone(run),
+        };
+        let session = Session::from_recording(shown, self.jobs.generation);
+        let same_run = self.runs.first.is_same_run(&session);
+        self.time.rest(same_run);
+        self.on(Which::First, |run, context| {
+            run.show_unverified(session, context);
+        });
     }
 
     fn put_run_back(&mut self, run: RunView) {
@@ -237,7 +271,7 @@ mod tests {
         let read = LessonCommand::Read("template".to_owned(), TEMPLATE.to_owned());
         lesson(state, read);
         lesson(state, LessonCommand::Step(Direction::Forwards));
-        assert!(state.lessons.open_question().is_some());
+        assert!(state.classroom.lessons.open_question().is_some());
     }
 
     #[test]

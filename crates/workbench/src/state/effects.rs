@@ -1,11 +1,17 @@
 //! The interface between parts of the state: the data that a part may use while it applies a command, and the effects that
-//! it asks for.
+//! it asks for, which the state carries out in their order.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
 
 use super::parts::JobContext;
-use super::{Appearance, Notice};
+use super::{Appearance, Notice, RunView, State, Time};
+use crate::classroom::{self, Classroom, StepView};
+use crate::command::Which;
+use crate::device::EngineChoice;
+use crate::layout::Panel;
 
 /// A request of a part to the others, which the state carries out after the command.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,5 +60,145 @@ impl Context {
 
     pub(super) fn ask(&mut self, effect: Effect) {
         self.effects.push(effect);
+    }
+}
+
+impl State {
+    /// Runs `act`, and carries out the effects it asks for.
+    pub(super) fn with<T>(&mut self, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
+        self.with_of(Which::First, act)
+    }
+
+    /// Runs `act` for one of the runs; its notices name that run.
+    fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
+        let mut context = Context::new(&self.jobs, &self.appearance);
+        let outcome = act(self, &mut context);
+        self.jobs.generation = context.generation;
+        self.carry_out_effects(which, context.effects);
+        outcome
+    }
+
+    /// Runs `act` on a run, if it exists, and carries out the effects it asks for.
+    pub(super) fn on<T>(
+        &mut self,
+        which: Which,
+        act: impl FnOnce(&mut RunView, &mut Context) -> T,
+    ) -> Option<T> {
+        self.with_of(which, |state, context| {
+            Some(act(state.runs.get_mut(which)?, context))
+        })
+    }
+
+    /// Runs `act` on playback and the run that it moves, and carries out the effects they ask for.
+    pub(super) fn in_time<T>(
+        &mut self,
+        act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T,
+    ) -> T {
+        self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
+    }
+
+    fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
+        for effect in effects {
+            match effect {
+                Effect::Tell(notice) => self.notify(which, notice),
+                Effect::Copy(text) => self.links.copied = Some(text),
+                Effect::Inspect => self.inspect(which),
+                Effect::Download(file) => self.files.downloads.push(file),
+            }
+        }
+    }
+
+    /// Opens the inspector, if something is selected and the window has panels. A selection that answers a question opens
+    /// nothing: the inspector would take room from the picture, and may tell the answer.
+    fn inspect(&mut self, which: Which) {
+        let run = self.runs.get(which);
+        let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
+        let is_asked = self.classroom.lessons.open_question().is_some();
+        if is_selected && !is_asked && self.window.embedding.is_none() {
+            self.window.open_panel(Panel::Inspector);
+        }
+    }
+
+    pub(super) fn tell(&mut self, text: String, is_error: bool) {
+        self.messages.notice = Some(Notice::new(text, is_error));
+    }
+
+    /// Shows a notice that concerns one of the runs.
+    pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
+        self.notify(which, Notice::new(text, is_error));
+    }
+
+    fn notify(&mut self, which: Which, mut notice: Notice) {
+        if which == Which::Second {
+            notice.text = format!("Run B: {}", notice.text);
+        }
+        self.messages.notice = Some(notice);
+    }
+
+    /// Runs `act` on lessons and talks, and carries out the effects they ask for.
+    pub(super) fn in_class<T>(
+        &mut self,
+        act: impl FnOnce(&mut Classroom, &mut classroom::Context) -> T,
+    ) -> T {
+        let canvas = self.runs.first.canvas_view();
+        let mut context = classroom::Context::new(Wake::clone(&self.jobs.wake), canvas);
+        let outcome = act(&mut self.classroom, &mut context);
+        for effect in context.effects {
+            self.carry_out_of_class(effect);
+        }
+        outcome
+    }
+
+    fn carry_out_of_class(&mut self, effect: classroom::Effect) {
+        use classroom::Effect as E;
+        match effect {
+            E::Tell { text, is_error } => self.tell(text, is_error),
+            E::EndTour => self.end_tour(),
+            E::Begin => {
+                self.end_tour();
+                self.borrow_window();
+                (self.scene, self.messages.notice) = (None, None);
+            }
+            E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
+            E::MakeRun(parameters) => {
+                self.links.arriving = None;
+                self.time.playback.stop();
+                // Lessons need events, which runs of the GPU do not have.
+                self.start_sampling(Which::First, Recipe::from(*parameters), EngineChoice::Cpu);
+            }
+            E::ShowRun(run, cursor) => self.show_recording(&run, Some(cursor)),
+            E::ShowStep(view) => self.show_step(&view),
+            E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
+            E::ShowSomeRun => {
+                if self.runs.first.session.is_none() {
+                    self.run();
+                }
+            }
+            E::RememberFile(path) => self.files.remember_file(&path),
+            E::Save(file) => self.with(|state, context| state.files.save_text(file, context)),
+            E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
+            E::LessonOfScenes => {
+                let made = self.lesson_of_scenes();
+                self.in_class(|class, context| class.present_scenes(made, context));
+            }
+        }
+    }
+
+    /// Shows the moment of a step: up to it if a question is open, otherwise in the whole run.
+    fn show_step(&mut self, view: &StepView) {
+        self.appearance.chosen_layers = view.layers;
+        self.show_recording(&view.run, view.limit);
+        self.on(Which::First, |run, context| {
+            let before = run.stage;
+            run.jump(view.cursor);
+            run.moved(before);
+            run.pick(Selection::Nothing, context);
+            match (view.framed, view.zoom) {
+                (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
+                (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),
+                (Some((center, radii)), None) => run.fly_to(center.into(), radii, context),
+                (None, None) => run.fit(context),
+            }
+        });
     }
 }

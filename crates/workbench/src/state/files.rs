@@ -1,6 +1,5 @@
 //! Files in the state: the commands of the file sheet, and starting to read and write. `outcome.rs` takes the results.
 
-#[cfg(not(target_arch = "wasm32"))]
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,15 +8,17 @@ use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task;
 use tilescope_session::verification::region_of;
-use tilescope_session::words::last_part;
+use tilescope_session::words::{last_part, sentence};
 
-use super::effects::Context;
-use super::{FileState, RunView, State};
+use super::effects::{Context, Effect};
+use super::{FileState, Notice, RunView, State};
+use crate::classroom::TextFile;
 use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, MAX_RECENT, Purpose,
     ReadTask, SESSION_NAME, SaveTask,
 };
+use crate::lessons::LessonCommand;
 
 mod outcome;
 
@@ -272,6 +273,66 @@ impl FileState {
         }
     }
 
+    /// Returns the command that opens the first of some files that is a lesson, or why it is none; `None` if there is no
+    /// lesson among them.
+    pub(super) fn take_lesson(
+        &mut self,
+        command: &FileCommand,
+    ) -> Option<Result<LessonCommand, String>> {
+        let is_lesson = |name: &str| name.to_lowercase().ends_with(".md");
+        match command {
+            FileCommand::Dropped(paths) => {
+                let path = paths.iter().find(|path| is_lesson(path))?;
+                Some(Ok(LessonCommand::File(path.into())))
+            }
+            FileCommand::DroppedBytes(files, _) => {
+                let file = files.iter().find(|file| is_lesson(&file.name))?;
+                let name = file.name.trim_end_matches(".md").to_owned();
+                let text = String::from_utf8(file.bytes.clone());
+                let not_text = |_| format!("{}: the file is not text.", file.name);
+                Some(
+                    text.map(|text| LessonCommand::Read(name, text))
+                        .map_err(not_text),
+                )
+            }
+            FileCommand::Go => {
+                let opens =
+                    |sheet: &&FileForm| sheet.purpose == Purpose::Open && is_lesson(&sheet.path);
+                let path = self.sheet.as_ref().filter(opens)?.path.clone();
+                self.sheet = None;
+                Some(Ok(LessonCommand::File(path.into())))
+            }
+            FileCommand::Sheet(_)
+            | FileCommand::Close
+            | FileCommand::Path(_)
+            | FileCommand::Browse
+            | FileCommand::Chosen(_)
+            | FileCommand::Cancel
+            | FileCommand::Open(_)
+            | FileCommand::Last => None,
+        }
+    }
+
+    /// Writes a text to a file, by default to a new one beside where the program runs; on a page, downloads it.
+    pub(super) fn save_text(&mut self, file: TextFile, context: &mut Context) {
+        let TextFile {
+            stem,
+            extension,
+            path,
+            text,
+        } = file;
+        if self.in_browser() {
+            let file = NamedBytes::new(format!("{stem}.{extension}"), text);
+            return context.ask(Effect::Download(file));
+        }
+        let named = |number: usize| match number {
+            0 => PathBuf::from(format!("{stem}.{extension}")),
+            _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
+        };
+        let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
+        write_text(&path.unwrap_or_default(), &text, context);
+    }
+
     /// Lists a file as the most recent one. Its path is complete, so that it is found from other folders.
     pub(super) fn remember_file(&mut self, path: &str) {
         if self.in_browser() {
@@ -282,6 +343,24 @@ impl FileState {
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(MAX_RECENT);
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+fn write_text(_: &Path, _: &str, _: &mut Context) {}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn write_text(path: &Path, text: &str, context: &mut Context) {
+    match tilescope_formats::write_whole(path, text.as_bytes()) {
+        Ok(()) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+            let text = format!("Saved as {}.", path.display());
+            context.ask(Effect::Tell(Notice {
+                folder: path.parent().map(Path::to_owned),
+                ..Notice::new(text, false)
+            }));
+        }
+        Err(error) => context.tell(sentence(&error.to_string()), true),
     }
 }
 
@@ -345,7 +424,9 @@ impl State {
         let (debugger, session) = (run.debugger.as_ref()?, run.session.as_ref()?);
         let mut saved = debugger.session();
         saved.view = self.view().to_json();
-        if let (Some(record), Some(view)) = (self.saved_record(), saved.view.as_object_mut()) {
+        if let (Some(record), Some(view)) =
+            (self.classroom.saved_record(), saved.view.as_object_mut())
+        {
             view.insert("talk".to_owned(), serde_json::json!(record));
         }
         saved.pattern = session.own.as_ref().map(|own| own.file.clone());

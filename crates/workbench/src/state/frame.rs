@@ -54,7 +54,7 @@ pub struct Requests {
 impl State {
     /// Takes what the window knows at the beginning of a frame.
     pub fn begin_frame(&mut self, start: FrameStart) {
-        self.lessons.now = start.now;
+        self.classroom.lessons.now = start.now;
         self.window.is_full = start.is_full;
     }
 
@@ -81,8 +81,8 @@ impl State {
     /// Begins on a page of this address, without its fragment, with lessons in this language.
     pub fn begin_at(&mut self, address: Option<String>, language: String) {
         self.links.base = address;
-        self.lessons.on_page = true;
-        self.lessons.language = language;
+        self.classroom.lessons.on_page = true;
+        self.classroom.lessons.language = language;
     }
 
     /// From now on shows only a part of the window, embedded in another page, or the whole window.
@@ -120,13 +120,32 @@ impl State {
         std::mem::replace(&mut self.messages.notice, notice)
     }
 
+    /// Returns the talk for the lecturer's notes, or `null`.
+    #[must_use]
+    pub fn talk_json(&self) -> serde_json::Value {
+        self.classroom.talk_json(&self.runs.first.canvas_view())
+    }
+
+    /// Returns the address that leads a phone to the step of a talk; empty if the page's address is not known.
+    #[must_use]
+    pub fn talk_address(&self) -> String {
+        let page = self.links.base.as_deref();
+        self.classroom.talk_address(page, &self.link().fragment)
+    }
+
+    /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
+    pub fn take_lessons(&mut self, loaded: Result<&str, &str>) {
+        self.in_class(|class, context| class.take_lessons(loaded, context));
+        self.follow();
+    }
+
     /// Adds results of lessons that were stored to those of this window. Returns false if they cannot be read.
     pub fn take_results(&mut self, stored: &str) -> bool {
-        self.lessons.take_stored(stored)
+        self.classroom.lessons.take_stored(stored)
     }
 
     /// Returns what is to be put into the store, which contains `stored`, if there are new results.
     pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
-        self.lessons.store_results(stored)
+        self.classroom.lessons.store_results(stored)
     }
 }

@@ -6,10 +6,14 @@ use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
 
 use super::State;
+use super::lessons::HIDDEN_LAYER;
 use super::run_view::RunView;
-use crate::command::{Command, DebugCommand, TimeCommand, ViewCommand};
+use crate::command::{AppearanceCommand, Command, DebugCommand, TimeCommand, ViewCommand};
 use crate::passes::PassCommand;
 use crate::scenes::{SceneCommand, SceneList};
+
+/// Why a command is refused while a question is open.
+const VEILED: &str = "Answer the question of the lesson first, or close the lesson: this would show what comes next.";
 
 /// Something that a command names by its number.
 struct Named {
@@ -52,14 +56,24 @@ const STAGE: [&str; 2] = ["stage", "stages"];
 const SCENE: [&str; 2] = ["scene", "scenes"];
 
 impl State {
-    /// Refuses a command that names something by a number that it does not have. Returns whether it is refused.
-    pub(super) fn refuse_index(&mut self, command: &Command) -> bool {
-        let refusal = self.index_refusal(command);
-        let is_refused = refusal.is_some();
-        if let Some(text) = refusal {
-            self.tell(format!("{text}."), true);
+    /// Refuses a command that an open question does not allow, or that names something by a number that it does not have.
+    /// Returns whether it is refused; a notice says why.
+    pub(super) fn refuse(&mut self, command: &Command) -> bool {
+        let lessons = &self.classroom.lessons;
+        let hidden = || lessons.hidden_layers(self.current_stage());
+        match command {
+            Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
+                self.tell(HIDDEN_LAYER.to_owned(), false);
+            }
+            _ if lessons.veil().is_some() && command.rules().reveals => {
+                self.tell(VEILED.to_owned(), false);
+            }
+            _ => match self.index_refusal(command) {
+                Some(text) => self.tell(format!("{text}."), true),
+                None => return false,
+            },
         }
-        is_refused
+        true
     }
 
     /// Returns why a command is refused, or `None` if everything that it names by a number is there. Without a run there is

@@ -1,27 +1,24 @@
-//! The open lesson as JSON, for pages that show its texts beside the canvas, and the answers to their requests about
-//! lessons. `remote.rs` reads the requests.
+//! The open lesson as JSON, for pages that show its texts beside the canvas, and what their requests about lessons may do.
 
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
 use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Progress, Translation, letter, spans};
 
-use super::State;
-use crate::command::Command;
+use crate::classroom::{Classroom, Context, Effect};
 use crate::graded::FULL_MARKS;
 use crate::lesson_labels::{LessonLabels, lesson_labels};
-use crate::lessons::{DraftCommand, LessonCommand, OpenLesson, WantedLesson};
+use crate::lessons::{DraftCommand, LessonCommand, Lessons, OpenLesson, WantedLesson};
 use crate::link::quoted;
-use crate::remote::{LessonRequest, RequestError};
-use crate::scenes::SceneCommand;
-use crate::talk::TalkCommand;
 
-const NO_LESSON: &str = "no lesson is open";
+/// Why a request is refused that needs a lesson.
+pub const NO_LESSON: &str = "no lesson is open";
 
-impl State {
+impl Lessons {
     /// Returns the lesson that is open, or the list of lessons, or `null`. While a question is open it holds nothing from
     /// after the question's moment.
-    pub(crate) fn lesson_json(&self) -> Value {
-        let lessons = &self.lessons;
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let lessons = self;
         if lessons.lists {
             let labels = lesson_labels(&lessons.language);
             return json!({ "list": self.list_json(), "language": lessons.language, "labels": labels });
@@ -76,7 +73,7 @@ impl State {
     }
 
     fn list_json(&self) -> Value {
-        let lessons = &self.lessons;
+        let lessons = self;
         let entries = lessons.shelf.iter().filter_map(|shipped| {
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
             let german = Translation::read(&shipped.german).ok();
@@ -105,57 +102,22 @@ impl State {
         })
     }
 
-    /// Carries out a request about lessons; returns the answer.
-    pub(super) fn answer_of_lesson(
-        &mut self,
-        request: LessonRequest,
-    ) -> Result<Value, RequestError> {
-        let refused = |why: String| Err(RequestError::Refused(why));
-        let command = match request {
-            LessonRequest::Open(wanted) => {
-                let (shelf, name) = (&self.lessons.shelf, &wanted.name);
-                if !shelf.is_empty() && self.lessons.shipped(name).is_none() {
-                    let names: Vec<&str> = shelf.iter().map(|other| other.name.as_ref()).collect();
-                    let names = names.join(", ");
-                    return refused(format!("there is no lesson \"{name}\"; there are {names}"));
-                }
-                self.open_wanted(wanted);
-                return Ok(self.lesson_json());
-            }
-            LessonRequest::Tour => {
-                self.lessons.lists = false;
-                self.apply(Command::Scene(SceneCommand::Tour));
-                return Ok(self.lesson_json());
-            }
-            LessonRequest::Present | LessonRequest::Answer(_) if self.lessons.open.is_none() => {
-                return refused(NO_LESSON.to_owned());
-            }
-            LessonRequest::Present if self.window.embedding.is_some() => {
-                return refused("a player in a frame presents nothing".to_owned());
-            }
-            LessonRequest::Present => {
-                self.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
-                return Ok(Value::Null);
-            }
-            LessonRequest::Answer(value) => {
-                for command in self.draft_of(&value)? {
-                    self.apply(Command::Lesson(LessonCommand::Draft(command)));
-                }
-                LessonCommand::Answer
-            }
-            LessonRequest::Command(command) => match self.lesson_refusal(&command) {
-                Some(why) => return refused(why),
-                None => command,
-            },
-        };
-        self.apply(Command::Lesson(command));
-        Ok(self.lesson_json())
+    /// Returns why there is no lesson of this name, or `None` if there is one or they are not loaded yet.
+    #[must_use]
+    pub fn name_refusal(&self, name: &str) -> Option<String> {
+        if self.shelf.is_empty() || self.shipped(name).is_some() {
+            return None;
+        }
+        let names: Vec<&str> = self.shelf.iter().map(|other| other.name.as_ref()).collect();
+        let names = names.join(", ");
+        Some(format!("there is no lesson \"{name}\"; there are {names}"))
     }
 
     /// Returns why a page may not issue a command now, or `None` if it may.
-    fn lesson_refusal(&self, command: &LessonCommand) -> Option<String> {
+    #[must_use]
+    pub fn refusal(&self, command: &LessonCommand) -> Option<String> {
         use LessonCommand as L;
-        match (command, self.lessons.learner()) {
+        match (command, self.learner()) {
             (L::Read(name, text), _) => Lesson::read(name, text)
                 .err()
                 .map(|error| error.to_string()),
@@ -179,13 +141,13 @@ impl State {
         }
     }
 
-    /// Returns the commands that put together an answer with this value.
-    fn draft_of(&self, value: &Value) -> Result<Vec<DraftCommand>, RequestError> {
-        let Some(question) = self.lessons.open_question() else {
-            return Err(RequestError::Refused("no question is open".to_owned()));
-        };
+    /// Returns the commands that put together an answer with this value, or, if the question does not take it, what it takes.
+    /// `None` if no question is open.
+    #[must_use]
+    pub fn draft_of(&self, value: &Value) -> Option<Result<Vec<DraftCommand>, String>> {
+        let question = self.open_question()?;
         let read = |kind: &str| serde_json::from_value::<Answer>(json!({ kind: value })).ok();
-        let commands = match &question.form {
+        let commands: Result<Vec<DraftCommand>, String> = match &question.form {
             Form::Choice { options, .. } | Form::Trace { options, .. } => match read("choice") {
                 Some(Answer::Choice(index)) if index < options.len() => {
                     Ok(vec![DraftCommand::Choose(index)])
@@ -240,12 +202,8 @@ impl State {
                 _ => Err("a list of \"up\", \"same\" or \"down\", one for each band".to_owned()),
             },
         };
-        let commands: Vec<DraftCommand> = commands.map_err(|wanted| RequestError::Value {
-            field: "value".to_owned(),
-            found: quoted(&value.to_string()),
-            wanted,
-        })?;
-        Ok([DraftCommand::Clear].into_iter().chain(commands).collect())
+        let with_clear = |commands| [DraftCommand::Clear].into_iter().chain(commands).collect();
+        Some(commands.map(with_clear))
     }
 }
 
@@ -337,9 +295,9 @@ impl OpenLesson {
     }
 }
 
-impl State {
+impl Classroom {
     /// Opens a lesson that comes with the program at a step; on a page, once it is loaded.
-    pub(super) fn open_wanted(&mut self, wanted: WantedLesson) {
+    pub fn open_wanted(&mut self, wanted: WantedLesson, context: &mut Context) {
         if self.lessons.shelf.is_empty() {
             self.lessons.wanted = Some(wanted);
             return;
@@ -348,26 +306,26 @@ impl State {
             let name = quoted(&wanted.name);
             let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
             self.lessons.lists = true;
-            self.show_some_run();
+            context.ask(Effect::ShowSomeRun);
             // A run that begins removes earlier notices.
-            self.tell(text, true);
+            context.tell(text, true);
             return;
         }
-        self.apply(Command::Lesson(LessonCommand::Open(wanted.name)));
+        self.apply(LessonCommand::Open(wanted.name), context);
 
         // The lesson of the name may be one that cannot be read.
         if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
-            self.apply(Command::Lesson(LessonCommand::Go(step)));
+            self.apply(LessonCommand::Go(step), context);
         }
         if let (Some(seed), Some(open)) = (wanted.practice, &mut self.lessons.open)
             && open.learner.practise_seed(seed)
         {
-            self.show_step();
+            self.show_step(context);
         }
     }
 
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
-    pub fn take_lessons(&mut self, loaded: Result<&str, &str>) {
+    pub fn take_lessons(&mut self, loaded: Result<&str, &str>, context: &mut Context) {
         let read = loaded.map_err(str::to_owned).and_then(|text| {
             let loaded = tilescope_lessons::shipped::from_json(text);
             let loaded = loaded.map_err(|error| error.to_string())?;
@@ -382,25 +340,18 @@ impl State {
                 if self.lessons.open.is_some() {
                     // It was opened before the words of its language were there.
                     let language = self.lessons.language.clone();
-                    self.apply(Command::Lesson(LessonCommand::Language(language)));
+                    self.apply(LessonCommand::Language(language), context);
                 }
-                self.begin_wanted_talk();
+                self.begin_wanted_talk(context);
                 if let Some(wanted) = self.lessons.wanted.take() {
-                    self.open_wanted(wanted);
+                    self.open_wanted(wanted, context);
                 }
             }
             Err(error) => {
-                (self.lessons.wanted, self.lessons.lists) = (None, false);
-                self.show_some_run();
-                self.tell(format!("The lessons could not be loaded: {error}."), true);
+                self.lessons.close_list();
+                context.ask(Effect::ShowSomeRun);
+                context.tell(format!("The lessons could not be loaded: {error}."), true);
             }
-        }
-    }
-
-    /// Makes the run of the parameters panel if nothing is shown: a link to a lesson has stopped the one of the start.
-    fn show_some_run(&mut self) {
-        if self.runs.first.session.is_none() {
-            self.run();
         }
     }
 }

@@ -41,7 +41,7 @@ impl State {
     /// Returns the link to the step of the open lesson. It names no run, so that it does not show what happens after the
     /// question.
     fn lesson_link(&self) -> Option<Link> {
-        let lessons = &self.lessons;
+        let lessons = &self.classroom.lessons;
         let lesson = match (&lessons.wanted, &lessons.open) {
             (Some(wanted), _) => wanted.clone(),
             (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
@@ -219,14 +219,14 @@ impl State {
         self.stop_making();
         (self.files.sheet, self.files.exports.sheet) = (None, None);
         self.window.finder = None;
-        (self.lessons.wanted, self.lessons.lists) = (None, false);
+        self.classroom.lessons.close_list();
         if let Some(language) = &content.language {
-            self.lessons.language.clone_from(language);
+            self.classroom.lessons.language.clone_from(language);
         }
         if let Some(wanted) = content.lesson {
             // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
             self.tell_of_link(&warnings);
-            self.open_wanted(wanted);
+            self.in_class(|class, context| class.open_wanted(wanted, context));
             return;
         }
         self.give_back();

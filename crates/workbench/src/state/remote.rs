@@ -10,12 +10,17 @@ use tilescope_session::verification::Verdict;
 use tilescope_session::words::{grouped, stage_name};
 
 use super::State;
+use super::lesson_told::NO_LESSON;
 use super::run_view::none_there;
+use crate::classroom::Classroom;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
-use crate::link::{choice_name, layer_name, slug};
-use crate::remote::{self, Request, RequestError, Wanted};
+use crate::lessons::LessonCommand;
+use crate::link::{choice_name, layer_name, quoted, slug};
+use crate::remote::{self, LessonRequest, Request, RequestError, Wanted};
+use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
 use crate::view::AUTOMATIC;
 use tilescope_drawing::camera::Camera;
 
@@ -37,7 +42,7 @@ impl State {
     fn answer(&mut self, request: Request) -> Result<Value, RequestError> {
         let mut dropped = None;
         let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
-        if is_other_run && self.lessons.veil().is_some() {
+        if is_other_run && self.classroom.lessons.veil().is_some() {
             return refused(QUESTION_OPEN);
         }
         match request {
@@ -70,9 +75,58 @@ impl State {
         })
     }
 
+    /// Carries out a request about lessons; returns the lesson.
+    fn answer_of_lesson(&mut self, request: LessonRequest) -> Result<Value, RequestError> {
+        let lessons = &self.classroom.lessons;
+        let has_lesson = lessons.open.is_some();
+        match request {
+            LessonRequest::Open(wanted) => {
+                if let Some(why) = lessons.name_refusal(&wanted.name) {
+                    return refused(why);
+                }
+                self.in_class(|class, context| class.open_wanted(wanted, context));
+                self.follow();
+            }
+            LessonRequest::Tour => {
+                self.classroom.lessons.lists = false;
+                self.apply(Command::Scene(SceneCommand::Tour));
+            }
+            LessonRequest::Present | LessonRequest::Answer(_) if !has_lesson => {
+                return refused(NO_LESSON);
+            }
+            LessonRequest::Present if self.window.embedding.is_some() => {
+                return refused("a player in a frame presents nothing");
+            }
+            LessonRequest::Present => {
+                self.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
+                // The stage tells nothing of the lesson to the page.
+                return Ok(Value::Null);
+            }
+            LessonRequest::Answer(value) => {
+                let Some(drafted) = lessons.draft_of(&value) else {
+                    return refused("no question is open");
+                };
+                let drafted = drafted.map_err(|wanted| RequestError::Value {
+                    field: "value".to_owned(),
+                    found: quoted(&value.to_string()),
+                    wanted,
+                })?;
+                for command in drafted {
+                    self.apply(Command::Lesson(LessonCommand::Draft(command)));
+                }
+                self.apply(Command::Lesson(LessonCommand::Answer));
+            }
+            LessonRequest::Command(command) => match lessons.refusal(&command) {
+                Some(why) => return refused(why),
+                None => self.apply(Command::Lesson(command)),
+            },
+        }
+        Ok(self.classroom.lessons.to_json())
+    }
+
     /// Starts a run with other parameters; the view stays as it is.
     fn load(&mut self, parameters: Parameters) {
-        (self.lessons.wanted, self.lessons.lists) = (None, false);
+        self.classroom.lessons.close_list();
         self.give_back();
         self.stop_making();
         self.form.own_pattern = None;
@@ -164,9 +218,8 @@ impl State {
         appearance.chosen_layers = wanted.layers.unwrap_or(appearance.chosen_layers);
         appearance.colouring = wanted.colouring.unwrap_or(appearance.colouring);
         appearance.choose_look(wanted.look.unwrap_or(appearance.look));
-        self.hide_layers_of_question();
         self.runs.first.follow_pattern();
-        self.follow_first();
+        self.follow();
     }
 
     /// Returns the view, in the form of the request that changes it.
@@ -205,6 +258,7 @@ impl State {
         let verdict = self.verdict().filter(|_| is_known);
         let (cursor, events) = self.cursor().unwrap_or((0, 0));
         let stage = self.current_stage().map(|stage| slug(&stage_name(stage)));
+        let Classroom { lessons, talks } = &self.classroom;
         json!({
             "seed": seed(parameters.seed),
             "parameters": with_seeds(&parameters),
@@ -224,8 +278,8 @@ impl State {
             "chosen": self.gpu.chosen(self.form.draft.parameters.variant),
             "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
             "view": self.view_json(),
-            "lesson": self.talks.open.is_none().then(|| self.lesson_json()),
-            "answered": self.lessons.last,
+            "lesson": talks.open.is_none().then(|| lessons.to_json()),
+            "answered": lessons.last,
             "link": self.link().fragment,
         })
     }

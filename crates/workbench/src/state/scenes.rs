@@ -7,6 +7,7 @@ use tilescope_session::selection::Selection;
 use super::{RunView, State};
 use crate::command::{FormCommand, Which};
 use crate::layout::Panel;
+use crate::scene_lesson::lesson_of;
 use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use crate::tour::tour;
 use crate::view::{SavedView, SceneCamera};
@@ -70,6 +71,20 @@ impl State {
         }
     }
 
+    /// Returns a lesson with a step for each scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`lesson_of`].
+    pub(crate) fn lesson_of_scenes(&self) -> Result<String, String> {
+        let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
+        else {
+            return Err("There is no session with events.".to_owned());
+        };
+        let has_own_pattern = session.own.is_some();
+        lesson_of(&debugger.scenes, &session.run().parameters, has_own_pattern)
+    }
+
     pub(super) fn apply_to_scenes(&mut self, command: SceneCommand) {
         match command {
             SceneCommand::Add => self.add_scene(),
@@ -120,7 +135,7 @@ impl State {
     /// back when the tour ends.
     fn start_tour(&mut self) {
         self.give_back();
-        self.lessons.lists = false;
+        self.classroom.lessons.lists = false;
         self.borrow_window();
         self.form.apply(FormCommand::Reset);
         // At the start of the program that run is being made already.
@@ -224,7 +239,7 @@ impl State {
     /// Removes the caption. The tour gives back what it replaced.
     pub(super) fn leave_scene(&mut self) {
         if self.is_touring() {
-            self.give_back();
+            self.end_tour();
         } else {
             self.scene = None;
         }
@@ -234,8 +249,8 @@ impl State {
         let Some(scene) = self.scenes(list).get(index).map(|&scene| scene.clone()) else {
             return;
         };
-        if list == SceneList::Own && self.is_touring() {
-            self.leave_scene();
+        if list == SceneList::Own {
+            self.end_tour();
         }
         self.scene = Some(ShownScene { list, index });
         // The last card of the tour leads to the panels.

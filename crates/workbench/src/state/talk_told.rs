@@ -3,14 +3,14 @@
 use serde_json::{Value, json};
 use tilescope_lessons::{Form, spans};
 
-use super::State;
+use crate::classroom::{CanvasView, Classroom};
 use crate::lesson_labels::lesson_labels;
 use crate::talk::{Cover, advised};
 
-impl State {
-    /// Returns the talk for the lecturer's notes, or `null`. It holds notes and answers: only the notes may show it.
+impl Classroom {
+    /// Returns the talk for the lecturer's notes, with the camera of the stage, or `null`. It holds notes and answers: only the notes may show it.
     #[must_use]
-    pub fn talk_json(&self) -> Value {
+    pub fn talk_json(&self, canvas: &CanvasView) -> Value {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Value::Null;
         };
@@ -32,7 +32,7 @@ impl State {
             (None, Some(part)) => Some(part.title.clone()),
             (None, None) => None,
         };
-        let picture = self.next_picture.drawn();
+        let picture = self.talks.next_picture.drawn();
         let waits = learner.is_open() && open.fault.is_none();
         json!({
             "title": learner.words(&step.title),
@@ -43,7 +43,7 @@ impl State {
             "hint": question.and_then(|question| question.hint.as_deref()).map(spans),
             "options": options,
             "votes": votes,
-            "vote_fault": talk.vote_fault.as_deref().map(|fault| self.in_words(fault)),
+            "vote_fault": talk.vote_fault.as_deref().map(|fault| self.lessons.in_words(fault)),
             "advice": advised(votes, question.map(tilescope_lessons::Question::key)),
             "next": next,
             "picture": picture.and_then(|picture| picture.svg.as_deref()),
@@ -60,7 +60,7 @@ impl State {
             "over": talk.cover == Some(Cover::Over),
             "tool": talk.tool,
             "wants_notes": talk.windows.notes,
-            "kept": self.kept_of_talk(),
+            "kept": self.kept_of_talk(canvas),
         })
     }
 }

@@ -1,5 +1,7 @@
 //! The state driven by commands, without a window.
 
+mod lessons;
+mod talk;
 mod time;
 
 use std::sync::Arc;

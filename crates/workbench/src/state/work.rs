@@ -7,6 +7,7 @@ use tilescope_session::words::sentence;
 
 use super::run_view::{Made, TRANSITION_SECS};
 use super::{State, Which};
+use crate::classroom::Classroom;
 use crate::command::Command;
 use crate::layout::Panel;
 use crate::rules::UndoPart;
@@ -59,7 +60,7 @@ impl State {
     /// so that another frame is needed.
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
-        self.follow_lesson_file();
+        self.in_class(Classroom::follow_lesson_file);
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
         let cursor = self.cursor();
         let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
@@ -82,8 +83,11 @@ impl State {
         });
         self.want_analysis();
         self.follow_thumbnails();
-        self.follow_talk();
-        self.follow_handout();
+        let dark = self.appearance.look.is_dark();
+        self.in_class(|class, context| {
+            class.follow_talk(dark, context);
+            class.follow_handout(context);
+        });
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
@@ -116,9 +120,11 @@ impl State {
                 if which == Which::Second {
                     return self.show_made(which, session);
                 }
-                let Some(session) = self.take_for_lesson(session) else {
-                    return;
-                };
+                if let Some(run) = self.classroom.made_for_lesson(&session) {
+                    // The lesson shows it only up to its question.
+                    drop(session);
+                    return self.in_class(|class, context| class.arrive_at_step(&run, context));
+                }
                 // A live run shows the stage that was shown.
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
@@ -184,7 +190,8 @@ impl State {
             run.hits.settle();
         });
         self.settle_thumbnails();
-        self.settle_talk();
+        let dark = self.appearance.look.is_dark();
+        self.in_class(|class, context| class.settle_talk(dark, context));
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 

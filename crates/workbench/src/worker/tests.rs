@@ -228,7 +228,7 @@ fn present() -> [String; 2] {
     let present = TalkCommand::Lesson { from_start: true };
     state.apply(Command::Talk(present));
     state.settle();
-    let next = format!("{:?}", state.next_picture().drawn());
+    let next = format!("{:?}", state.talks().next_picture.drawn());
     let handout = TalkCommand::Handout {
         answers: true,
         notes: true,

@@ -288,7 +288,7 @@ impl Notes<'_> {
 
     /// Shows the field for a vote of the class, the votes so far, and what they suggest.
     fn votes(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let key = self.state.talk_key();
+        let key = self.state.classroom().talk_key();
         let votes = self.state.talks().record.votes_on(&key);
         let id = Id::unique("vote that is typed").with(&key);
         let mut typed = ui
@@ -361,7 +361,7 @@ impl Notes<'_> {
         };
         self.muted(ui, ui.words("Next"));
         self.heading(ui, &title);
-        match self.state.next_picture().drawn() {
+        match self.state.talks().next_picture.drawn() {
             Some(picture) => self.picture(ui, picture),
             None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
             _ => self.muted(ui, ui.words("Its picture is being drawn\u{2026}")),

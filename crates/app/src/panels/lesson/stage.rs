@@ -189,7 +189,7 @@ impl Slide<'_> {
             ui.label(bold(labels.vote_now.to_owned()))
                 .known_as("stage-vote");
         }
-        let key = self.state.talk_key();
+        let key = self.state.classroom().talk_key();
         if let [first, second] = self.state.talks().record.votes_on(&key) {
             self.votes(ui, question, [first, second]);
         }
@@ -304,7 +304,10 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
         Tool::Pen => {
             let is_down = response.is_pointer_button_down_on();
             if let Some(pos) = at.filter(|_| is_down) {
-                let last = talk.is_drawing.then(|| state.strokes().last()).flatten();
+                let last = talk
+                    .is_drawing
+                    .then(|| state.classroom().strokes().last())
+                    .flatten();
                 let last = last.and_then(|stroke| stroke.points.last());
                 let from = last.map(|&at| camera.screen_from_domain(rect, DVec2::from(at)));
                 if from.is_none_or(|from| from.distance(pos) >= 1.5) {
@@ -325,7 +328,7 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
     let layer = LayerId::new(Order::Middle, Id::unique("lines of the talk"));
     let painter = ui.ctx().layer_painter(layer).with_clip_rect(rect);
     let screen = |at: [f64; 2]| camera.screen_from_domain(rect, DVec2::from(at));
-    for stroke in state.strokes() {
+    for stroke in state.classroom().strokes() {
         let points: Vec<Pos2> = stroke.points.iter().map(|&at| screen(at)).collect();
         let ink = stroke.color(dark);
         if let [only] = points[..] {

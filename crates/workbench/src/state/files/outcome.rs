@@ -206,7 +206,7 @@ impl State {
         self.runs.first.follow_cursor();
         let (view, mut dropped) = SavedView::from_json(&opened.saved.view, &self.view());
         dropped.extend(self.look_as(&view));
-        self.take_record(&opened.saved.view);
+        self.classroom.take_record(&opened.saved.view);
         self.forget_changes();
         self.opened_from(opened.path, &dropped);
     }

@@ -8,6 +8,7 @@ use tilescope_session::units::{self, radii};
 use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::RunView;
+use crate::classroom::CanvasView;
 use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
 use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
@@ -130,6 +131,26 @@ impl RunView {
             Some(Stage::Pattern) => session.run().pattern.domain().size().into(),
             _ => session.size_radii(),
         })
+    }
+
+    /// Returns the camera of the canvas for lessons.
+    #[must_use]
+    pub fn canvas_view(&self) -> CanvasView {
+        CanvasView {
+            destination: self.destination(),
+            is_fitted: self.fitted,
+            framed: self.framed.map(|(center, radii)| (center.into(), radii)),
+        }
+    }
+
+    /// Returns the position of a selected sample, in r; `None` if no sample is selected.
+    pub(in crate::state) fn position_of(&self, selection: Selection) -> Option<DVec2> {
+        let Selection::Sample(sample) = selection else {
+            return None;
+        };
+        let session = self.session.as_ref()?;
+        let is_there = (sample as usize) < session.run().samples.points.len();
+        is_there.then(|| session.position(sample))
     }
 
     /// Returns whether the whole domain is fitted into the canvas, also when the window changes.

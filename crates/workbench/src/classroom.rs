@@ -1,0 +1,131 @@
+//! Lessons and talks as one part of a window: what its commands change, and what it asks of the rest of the window. Begin with
+//! [`Classroom::apply`] and [`Classroom::apply_to_talk`].
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use tilescope_core::Parameters;
+use tilescope_debugger::Recording;
+use tilescope_drawing::camera::Camera;
+use tilescope_session::jobs::Wake;
+use tilescope_session::layers::Layers;
+
+use crate::lessons::{Lessons, OpenLesson};
+use crate::talk::Talks;
+
+/// Lessons and talks.
+#[derive(Default)]
+pub struct Classroom {
+    /// Lessons: the one that is open, the list, the results.
+    pub lessons: Lessons,
+    /// Presenter mode.
+    pub talks: Talks,
+}
+
+/// A place in the middle of a canvas, and how many r around it fit.
+pub type Framed = ([f64; 2], f64);
+
+/// The camera of the canvas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanvasView {
+    /// The camera, or the one that it flies to.
+    pub destination: Camera,
+    /// Whether the whole domain is fitted into the canvas.
+    pub is_fitted: bool,
+    /// What a step has framed, until someone moves the picture.
+    pub framed: Option<Framed>,
+}
+
+/// The moment of a step, and how it is shown.
+pub struct StepView {
+    /// The whole run.
+    pub run: Arc<Recording>,
+    /// The last cursor that may be shown, if a question is open.
+    pub limit: Option<usize>,
+    /// The cursor of the moment.
+    pub cursor: usize,
+    /// The layers of the step; `None` for those of the stage.
+    pub layers: Option<Layers>,
+    /// What the step frames; `None` for the whole domain.
+    pub framed: Option<Framed>,
+    /// The camera that somebody has chosen and that stays, if so.
+    pub zoom: Option<Camera>,
+}
+
+/// A text that is written to a file; on a page, downloaded.
+pub struct TextFile {
+    /// The stem of its name.
+    pub stem: String,
+    /// The extension of its name.
+    pub extension: &'static str,
+    /// Its path, if one was given; otherwise a new file beside where the program runs.
+    pub path: Option<PathBuf>,
+    /// The text.
+    pub text: String,
+}
+
+/// A request of lessons and talks to the rest of the window. The window carries out the requests of a command in their order,
+/// after it.
+pub enum Effect {
+    /// Show this notice.
+    Tell {
+        /// Sentences.
+        text: String,
+        /// Whether something went wrong.
+        is_error: bool,
+    },
+    /// End the tour, if it is shown.
+    EndTour,
+    /// Set aside what a lesson replaces, unless it is already, and clear the window for it.
+    Begin,
+    /// Give back what was set aside for this lesson, which is closed. A window that had no run before keeps the lesson's.
+    GiveBack(Box<OpenLesson>),
+    /// Make the run of a step.
+    MakeRun(Box<Parameters>),
+    /// Show a run up to a cursor. It is not verified, as a verdict would answer questions.
+    ShowRun(Arc<Recording>, usize),
+    /// Show the moment of a step.
+    ShowStep(Box<StepView>),
+    /// Set the camera.
+    Look(Camera),
+    /// Make the run of the parameters panel if nothing is shown: a link to a lesson has stopped the one of the start.
+    ShowSomeRun,
+    /// List a file among those opened last.
+    RememberFile(String),
+    /// Write a file.
+    Save(TextFile),
+    /// Close menus and help.
+    CloseMenus,
+    /// Make a lesson of the scenes, for [`Classroom::present_scenes`].
+    LessonOfScenes,
+}
+
+/// What lessons and talks may use of the rest of the window while they apply a command, and what they ask of it.
+pub struct Context {
+    /// Starts work in the background.
+    pub wake: Wake,
+    /// The camera before the command.
+    pub canvas: CanvasView,
+    /// The requests so far.
+    pub effects: Vec<Effect>,
+}
+
+impl Context {
+    /// Returns the context of a command.
+    #[must_use]
+    pub const fn new(wake: Wake, canvas: CanvasView) -> Self {
+        Self {
+            wake,
+            canvas,
+            effects: Vec::new(),
+        }
+    }
+
+    pub(crate) fn ask(&mut self, effect: Effect) {
+        self.effects.push(effect);
+    }
+
+    pub(crate) fn tell(&mut self, text: String, is_error: bool) {
+        self.ask(Effect::Tell { text, is_error });
+    }
+}
