@@ -5,26 +5,22 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use clap::Args;
-use serde_json::{Value, json};
-use tilescope_core::Sampled;
+use serde_json::json;
 use tilescope_core::combine::combine;
-use tilescope_core::combine::file::{
-    Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource, PlacedLayout,
-};
-use tilescope_formats::{ExportContext, Format, PointSet, Precision};
+use tilescope_core::combine::file::{Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource};
+use tilescope_formats::{ExportContext, Format, Precision};
+use tilescope_sets::{Made, named_by_content, stated_layout};
 
 use crate::engine::ThreadArguments;
-use crate::facts::{Facts, named_by_content};
 use crate::interrupt;
-use crate::make::{self, Made};
+use crate::make::Worked;
 use crate::options::{JudgeArguments, PRECISIONS, formats, named};
-use crate::output;
+use crate::output::{self, Work};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 
@@ -95,16 +91,21 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
         check_target(path, arguments.format, "--format")?;
         check_inputs_stay(path, [arguments.layout.as_path()])?;
     }
-    let (made, census, seams) =
-        glue(&arguments.layout, arguments.out.as_deref()).in_file(&arguments.layout)?;
     let out = arguments.out.as_deref();
+    let Glued {
+        worked,
+        census,
+        seams,
+    } = glue(&arguments.layout, out).in_file(&arguments.layout)?;
+
     let context = ExportContext {
         format: arguments.format.or_else(|| Format::from_path(out?)),
         precision: arguments.precision,
         verify: arguments.judge.options(),
-        ..made.facts.context()
+        ..worked.made.facts.context()
     };
-    let outcome = made.finish(out, &context)?;
+    let outcome = worked.finish(out, &context)?;
+
     let json = || {
         let mut object = outcome.json();
         object["pieces"] = json!(census);
@@ -116,8 +117,16 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     Ok(outcome.code())
 }
 
-/// Reads a layout, makes its pieces and glues them. Returns also the number of seams. Fails if `out` is one of its files.
-fn glue(path: &Path, out: Option<&Path>) -> Result<(Made, Census, usize)> {
+/// A glued set.
+struct Glued {
+    worked: Worked,
+    census: Census,
+    /// How many seams it has.
+    seams: usize,
+}
+
+/// Reads a layout, makes its pieces and glues them. Fails if `out` is one of its files.
+fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -134,21 +143,14 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<(Made, Census, usize)> {
     let (pieces, census) = pieces::make(&placed, folder)?;
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &pieces, &layout.options(), &mut watch)?;
-    let parameters = BTreeMap::from([("layout".to_owned(), stated(&layout, &placed, folder)?)]);
-    let facts = Facts {
-        summary: Some(combined.summary().clone()),
-        seconds: watch.take(),
-        ..Facts::new("combined", parameters, &combined.domain)
-    };
-    let (seams, points) = (combined.seams.len(), combined.positions());
-    let sampled = Sampled {
-        points: combined.points,
-        sources: Some(combined.sources),
-    };
-    // Pieces take the place of blocks.
-    let provenance = make::provenance(&sampled);
-    let set = PointSet { points, provenance };
-    Ok((Made { facts, set }, census, seams))
+    let work = Work::on_cpu(&mut watch);
+    let named = |path: &str| named_by_content(&folder.join(path));
+    let made = Made::combined(&combined, stated_layout(&layout, &placed, named)?);
+    Ok(Glued {
+        worked: Worked { made, work },
+        census,
+        seams: combined.seams.len(),
+    })
 }
 
 /// Reads a layout. Fails if it is too long or malformed.
@@ -160,17 +162,4 @@ fn read(path: &Path) -> Result<Layout> {
         return Err(LayoutError::TooLong { bytes }.into());
     }
     Ok(Layout::from_json(&fs::read(path)?)?)
-}
-
-/// Returns the layout as a certificate states it: files without folders, with their digests.
-fn stated(layout: &Layout, placed: &PlacedLayout, folder: &Path) -> Result<Value> {
-    let mut stated = serde_json::to_value(layout)?;
-    for (k, piece) in placed.pieces.iter().enumerate() {
-        if let PieceSource::File { path, .. } = &piece.source {
-            let named = named_by_content(&folder.join(path))?;
-            stated["pieces"][k]["file"] = named["file"].clone();
-            stated["pieces"][k]["digest"] = named["digest"].clone();
-        }
-    }
-    Ok(stated)
 }

@@ -12,11 +12,11 @@ use tilescope_figures::to_png;
 use tilescope_formats::write_whole;
 use tilescope_session::Session;
 use tilescope_session::moment::Moment;
+use tilescope_sets::{Facts, Made, stated};
 
-use crate::facts::Facts;
 use crate::interrupt;
-use crate::make::from_run;
-use crate::output;
+use crate::make::Worked;
+use crate::output::{self, Work};
 use crate::paths::named;
 use crate::progress::Stopwatch;
 
@@ -97,12 +97,13 @@ fn session(folder: &Path) -> Result<u8> {
     let run = sample(&parameters, &mut watch)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", named(folder)))?;
-    let mut facts = Facts::of_run(&parameters, &run.domain)?;
-    facts.seconds = watch.take();
-    let made = from_run(&run, facts);
-    let path = folder.join("set.csv");
+
+    // The pictures need the run itself, not only its set.
+    let made = Made::of_run(&run, Facts::new("kdrt", stated(&parameters), &run.domain));
     let context = made.facts.context();
-    let mut outcome = made.finish(Some(&path), &context)?;
+    let work = Work::on_cpu(&mut watch);
+    let path = folder.join("set.csv");
+    let mut outcome = Worked { made, work }.finish(Some(&path), &context)?;
     // Notes on the limits of CSV would distract from a first look.
     outcome.warnings.clear();
     let (text, path) = (outcome.text(), named(&path));

@@ -19,7 +19,6 @@ mod combine;
 mod convert;
 mod draw;
 mod engine;
-mod facts;
 mod gpu;
 mod headless;
 mod interrupt;

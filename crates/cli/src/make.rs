@@ -2,26 +2,19 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use pollster::block_on;
 use serde_json::json;
-use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions, verify_levels};
+use tilescope_analysis::VerifyError;
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_core::{
-    MAXIMAL_DENSITY, Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample,
-    search_radius,
-};
-use tilescope_formats::{
-    CertifiedLevel, ExportContext, Format, PointSet, Provenance, positions_digest,
-};
-use tilescope_gpu::{Bands, Engine};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use tilescope_formats::{ExportContext, Format, PointSet, positions_digest};
+use tilescope_gpu::{Backend, Bands, Engine};
+use tilescope_sets::{Made, Recipe, Settled};
 
 use crate::engine::of_engine;
-use crate::facts::Facts;
-use crate::output::{self, Outcome};
-use crate::parameters::Resolved;
+use crate::output::{self, Judged, Outcome, Work};
 use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
 
@@ -36,45 +29,61 @@ pub fn ask_for_whole(making: Making, parameters: &Parameters) -> Result<()> {
     Ok(ask_for(samples, making.bytes_a_sample().max(FINISHING))?)
 }
 
-/// A set that was made.
-pub struct Made {
-    pub facts: Facts,
-    pub set: PointSet,
+/// A set that was made, and the work that it took.
+pub struct Worked {
+    pub made: Made,
+    pub work: Work,
 }
 
-impl Made {
+impl Worked {
     /// Saves the set at `path`, if there is one, and verifies it: the file, if it was saved.
     pub fn finish(self, path: Option<&Path>, context: &ExportContext) -> Result<Outcome> {
-        let Made { facts, set } = self;
-        let count = set.len() as u64;
-        let digest = positions_digest(&set.points);
-        let with_set = |error| with_set(error, Path::new(DISAGREEMENT), &set, context);
-        let (verdict, levels) = if let Some(path) = path {
-            let exported =
-                verifying(|control| tilescope_formats::export(path, &set, context, control));
-            let exported = exported.map_err(|error| with_set(error.into()));
-            let exported = exported.in_file(path)?;
-            let certificate = Some(exported.certificate_path);
-            let verdict = (Some(exported.report), certificate, exported.warnings);
-            (verdict, exported.certificate.levels)
-        } else {
-            let report = judge(&set.points, facts.region, facts.radius, &context.verify);
-            let report = report.map_err(with_set)?;
-            let (claims, options) = (&context.levels, &context.verify);
-            let levels =
-                verifying(|control| verify_levels(&set.points, &report, claims, options, control))?;
-            let levels = levels.iter().map(CertifiedLevel::of).collect();
-            ((Some(report), None, Vec::new()), levels)
+        let Self { made, work } = self;
+        let judged = match path {
+            Some(path) => certified(&made, path, context)?,
+            None => judged(&made, context)?,
         };
-        let outcome = Outcome::new(facts, count, verdict).with_digest(digest);
-        Ok(Outcome { levels, ..outcome })
+
+        let digest = positions_digest(&made.set.points);
+        let count = made.set.len() as u64;
+        Ok(Outcome::new(made.facts, work, count, judged).with_digest(digest))
     }
 }
 
+/// Saves a set with its certificate. Returns the verdict on the file.
+fn certified(made: &Made, path: &Path, context: &ExportContext) -> Result<Judged> {
+    let exported =
+        verifying(|control| tilescope_formats::export(path, &made.set, context, control));
+    let exported = exported
+        .map_err(|error| with_set(error.into(), Path::new(DISAGREEMENT), &made.set, context))
+        .in_file(path)?;
+
+    Ok(Judged {
+        report: Some(exported.report),
+        levels: exported.certificate.levels,
+        certificate: Some(exported.certificate_path),
+        warnings: exported.warnings,
+    })
+}
+
+/// Returns the verdict on a set that is not saved.
+fn judged(made: &Made, context: &ExportContext) -> Result<Judged> {
+    let options = &context.verify;
+    let report = verifying(|control| made.judge(options, control)).context(NO_VERDICT);
+    let report =
+        report.map_err(|error| with_set(error, Path::new(DISAGREEMENT), &made.set, context))?;
+
+    let levels = verifying(|control| made.judge_levels(&report, options, control))?;
+    Ok(Judged {
+        report: Some(report),
+        levels,
+        ..Judged::default()
+    })
+}
+
 /// Makes the set of a run as a whole.
-pub fn whole(run: &Resolved, mut watch: Stopwatch) -> Result<Made> {
-    let mut facts = run.facts()?;
-    let is_sequential = matches!(run.backend.engine, Engine::Sequential);
+pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<Worked> {
+    let is_sequential = matches!(backend.engine, Engine::Sequential);
     let making = if is_sequential {
         Making::Sequential
     } else {
@@ -82,89 +91,38 @@ pub fn whole(run: &Resolved, mut watch: Stopwatch) -> Result<Made> {
     };
     ask_for_whole(making, &run.parameters)?;
 
-    if is_sequential {
-        let engine = Sequential::new(&run.parameters, Arc::clone(&run.pattern))?;
-        let made = engine.finish(&mut watch)?;
-        facts.backend = Some(run.backend.clone());
-        facts.seconds = watch.take();
-        return Ok(from_run(&made, facts));
-    }
-
-    let bands = bands(run, true)?;
-    let (sampled, summary, backend) = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
-    facts.backend = Some(backend);
-    facts.seconds = watch.take();
-    facts.summary = Some(summary);
-
-    let set = PointSet {
-        points: run.domain.users_from_lattice(&sampled.points),
-        provenance: provenance(&sampled),
+    let (made, backend) = if is_sequential {
+        (run.sequential(true, &mut watch)?, backend.clone())
+    } else {
+        let bands = bands(run, backend, true)?;
+        let finished = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
+        // The engine that was asked for may have given way to another one.
+        let (sampled, summary, backend) = finished;
+        (run.made(&sampled, summary), backend)
     };
-    Ok(Made { facts, set })
+    let work = Work {
+        backend: Some(backend),
+        seconds: watch.take(),
+    };
+    Ok(Worked { made, work })
 }
 
 /// Returns a run that is computed band by band.
-pub fn bands(run: &Resolved, sources: bool) -> Result<Bands> {
+pub fn bands(run: &Settled, backend: &Backend, sources: bool) -> Result<Bands> {
     let (parameters, pattern) = (&run.parameters, &run.pattern);
     let warn = |text: &str| output::note(&format!("warning: {text}"));
-    block_on(Bands::new(parameters, pattern, sources, &run.backend, warn)).map_err(of_engine)
-}
-
-/// Returns a finished run as a set with its provenance.
-pub fn from_run(run: &Run, mut facts: Facts) -> Made {
-    let origin = |&id: &u32| Source::from(run.samples.origins[id as usize]).row().into();
-    facts.summary = Some(run.summary());
-    let set = PointSet {
-        points: run.positions(),
-        provenance: Some(run.result.iter().map(origin).collect()),
-    };
-    Made { facts, set }
-}
-
-/// Returns the provenance of samples, if it is known.
-pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
-    let sources = sampled.sources.as_ref()?;
-    Some(sources.iter().map(|source| source.row().into()).collect())
+    block_on(Bands::new(parameters, pattern, sources, backend, warn)).map_err(of_engine)
 }
 
 /// Makes a set with the reference sampler; with a count, of the radius that gives it.
-pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
+pub fn reference(recipe: &Recipe) -> Result<Worked> {
     // With a count the radius is an estimate, which is near enough.
-    ask_for_whole(Making::Reference, parameters)?;
+    ask_for_whole(Making::Reference, &recipe.parameters)?;
 
     let mut watch = Stopwatch::start();
-    let mut attempt = |radius| -> Result<_, SampleError> {
-        let mut parameters = *parameters;
-        parameters.radius = radius;
-        let domain = parameters.validate_sequential()?;
-        let points = reference_sample(domain, parameters.seed, &mut watch)?;
-        Ok((points.len() as u64, (domain, points)))
-    };
-    let (domain, points) = match count {
-        Some(count) => search_radius(parameters, count, attempt)?,
-        None => attempt(parameters.radius)?.1,
-    };
-
-    let mut parameters = *parameters;
-    parameters.radius = domain.radius();
-    let mut facts = Facts::of_run(&parameters, &domain)?;
-    facts.method = "reference";
-    let used = ["width", "height", "radius", "boundary", "seed"];
-    (facts.parameters).retain(|name, _| used.contains(&name.as_str()));
-    facts.seconds = watch.take();
-    let set = PointSet::from_points(domain.users_from_lattice(&points));
-    Ok(Made { facts, set })
-}
-
-/// Returns the verifier's report on positions.
-pub fn judge(
-    points: &[[f64; 2]],
-    region: Region,
-    radius: f64,
-    options: &VerifyOptions,
-) -> Result<Report> {
-    verifying(|control| tilescope_analysis::verify(points, region, radius, options, control))
-        .context(NO_VERDICT)
+    let made = recipe.reference(&mut watch)?;
+    let work = Work::on_cpu(&mut watch);
+    Ok(Worked { made, work })
 }
 
 /// The error of a set that cannot be judged.
@@ -185,6 +143,7 @@ fn with_set(
     if !error.chain().any(disagree) {
         return error;
     }
+
     let context = ExportContext {
         format: Some(Format::Csv),
         ..context.clone()
@@ -205,6 +164,8 @@ fn with_set(
 
 #[cfg(test)]
 mod tests {
+    use tilescope_analysis::{Region, VerifyOptions, verify};
+
     use super::*;
 
     #[test]
@@ -212,7 +173,9 @@ mod tests {
         let region = Region::UNIT_SQUARE;
         let set = PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
         let context = ExportContext::new(region, 0.5);
-        let report = judge(&set.points, region, 0.5, &VerifyOptions::default()).unwrap();
+        let options = VerifyOptions::default();
+        let report = verifying(|control| verify(&set.points, region, 0.5, &options, control));
+        let report = report.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("disagreement.csv");
         let other = with_set(VerifyError::Empty.into(), &path, &set, &context);

@@ -1,19 +1,16 @@
 //! Nested levels for `tilescope sample`.
 
 use anyhow::{Result, ensure};
-use serde_json::{Value, json};
-use tilescope_analysis::PrefixClaim;
 use tilescope_core::memory::Making;
-use tilescope_core::{NestedRequest, Parameters, radius_estimate};
-use tilescope_formats::{ExportContext, PointSet};
+use tilescope_core::{NestedRequest, radius_estimate};
 
-use crate::facts::Facts;
-use crate::make::{Made, ask_for_whole};
+use crate::make::{Worked, ask_for_whole};
+use crate::output::Work;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 
-/// Makes a set of nested levels, and what its file is to state.
-pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext)> {
+/// Makes a set of nested levels.
+pub fn make(arguments: &SampleArguments, levels: u32) -> Result<Worked> {
     ensure!(
         arguments.method == SamplingMethod::Kdrt,
         "--levels needs randomized tiling: the reference sampler makes one set"
@@ -27,38 +24,18 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
         order_within: arguments.nested.order_within,
         exactly: arguments.nested.exactly,
     };
-    let asked = arguments.run.parameters()?;
+    let recipe = arguments.run.recipe()?;
 
     // Levels that cannot be are refused before memory is asked for: another number of samples would not help.
-    nested.check(&asked)?;
-    let mut expected = asked;
+    nested.check(&recipe.parameters)?;
+    let mut expected = recipe.parameters;
     if let Some(count) = nested.exactly {
-        expected.radius = radius_estimate(&asked, count as u64)?;
+        expected.radius = radius_estimate(&expected, count as u64)?;
     }
     ask_for_whole(Making::Levels, &expected)?;
 
     let mut watch = Stopwatch::start();
-    let made = match arguments.run.count {
-        Some(count) => nested.of_count(&asked, count, &mut watch)?,
-        None => nested.make(&asked, &mut watch)?,
-    };
-
-    let domain = *made.domain();
-    let parameters = Parameters {
-        radius: domain.radius(),
-        ..asked
-    };
-    let mut facts = Facts {
-        seconds: watch.take(),
-        ..Facts::of_run(&parameters, &domain)?
-    };
-    if let Value::Object(stated) = json!(nested) {
-        facts.parameters.extend(stated);
-    }
-    let context = ExportContext {
-        levels: made.claims().map(PrefixClaim::from).collect(),
-        ..arguments.context(&facts)
-    };
-    let set = PointSet::from_points(made.positions());
-    Ok((Made { facts, set }, context))
+    let made = recipe.levels(&nested, &mut watch)?;
+    let work = Work::on_cpu(&mut watch);
+    Ok(Worked { made, work })
 }

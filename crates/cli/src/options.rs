@@ -88,11 +88,6 @@ pub fn formats() -> impl TypedValueParser<Value = Format> + use<> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Format>())
 }
 
-/// Returns the verifier's region of a run's domain.
-pub fn region(domain: &tilescope_core::Domain) -> Region {
-    Region::new(domain.size(), domain.is_periodic())
-}
-
 /// Options that stand in for, or override, a set's certificate.
 #[derive(Debug, Args)]
 pub struct SetArguments {
@@ -263,20 +258,6 @@ pub fn hinted(error: CheckError) -> anyhow::Error {
             anyhow!("{error}; --planar takes them as they are")
         }
         other => other.into(),
-    }
-}
-
-/// Checks a set with `overrides`; if no region is known, with that of the periodic unit square.
-pub fn check_or_unit_square<T>(
-    overrides: &Overrides,
-    check: impl Fn(&Overrides) -> Result<T, CheckError>,
-) -> Result<T, CheckError> {
-    match check(overrides) {
-        Err(CheckError::NoRegion(_)) => check(&Overrides {
-            region: Some(Region::UNIT_SQUARE),
-            ..overrides.clone()
-        }),
-        outcome => outcome,
     }
 }
 

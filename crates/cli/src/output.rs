@@ -8,10 +8,11 @@ use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report,
 use tilescope_core::{Stage, Summary};
 use tilescope_formats::{CertifiedLevel, Warning, is_valid};
 use tilescope_gpu::Backend;
+use tilescope_sets::Facts;
 
-use crate::facts::Facts;
 use crate::options::SetArguments;
 use crate::paths::named;
+use crate::progress::Stopwatch;
 
 /// Prints text. A closed pipe is no error: its reader needs no more, and the exit code is that of the work.
 ///
@@ -56,36 +57,58 @@ pub fn report(
     })
 }
 
-/// The verdict and the path of the certificate, if the set was verified and saved, and warnings.
-pub type Judged = (Option<Report>, Option<PathBuf>, Vec<Warning>);
-
-/// A set that was made, with its verdict and its file.
-pub struct Outcome {
-    pub facts: Facts,
-    pub count: u64,
-    /// The digest of its positions as they were made, before a file rounds them or has them in another order; `None` where
-    /// only a part of them passed by.
-    pub positions_digest: Option<String>,
-    /// `None` if it was not verified.
+/// The verdict on a set and its file; nothing, of a set that was not verified.
+#[derive(Default)]
+pub struct Judged {
     pub report: Option<Report>,
     /// What was found of each level of nested levels.
     pub levels: Vec<CertifiedLevel>,
     /// The certificate, if the set was saved with one.
     pub certificate: Option<PathBuf>,
+    pub warnings: Vec<Warning>,
+}
+
+/// What it took to make a set.
+#[derive(Default)]
+pub struct Work {
+    /// The engine that computed it, if several can.
+    pub backend: Option<Backend>,
+    pub seconds: Vec<(Stage, f64)>,
+}
+
+impl Work {
+    /// Returns the work of the one engine that can make a set of its kind.
+    pub fn on_cpu(watch: &mut Stopwatch) -> Self {
+        Self {
+            backend: None,
+            seconds: watch.take(),
+        }
+    }
+}
+
+/// A set that was made, with its verdict and its file.
+pub struct Outcome {
+    pub facts: Facts,
+    pub work: Work,
+    pub count: u64,
+    /// The digest of its positions as they were made, before a file rounds them or has them in another order; `None` where
+    /// only a part of them passed by.
+    pub positions_digest: Option<String>,
+    pub judged: Judged,
+    /// Those of the file, and remarks on the run.
     pub warnings: Vec<String>,
 }
 
 impl Outcome {
-    /// Returns the outcome with the verdict and the path of the certificate, if there are any, and with warnings.
-    pub fn new(facts: Facts, count: u64, (report, certificate, warnings): Judged) -> Self {
+    pub fn new(facts: Facts, work: Work, count: u64, judged: Judged) -> Self {
+        let warnings = judged.warnings.iter();
         Self {
             facts,
+            work,
             count,
             positions_digest: None,
-            report,
-            levels: Vec::new(),
-            certificate,
-            warnings: warnings.iter().map(ToString::to_string).collect(),
+            warnings: warnings.map(ToString::to_string).collect(),
+            judged,
         }
     }
 
@@ -99,14 +122,15 @@ impl Outcome {
 
     /// Returns the exit code; a set without a verdict has no negative one.
     pub fn code(&self) -> u8 {
-        let report = self.report.as_ref();
-        crate::verdict_code(report.is_none_or(|report| is_valid(report, &self.levels)))
+        let Judged { report, levels, .. } = &self.judged;
+        let is_valid = |report| is_valid(report, levels);
+        crate::verdict_code(report.as_ref().is_none_or(is_valid))
     }
 
     /// Returns the facts and the verdict as an object.
     pub fn json(&self) -> Value {
-        let facts = &self.facts;
-        let seconds = facts.seconds.iter();
+        let (facts, judged) = (&self.facts, &self.judged);
+        let seconds = self.work.seconds.iter();
         let seconds = seconds.map(|(stage, s)| json!({ "stage": stage.to_string(), "seconds": s }));
         let mut object = json!({
             "method": facts.method,
@@ -114,22 +138,23 @@ impl Outcome {
             "radius": facts.radius,
             "seconds": seconds.collect::<Vec<Value>>(),
             "positions_digest": self.positions_digest,
-            "certificate": self.certificate.as_ref().map(|path| path.display().to_string()),
+            "certificate": judged.certificate.as_ref().map(|path| path.display().to_string()),
             "warnings": self.warnings,
         });
         if let Some(summary) = &facts.summary {
             add(&mut object, json!(summary));
             object["iterations"] = json!(summary.inserted.len());
         }
-        let verdict = match &self.report {
+
+        let verdict = match &judged.report {
             Some(report) => verdict_json(report),
             None => json!({ "count": self.count, "verified": false }),
         };
         add(&mut object, verdict);
-        if !self.levels.is_empty() {
-            object["levels"] = json!(self.levels);
+        if !judged.levels.is_empty() {
+            object["levels"] = json!(judged.levels);
         }
-        if let Some(backend) = &facts.backend {
+        if let Some(backend) = &self.work.backend {
             object["engine"] = json!(backend.engine.name());
             object["engine_reason"] = json!(backend.reason);
         }
@@ -138,21 +163,22 @@ impl Outcome {
 
     /// Returns the facts and the verdict as text: stages, verdict, file.
     pub fn text(&self) -> String {
-        let facts = &self.facts;
+        let (facts, judged) = (&self.facts, &self.judged);
         let (region, radius) = (region_text(&facts.region), Number(facts.radius));
         let mut out = format!("{} on {region}, r = {radius}\n", facts.method);
-        if let Some(Backend { engine, reason, .. }) = &facts.backend {
+        if let Some(Backend { engine, reason, .. }) = &self.work.backend {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
         }
-        let stages = stage_table(facts.summary.as_ref(), &facts.seconds);
+
+        let stages = stage_table(facts.summary.as_ref(), &self.work.seconds);
         let count = self.count;
-        let verdict = match &self.report {
-            Some(report) => verdict_text(report, &self.levels),
+        let verdict = match &judged.report {
+            Some(report) => verdict_text(report, &judged.levels),
             None => format!("samples        {count}\nverdict        none: not verified\n"),
         };
         let _ = write!(out, "\n{stages}\n{verdict}");
         out.extend(self.warnings.iter().map(|warning| warning_line(warning)));
-        if let Some(path) = &self.certificate {
+        if let Some(path) = &judged.certificate {
             let _ = writeln!(out, "certificate    {}", named(path));
         }
         out

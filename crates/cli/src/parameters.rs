@@ -1,23 +1,20 @@
-//! Arguments that determine a run, and the run that they resolve to, with its radius, pattern and engine.
+//! Arguments that determine a run, and the run that they settle, with its radius and pattern.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use anyhow::{Result, bail};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parser};
-use serde_json::Value;
-use tilescope_analysis::Region;
+use serde_json::json;
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, Pattern,
-    radius_estimate, radius_for_count,
+    Boundary, MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, radius_estimate,
 };
 use tilescope_formats::Hint;
-use tilescope_gpu::Backend;
+use tilescope_sets::{GivenDomain, GivenPattern, Recipe, Settled, named_by_content};
 
-use crate::facts::{Facts, named_by_content};
 use crate::options::words;
 use crate::paths::InFile;
 use crate::progress::Stopwatch;
@@ -158,35 +155,18 @@ fn take(parameters: &mut Parameters, parameter: Parameter, matches: &ArgMatches)
     Ok(())
 }
 
-/// A run with its radius, pattern and engine, ready to be computed.
-pub struct Resolved {
-    pub parameters: Parameters,
-    pub domain: Domain,
-    pub pattern: Arc<Pattern>,
-    pub backend: Backend,
-    /// The pattern's file, as certificates name it.
-    pattern_file: Option<Value>,
-}
-
-impl Resolved {
-    /// Returns the facts about the run before it is made.
-    pub fn facts(&self) -> Result<Facts> {
-        let mut facts = Facts::of_run(&self.parameters, &self.domain)?;
-        if let Some(file) = &self.pattern_file {
-            facts.parameters.insert("pattern".into(), file.clone());
-        }
-        Ok(facts)
-    }
-}
-
 impl RunArguments {
-    /// Returns the parameters; with `--count` the radius is an estimate.
-    pub fn parameters(&self) -> Result<Parameters> {
+    /// Returns what the set is made from, but for a pattern from a file; with `--count` the radius is an estimate.
+    pub fn recipe(&self) -> Result<Recipe> {
         let mut parameters = self.asked;
         if let Some(count) = self.count {
             parameters.radius = radius_estimate(&parameters, count)?;
         }
-        Ok(parameters)
+
+        Ok(Recipe {
+            count: self.count,
+            ..Recipe::from(parameters)
+        })
     }
 
     /// Returns the expected number of samples.
@@ -197,60 +177,47 @@ impl RunArguments {
         })
     }
 
-    /// Returns the run. If its set stays `in_memory`, its size is limited.
-    pub fn resolve(
+    /// Returns the run of a recipe. If its set stays `in_memory`, its size is limited.
+    pub fn settle(
         &self,
-        mut parameters: Parameters,
-        backend: Backend,
+        mut recipe: Recipe,
         in_memory: bool,
         watch: &mut Stopwatch,
-    ) -> Result<Resolved> {
-        if in_memory && self.count.is_none() {
-            parameters.validate_sequential()?;
+    ) -> Result<Settled> {
+        if in_memory && recipe.count.is_none() {
+            recipe.parameters.validate_sequential()?;
         }
-        let (pattern, pattern_file) = match &self.pattern {
-            Some(path) => {
-                let radius = (self.pattern_radius, "--pattern-radius");
-                let set = set_of_file(path, radius, [None; 2], None).in_file(path)?;
-                (set.pattern, Some(named_by_content(path)?))
-            }
-            None => (Pattern::of_spec(&parameters.pattern, watch)?, None),
-        };
-        if let Some(count) = self.count {
-            parameters.radius = radius_for_count(&parameters, count, &pattern, watch)?;
+        if let Some(path) = &self.pattern {
+            let given = GivenDomain {
+                radius: self.pattern_radius,
+                ..GivenDomain::default()
+            };
+            let set = set_of_file(path, &given, "--pattern-radius").in_file(path)?;
+            recipe.pattern = Some(GivenPattern {
+                pattern: set.pattern,
+                source: json!(named_by_content(path)?),
+            });
+        }
+
+        let run = recipe.settle(watch)?;
+        if recipe.count.is_some() {
             watch.drop_tries();
         }
-        let domain = if in_memory {
-            parameters.validate_sequential()?
-        } else {
-            parameters.validate()?
-        };
-        Ok(Resolved {
-            parameters,
-            domain,
-            pattern,
-            backend,
-            pattern_file,
-        })
+        // A search for the radius begins with an estimate, of which nothing was refused above.
+        if in_memory {
+            run.parameters.validate_sequential()?;
+        }
+        Ok(run)
     }
 }
 
 /// Returns the set in a file; fails unless it is conflict-free and maximal. What is not given is the certificate's, or that
 /// of the periodic unit square. If no radius is known, the error asks for `wanted`.
-pub fn set_of_file(
-    path: &Path,
-    (radius, wanted): (Option<f64>, &str),
-    size: [Option<f64>; 2],
-    boundary: Option<Boundary>,
-) -> Result<Set> {
+pub fn set_of_file(path: &Path, given: &GivenDomain, wanted: &str) -> Result<Set> {
     let read = tilescope_formats::read(path, &Hint::default())?;
-    let stated = read.certificate.as_ref();
-    let Some(radius) = radius.or(stated.map(|stated| stated.radius)) else {
+    let stated = read.certificate.as_ref().map(Into::into);
+    let Some(known) = given.over(stated) else {
         bail!("the set has no certificate; give {wanted}");
     };
-    let region = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
-    let size = [0, 1].map(|axis| size[axis].unwrap_or(region.size()[axis]));
-    let boundary = boundary.unwrap_or(Boundary::of(region.is_periodic()));
-    let points = &read.set.points;
-    Ok(Set::from_positions(points, size, radius, boundary)?)
+    Ok(known.set(&read.set.points)?)
 }

@@ -2,10 +2,10 @@
 
 use anyhow::{Result, ensure};
 use tilescope_core::Parameters;
-use tilescope_formats::{ExportContext, positions_digest};
+use tilescope_formats::positions_digest;
 
-use crate::make::{self, Made};
-use crate::output::{self, Outcome};
+use crate::make::{self, Worked};
+use crate::output::{self, Judged, Outcome};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
@@ -22,8 +22,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return window::run(arguments, window);
     }
     let outcome = if let Some(levels) = arguments.nested.levels {
-        let (made, context) = nested::make(arguments, levels)?;
-        finish(arguments, made, &context)?
+        finish(arguments, nested::make(arguments, levels)?)?
     } else {
         outcome(arguments)?
     };
@@ -32,44 +31,54 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 }
 
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
-    let asked = arguments.run.parameters()?;
-    let expected = arguments.run.expected(&asked)?;
+    let recipe = arguments.run.recipe()?;
+    let expected = arguments.run.expected(&recipe.parameters)?;
     let streams = arguments.streams(expected)?;
-    let made = if arguments.method == SamplingMethod::Reference {
+
+    let worked = if arguments.method == SamplingMethod::Reference {
         ensure!(
             !arguments.engine.wants_gpu(),
             "--engine gpu and --gpu-adapter are for KDRT: the reference sampler runs on the CPU"
         );
-        make::reference(&asked, arguments.run.count)?
+        make::reference(&recipe)?
     } else {
-        let backend = arguments.engine.choose(asked.variant, expected)?;
+        let variant = recipe.parameters.variant;
+        let backend = arguments.engine.choose(variant, expected)?;
         let mut watch = Stopwatch::start();
-        let run = (arguments.run).resolve(asked, backend, !streams, &mut watch)?;
+        let run = arguments.run.settle(recipe.clone(), !streams, &mut watch)?;
         if streams {
-            let passed = stream::pass(arguments, &run, watch);
+            let passed = stream::pass(arguments, &run, &backend, watch);
             let outcome = match &arguments.out {
                 Some(path) => passed.in_file(path)?,
                 None => passed?,
             };
             return Ok(with_remark(arguments, &run.parameters, outcome));
         }
-        make::whole(&run, watch)?
+        make::whole(&run, &backend, watch)?
     };
-    let mut parameters = asked;
-    parameters.radius = made.facts.radius;
-    let context = arguments.context(&made.facts);
-    let outcome = finish(arguments, made, &context)?;
+
+    let parameters = Parameters {
+        radius: worked.made.facts.radius,
+        ..recipe.parameters
+    };
+    let outcome = finish(arguments, worked)?;
     Ok(with_remark(arguments, &parameters, outcome))
 }
 
 /// Verifies a set and saves it, as the arguments ask.
-fn finish(arguments: &SampleArguments, made: Made, context: &ExportContext) -> Result<Outcome> {
+fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
+    let context = arguments.context(&worked.made.facts);
     let Some(path) = arguments.out.as_deref().filter(|_| arguments.no_verify) else {
-        return made.finish(arguments.out.as_deref(), context);
+        return worked.finish(arguments.out.as_deref(), &context);
     };
-    let warnings = save_unverified(&made.set, path, context)?;
+
+    let Worked { made, work } = worked;
+    let unverified = Judged {
+        warnings: save_unverified(&made.set, path, &context)?,
+        ..Judged::default()
+    };
     let digest = positions_digest(&made.set.points);
-    let outcome = Outcome::new(made.facts, made.set.len() as u64, (None, None, warnings));
+    let outcome = Outcome::new(made.facts, work, made.set.len() as u64, unverified);
     Ok(outcome.with_digest(digest))
 }
 

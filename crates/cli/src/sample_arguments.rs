@@ -7,9 +7,9 @@ use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_core::WithinLevel;
 use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
+use tilescope_sets::Facts;
 
 use crate::engine::EngineArguments;
-use crate::facts::Facts;
 use crate::options::{JudgeArguments, Names, PRECISIONS, formats, named, pair};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;

@@ -16,9 +16,10 @@ use tilescope_core::{
     Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point,
     SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, below,
 };
+use tilescope_sets::region;
 
 use crate::engine::ThreadArguments;
-use crate::options::{JudgeArguments, region};
+use crate::options::JudgeArguments;
 use crate::progress::bar;
 use crate::{interrupt, output, verdict_code};
 

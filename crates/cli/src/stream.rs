@@ -13,13 +13,12 @@ use tilescope_formats::{
     ExportContext, Format, Overrides, PassingDigest, Provenance, StreamExport, StreamOptions,
     certificate_beside, check_stream, checkpoint_token, finish_interrupted, resume_path,
 };
-use tilescope_gpu::Bands;
+use tilescope_gpu::{Backend, Bands};
+use tilescope_sets::{Facts, Settled, provenance};
 
 use crate::engine::of_engine;
-use crate::facts::Facts;
 use crate::interrupt::Resumable;
-use crate::output::{Judged, Outcome};
-use crate::parameters::Resolved;
+use crate::output::{Judged, Outcome, Work};
 use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::SampleArguments;
@@ -29,8 +28,13 @@ use crate::{interrupt, make};
 const PIECE: usize = 1 << 16;
 
 /// Makes the set of a run band by band, and writes and verifies each band.
-pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -> Result<Outcome> {
-    let mut facts = run.facts()?;
+pub fn pass(
+    arguments: &SampleArguments,
+    run: &Settled,
+    backend: &Backend,
+    mut watch: Stopwatch,
+) -> Result<Outcome> {
+    let mut facts = run.facts.clone();
     let context = arguments.context(&facts);
     let out = arguments.out.as_deref();
     let resumed = out.filter(|_| arguments.resume);
@@ -41,9 +45,10 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     {
         return finished(arguments, path, facts, count);
     }
+
     let sink = Sink::open(arguments, &context)?;
     let sources = out.is_some() && context.format.is_some_and(Format::carries_provenance);
-    let mut bands = make::bands(run, sources)?;
+    let mut bands = make::bands(run, backend, sources)?;
     if let Some(state) = &state {
         bands.restore(state);
     }
@@ -52,12 +57,15 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
     let end = pass_into(&mut bands, sink, (&run.domain, token), &mut watch);
     let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
+
     let summary = bands.summary();
     let count = summary.count as u64;
-    facts.seconds = watch.take();
-    facts.backend = Some(bands.backend().clone());
     facts.summary = Some(summary);
-    let outcome = Outcome::new(facts, count, verdict);
+    let work = Work {
+        backend: Some(bands.backend().clone()),
+        seconds: watch.take(),
+    };
+    let outcome = Outcome::new(facts, work, count, verdict);
     Ok(Outcome {
         // The samples before the checkpoint did not pass by.
         positions_digest: state.is_none().then_some(digest),
@@ -67,17 +75,22 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
 
 /// Returns the outcome of a run whose file had its name already when it was interrupted; it is judged once more.
 fn finished(arguments: &SampleArguments, path: &Path, facts: Facts, count: u64) -> Result<Outcome> {
+    // The run itself was the work of the process that was interrupted.
+    let outcome = |judged| Outcome::new(facts, Work::default(), count, judged);
     if arguments.no_verify {
-        return Ok(Outcome::new(facts, count, (None, None, Vec::new())));
+        return Ok(outcome(Judged::default()));
     }
+
     let overrides = Overrides {
         judges: arguments.judge.choice(),
         ..Overrides::default()
     };
     let check = verifying(|control| check_stream(path, &overrides, control))?;
-    let certificate = certificate_beside(path);
-    let judged = (Some(check.report), Some(certificate), Vec::new());
-    Ok(Outcome::new(facts, count, judged))
+    Ok(outcome(Judged {
+        report: Some(check.report),
+        certificate: Some(certificate_beside(path)),
+        ..Judged::default()
+    }))
 }
 
 /// Returns the error with a note on how to resume, if there is a checkpoint.
@@ -192,7 +205,7 @@ impl Sink {
             let Some((sampled, token)) = message else {
                 return Ok(Some((self.finish()?, digest.text())));
             };
-            let provenance = make::provenance(&sampled);
+            let provenance = sampled.sources.as_deref().map(provenance);
             for (k, piece) in sampled.points.chunks(PIECE).enumerate() {
                 let points = domain.users_from_lattice(piece);
                 digest.add(&points);
@@ -227,12 +240,17 @@ impl Sink {
                 let streamed = export.finish(&|_| interrupt::flow())?;
                 let verified = streamed.verified.map(|v| (v.report, v.certificate_path));
                 let (report, certificate) = verified.unzip();
-                (report, certificate, streamed.warnings)
+                Judged {
+                    report,
+                    certificate,
+                    warnings: streamed.warnings,
+                    ..Judged::default()
+                }
             }
-            Self::Judge(verifier) => {
-                let report = verifier.finish(&|_| interrupt::flow())?;
-                (Some(report), None, Vec::new())
-            }
+            Self::Judge(verifier) => Judged {
+                report: Some(verifier.finish(&|_| interrupt::flow())?),
+                ..Judged::default()
+            },
         })
     }
 }

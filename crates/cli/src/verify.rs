@@ -10,8 +10,9 @@ use tilescope_analysis::{shown_in_line, verify_prefix};
 use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, Check, CheckError, Overrides, check_stream,
 };
+use tilescope_sets::check_or_unit_square;
 
-use crate::options::{JudgeArguments, SetArguments, check_or_unit_square, hinted};
+use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};

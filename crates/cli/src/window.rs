@@ -8,10 +8,9 @@ use serde_json::json;
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
 use tilescope_formats::{PointSet, positions_digest};
-use tilescope_gpu::{ASKED_FOR, Backend, Engine};
+use tilescope_sets::region;
 
 use crate::make::NO_VERDICT;
-use crate::options::region;
 use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
@@ -30,9 +29,8 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
         "--window needs the parallel engine: the others, also the GPU's, make whole sets"
     );
     let mut watch = Stopwatch::start();
-    let backend = Backend::new(Engine::Parallel, ASKED_FOR);
-    let parameters = arguments.run.parameters()?;
-    let run = (arguments.run).resolve(parameters, backend, false, &mut watch)?;
+    let recipe = arguments.run.recipe()?;
+    let run = arguments.run.settle(recipe, false, &mut watch)?;
     watch.take();
     let plane = Plane::new(&run.parameters, &run.pattern)?;
     let domain = *plane.domain();
@@ -51,7 +49,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
     let report = judge(&plane, &window)?;
-    let (facts, count) = (run.facts()?, points.len());
+    let (facts, count) = (&run.facts, points.len());
     let set = PointSet::from_points(domain.users_from_lattice(&points));
     let file = arguments.out.as_ref();
     let file = file.map(|path| named(path));
@@ -82,7 +80,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             count > 0,
             "{file}: no sample lies in the window, and files have at least one"
         );
-        save_unverified(&set, path, &arguments.context(&facts))?;
+        save_unverified(&set, path, &arguments.context(facts))?;
         let remark = "a part of a set has no certificate";
         let _ = writeln!(text, "file           {file} ({remark})");
     }

@@ -14,11 +14,11 @@ const BODY: usize = 15;
 
 /// For each crate the most long functions without a blank line, and the fewest comments in 1,000 lines of bodies. They are the
 /// counts of the day when the crate was last gone through: lower the first and raise the second with each pass.
-const LIMITS: [(&str, usize, usize); 20] = [
+const LIMITS: [(&str, usize, usize); 21] = [
     ("crates/analysis", 74, 16),
     ("crates/app", 174, 11),
     ("crates/canvas", 25, 11),
-    ("crates/cli", 46, 13),
+    ("crates/cli", 39, 14),
     ("crates/core", 88, 12),
     ("crates/debugger", 30, 4),
     ("crates/drawing", 16, 15),
@@ -29,6 +29,7 @@ const LIMITS: [(&str, usize, usize); 20] = [
     ("crates/python", 12, 13),
     ("crates/reproduce", 42, 5),
     ("crates/session", 19, 11),
+    ("crates/sets", 0, 25),
     ("crates/tilescope", 1, 47),
     ("crates/trusted", 0, 45),
     ("crates/ui", 8, 8),

@@ -13,9 +13,10 @@ use tilescope_analysis::measures::{
 };
 use tilescope_analysis::{Control, MAX_CONFLICTS, Region, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
+use tilescope_sets::check_or_unit_square;
 
 use super::measure::{Measure, of_set, values_by_key};
-use crate::options::{SetArguments, WITHOUT_CERTIFICATE, check_or_unit_square, hinted};
+use crate::options::{SetArguments, WITHOUT_CERTIFICATE, hinted};
 use crate::output;
 use crate::paths::{InFile, named};
 use crate::progress::{verifying, watched};

@@ -8,9 +8,10 @@ use std::time::Instant;
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use serde_json::{Value, json};
+use tilescope_core::Progress;
 use tilescope_core::combine::Piece;
 use tilescope_core::combine::file::{PieceError, PieceSource, PlacedLayout, PlacedPiece, Set};
-use tilescope_core::{Boundary, Pattern, Progress};
+use tilescope_sets::{GivenDomain, set_of_piece};
 
 use crate::interrupt;
 use crate::parameters::set_of_file;
@@ -86,30 +87,13 @@ pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)
 
 fn set(source: &PieceSource, folder: &Path) -> Result<Set> {
     let mut observer = |_: Progress| -> ControlFlow<()> { interrupt::flow() };
-    match source {
-        PieceSource::File {
-            path,
-            radius,
-            size,
-            boundary,
-        } => {
-            let path = folder.join(path);
-            file(&path, *radius, *size, *boundary).in_file(&path)
-        }
-        PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
-        PieceSource::Run { parameters, .. } => {
-            let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-            Ok(Set::of_run(parameters, &pattern, &mut observer)?)
-        }
-    }
+    set_of_piece(source, &mut observer, |path, given| {
+        let path = folder.join(path);
+        file(&path, given).in_file(&path)
+    })
 }
 
-fn file(
-    path: &Path,
-    radius: Option<f64>,
-    size: [Option<f64>; 2],
-    boundary: Option<Boundary>,
-) -> Result<Set> {
+fn file(path: &Path, given: &GivenDomain) -> Result<Set> {
     let about = fs::metadata(path)?;
     ensure!(about.is_file(), "this is not a file");
     ensure!(
@@ -117,5 +101,5 @@ fn file(
         "the file has {} bytes; it may have {MAX_FILE_BYTES}",
         about.len()
     );
-    set_of_file(path, (radius, "its \"radius\""), size, boundary)
+    set_of_file(path, given, "its \"radius\"")
 }

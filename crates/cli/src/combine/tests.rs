@@ -7,12 +7,14 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Parser;
+use serde_json::Value;
 use tempfile::TempDir;
+use tilescope_analysis::VerifyOptions;
 use tilescope_core::{Boundary, Domain, Unobserved, reference_sample};
-use tilescope_formats::{ExportContext, positions_digest};
+use tilescope_formats::{ExportContext, PointSet, positions_digest};
+use tilescope_sets::region;
 
 use super::*;
-use crate::options::region;
 use crate::progress::verifying;
 use crate::{Arguments, Command, EXIT_FINE};
 
@@ -32,18 +34,12 @@ pub fn written(folder: &TempDir, layout: &Value) -> PathBuf {
 }
 
 /// Glues a layout and returns the set, judged by the independent verifier.
-pub fn judged(path: &Path) -> (Made, Census, usize) {
-    let (made, census, seams) = glue(path, None).unwrap();
-    let facts = &made.facts;
-    let report = make::judge(
-        &made.set.points,
-        facts.region,
-        facts.radius,
-        &tilescope_analysis::VerifyOptions::default(),
-    )
-    .unwrap();
+fn judged(path: &Path) -> Glued {
+    let glued = glue(path, None).unwrap();
+    let (made, options) = (&glued.worked.made, VerifyOptions::default());
+    let report = verifying(|control| made.judge(&options, control)).unwrap();
     assert!(report.valid(), "{report:?}");
-    (made, census, seams)
+    glued
 }
 
 /// Saves a reference set of [0, 2] x [0, 2] with radius 0.1, and returns its positions.
@@ -69,7 +65,8 @@ pub fn arguments(words: &[&str]) -> CombineArguments {
 /// The paper's Fig. 12. The digest is pinned: another one is another set.
 #[test]
 fn nine_sets_become_one() {
-    let (made, _, seams) = judged(Path::new(NINE));
+    let Glued { worked, seams, .. } = judged(Path::new(NINE));
+    let made = worked.made;
     let set = &made.set;
     let blocks = set.provenance.iter().flatten().map(|from| from.block);
     let blocks: HashSet<u32> = blocks.collect();
@@ -132,9 +129,9 @@ fn sets_of_every_kind_are_glued_in_both_boundaries() {
         let positions = save_reference(&folder, "b.csv", Boundary::Bounded);
         let lines: Vec<String> = positions.iter().map(|[x, y]| format!("{x} {y}")).collect();
         fs::write(folder.path().join("c.txt"), lines.join("\n")).unwrap();
-        let (made, census, _) = judged(&written(&folder, &every_kind(boundary)));
-        assert_eq!(census.kinds, [3, 2, 1]);
-        let stated = &made.facts.parameters["layout"];
+        let glued = judged(&written(&folder, &every_kind(boundary)));
+        assert_eq!(glued.census.kinds, [3, 2, 1]);
+        let stated = &glued.worked.made.facts.parameters["layout"];
         assert_eq!(stated["pieces"][3]["file"], "b.csv");
         assert!(
             stated["pieces"][3]["digest"]
@@ -171,8 +168,13 @@ fn a_periodic_file_in_its_own_domain_comes_back_unchanged() {
     let mut layout = json!({
         "version": 1, "radius": 0.1, "columns": [2], "rows": [2], "pieces": [{ "file": "a.csv" }],
     });
-    let (made, _, seams) = judged(&written(&folder, &layout));
-    assert_eq!((made.set.points, seams), (positions.clone(), 0));
+    let unchanged = |layout: &Value| {
+        let glued = judged(&written(&folder, layout));
+        assert_eq!(glued.worked.made.set.points, positions);
+        assert_eq!(glued.seams, 0);
+    };
+    unchanged(&layout);
+
     // Cut in four that continue each other, too.
     layout["columns"] = json!([0.3, 1.7]);
     layout["rows"] = json!([1.1, 0.9]);
@@ -183,6 +185,5 @@ fn a_periodic_file_in_its_own_domain_comes_back_unchanged() {
         piece(0.0, 1.1),
         piece(0.3, 1.1)
     ]);
-    let (made, _, seams) = judged(&written(&folder, &layout));
-    assert_eq!((made.set.points, seams), (positions, 0));
+    unchanged(&layout);
 }

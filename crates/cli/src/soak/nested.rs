@@ -6,10 +6,10 @@ use tilescope_core::{
     Insertion, NestedPlane, Order, ParameterError, Parameters, PatternSpec, SampleError, Search,
     Unobserved, Window,
 };
+use tilescope_sets::region;
 
 use super::{Dice, Tally, command, windows_agree};
 use crate::interrupt;
-use crate::options::region;
 
 /// The share of rounds that also make levels.
 const SHARE: f64 = 0.25;

@@ -1,0 +1,213 @@
+//! What a set is made from, and the ways of making it on the CPU. What another engine computes ends in the same
+//! [`Made`] by [`Settled::made`].
+
+use std::sync::Arc;
+
+use serde_json::Value;
+use tilescope_analysis::PrefixClaim;
+use tilescope_core::{
+    Domain, NestedRequest, Observer, Parameters, Pattern, SampleError, Sampled, Sequential,
+    Summary, Sweep, radius_for_count, reference_sample, search_radius,
+};
+use tilescope_formats::PointSet;
+
+use crate::facts::{Facts, Stated, stated};
+use crate::made::{Made, provenance};
+
+/// The parameters that the reference sampler uses.
+const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
+
+/// A pattern that is given rather than generated.
+#[derive(Clone, Debug)]
+pub struct GivenPattern {
+    /// The pattern.
+    pub pattern: Arc<Pattern>,
+    /// Where it is from, as certificates state it.
+    pub source: Value,
+}
+
+/// What a set is made from.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// The parameters; with a count, their radius is an estimate.
+    pub parameters: Parameters,
+    /// How many samples there are to be, to within a hundredth, if the radius follows from that.
+    pub count: Option<u64>,
+    /// The pattern in the place of the one that the parameters describe.
+    pub pattern: Option<GivenPattern>,
+}
+
+impl From<Parameters> for Recipe {
+    fn from(parameters: Parameters) -> Self {
+        Self {
+            parameters,
+            count: None,
+            pattern: None,
+        }
+    }
+}
+
+impl Recipe {
+    /// Returns the parameters by name, with the radius of the set that is made.
+    #[must_use]
+    pub fn stated(&self, radius: f64) -> Stated {
+        let mut all = stated(&self.with_radius(radius));
+        if let Some(given) = &self.pattern {
+            all.insert("pattern".to_owned(), given.source.clone());
+        }
+        all
+    }
+
+    /// Returns the run by randomized tiling: the radius of the count is searched, the pattern is made unless it is given.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the parameters are invalid, when no radius gives the count, and when it is cancelled.
+    pub fn settle(&self, observer: &mut dyn Observer) -> Result<Settled, SampleError> {
+        let mut parameters = self.parameters;
+        let pattern = match &self.pattern {
+            Some(given) => Arc::clone(&given.pattern),
+            None => Pattern::of_spec(&parameters.pattern, observer)?,
+        };
+        if let Some(count) = self.count {
+            parameters.radius = radius_for_count(&parameters, count, &pattern, observer)?;
+        }
+
+        let domain = parameters.validate()?;
+        let facts = Facts::new("kdrt", self.stated(parameters.radius), &domain);
+        Ok(Settled {
+            parameters,
+            domain,
+            pattern,
+            facts,
+        })
+    }
+
+    /// Makes the set by the reference sampler, which uses the sides, the radius or the count, the boundary and the seed.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
+    /// when it is cancelled.
+    pub fn reference(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
+        let mut attempt = |radius| -> Result<_, SampleError> {
+            let domain = self.with_radius(radius).validate_sequential()?;
+            let points = reference_sample(domain, self.parameters.seed, observer)?;
+            Ok((points.len() as u64, (domain, points)))
+        };
+        let (domain, points) = match self.count {
+            Some(count) => search_radius(&self.parameters, count, attempt)?,
+            None => attempt(self.parameters.radius)?.1,
+        };
+
+        let mut used = self.stated(domain.radius());
+        used.retain(|name, _| OF_REFERENCE.contains(&name.as_str()));
+        Ok(Made {
+            set: PointSet::from_points(domain.users_from_lattice(&points)),
+            facts: Facts::new("reference", used, &domain),
+        })
+    }
+
+    /// Makes nested levels, which have a pattern of their own.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when there cannot be such levels, when the set would be too large, when no radius gives the count, and
+    /// when it is cancelled.
+    pub fn levels(
+        &self,
+        nested: &NestedRequest,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, SampleError> {
+        let made = match self.count {
+            Some(count) => nested.of_count(&self.parameters, count, observer)?,
+            None => nested.make(&self.parameters, observer)?,
+        };
+
+        let domain = made.domain();
+        let mut parameters = self.stated(domain.radius());
+        parameters.extend(stated(nested));
+        Ok(Made {
+            set: PointSet::from_points(made.positions()),
+            facts: Facts {
+                levels: made.claims().map(PrefixClaim::from).collect(),
+                ..Facts::new("kdrt", parameters, domain)
+            },
+        })
+    }
+
+    fn with_radius(&self, radius: f64) -> Parameters {
+        Parameters {
+            radius,
+            ..self.parameters
+        }
+    }
+}
+
+/// A run by randomized tiling that can be made: its radius and its pattern are settled.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// The parameters, with the radius of the run.
+    pub parameters: Parameters,
+    /// The domain, of any size.
+    pub domain: Domain,
+    /// The pattern.
+    pub pattern: Arc<Pattern>,
+    /// The facts of the set before it is made.
+    pub facts: Facts,
+}
+
+impl Settled {
+    /// Makes the set by the sequential engine, with the source of each sample if `sources`.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the set would be too large, and when it is cancelled.
+    pub fn sequential(
+        &self,
+        sources: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, SampleError> {
+        let engine = Sequential::new(&self.parameters, Arc::clone(&self.pattern))?;
+        let run = engine.finish(observer)?;
+        if sources {
+            return Ok(Made::of_run(&run, self.facts.clone()));
+        }
+        // Sources of a large set would take as much memory again as its positions.
+        let sampled = Sampled {
+            points: run.points(),
+            sources: None,
+        };
+        Ok(self.made(&sampled, run.summary()))
+    }
+
+    /// Makes the set by the parallel engine, with the source of each sample if `sources`.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the engine does not make this variant, and when it is cancelled.
+    pub fn parallel(
+        &self,
+        sources: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, SampleError> {
+        let sweep = Sweep::new(&self.parameters, &self.pattern, sources)?;
+        let (sampled, summary) = sweep.finish(observer)?;
+        Ok(self.made(&sampled, summary))
+    }
+
+    /// Returns what an engine made of this run as a set.
+    #[must_use]
+    pub fn made(&self, sampled: &Sampled, summary: Summary) -> Made {
+        Made {
+            set: PointSet {
+                points: self.domain.users_from_lattice(&sampled.points),
+                provenance: sampled.sources.as_deref().map(provenance),
+            },
+            facts: Facts {
+                summary: Some(summary),
+                ..self.facts.clone()
+            },
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Sets from parameters to a verdict, and domains as both sides have them.
+
+use std::ops::ControlFlow;
+
+use tilescope_analysis::{Region, VerifyOptions};
+use tilescope_core::{Boundary, Domain, NestedRequest, Parameters, Unobserved, WithinLevel};
+
+use super::*;
+
+#[test]
+fn a_region_is_its_domain_in_either_unit() {
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        let domain = Domain::from_size([3.0, 1.5], 0.1, boundary).unwrap();
+        let is_periodic = boundary == Boundary::Periodic;
+        assert_eq!(region(&domain), Region::new([3.0, 1.5], is_periodic));
+
+        let in_radii = region_in_radii(&domain);
+        assert_eq!(in_radii.is_periodic(), is_periodic);
+        // The domain has whole lattice units.
+        assert!((in_radii.width - 30.0).abs() < 1e-3 && (in_radii.height - 15.0).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn what_is_given_stands_in_for_what_is_stated() {
+    let stated = KnownDomain {
+        region: Region::new([2.0, 3.0], false),
+        radius: 0.1,
+    };
+    assert_eq!(GivenDomain::default().over(Some(stated)), Some(stated));
+    assert_eq!(GivenDomain::default().over(None), None);
+
+    let given = GivenDomain {
+        radius: Some(0.2),
+        size: [None, Some(4.0)],
+        boundary: Some(Boundary::Periodic),
+    };
+    let over = |stated| given.over(stated).map(|known| (known.region, known.radius));
+    assert_eq!(over(None), Some((Region::new([1.0, 4.0], true), 0.2)));
+    assert_eq!(
+        over(Some(stated)),
+        Some((Region::new([2.0, 4.0], true), 0.2))
+    );
+}
+
+fn recipe() -> Recipe {
+    Recipe::from(Parameters {
+        radius: 0.04,
+        ..Parameters::default()
+    })
+}
+
+#[test]
+fn both_engines_end_in_the_same_set_with_the_same_facts() {
+    let run = recipe().settle(&mut Unobserved).unwrap();
+    let parallel = run.parallel(true, &mut Unobserved).unwrap();
+    let sequential = run.sequential(true, &mut Unobserved).unwrap();
+    assert_eq!(parallel.set, sequential.set);
+    assert_eq!(parallel.facts.summary, sequential.facts.summary);
+    assert!(parallel.set.provenance.is_some() && parallel.facts.summary.is_some());
+
+    for bare in [
+        run.parallel(false, &mut Unobserved).unwrap(),
+        run.sequential(false, &mut Unobserved).unwrap(),
+    ] {
+        assert_eq!(bare.set.points, parallel.set.points);
+        assert_eq!(bare.set.provenance, None);
+    }
+}
+
+#[test]
+fn a_verdict_is_about_the_facts() {
+    let go_on = |_| ControlFlow::Continue(());
+    let mut made = recipe().reference(&mut Unobserved).unwrap();
+    let names: Vec<&str> = made.facts.parameters.keys().map(String::as_str).collect();
+    assert_eq!(names, ["boundary", "height", "radius", "seed", "width"]);
+    assert!(
+        made.judge(&VerifyOptions::default(), &go_on)
+            .unwrap()
+            .valid()
+    );
+
+    made.facts.radius *= 1.5;
+    let report = made.judge(&VerifyOptions::default(), &go_on).unwrap();
+    assert!(!report.conflict_free());
+}
+
+#[test]
+fn levels_are_judged_each() {
+    let go_on = |_| ControlFlow::Continue(());
+    let nested = NestedRequest {
+        levels: 3,
+        exactly: None,
+        order_within: WithinLevel::Random,
+    };
+    let mut made = recipe().levels(&nested, &mut Unobserved).unwrap();
+    assert_eq!(made.facts.parameters["levels"], 3);
+
+    let options = VerifyOptions::default();
+    let report = made.judge(&options, &go_on).unwrap();
+    let valid = |made: &Made| -> Vec<bool> {
+        let levels = made.judge_levels(&report, &options, &go_on).unwrap();
+        levels.iter().map(|level| level.valid).collect()
+    };
+    assert_eq!(valid(&made), [true; 3]);
+    made.facts.levels[1].distance *= 1.5;
+    assert_eq!(valid(&made), [true, false, true]);
+}
