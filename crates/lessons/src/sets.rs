@@ -7,8 +7,9 @@ use tilescope_analysis::measures::{
     CATALOGUE, MeasureError, MeasuredSet, Part, Periodogram, SetNumber, Spectrum, number,
 };
 use tilescope_analysis::{Progress, Region};
-use tilescope_core::{Domain, Key, Point, R, Run, Stream};
+use tilescope_core::{Key, Point, R, Run, Stream};
 use tilescope_debugger::Recording;
+use tilescope_sets::region_in_radii;
 
 use crate::error::LessonError;
 
@@ -32,11 +33,6 @@ pub(crate) fn named(key: &str) -> Result<&'static SetNumber, String> {
     let keys = || CATALOGUE.iter().map(|number| number.key);
     let unknown = || LessonError::unknown(0, "measure", key, &keys().collect::<Vec<_>>());
     number(key).ok_or_else(|| unknown().message)
-}
-
-fn region(domain: &Domain) -> Region {
-    let size = [domain.width(), domain.height()].map(radii);
-    Region::new(size, domain.is_periodic())
 }
 
 /// Returns a length of lattice units in r.
@@ -66,7 +62,7 @@ impl PointSet {
             .iter()
             .map(|&id| position(points[id as usize]))
             .collect();
-        let region = region(recording.domain());
+        let region = region_in_radii(recording.domain());
         Self {
             ids,
             points,
@@ -79,7 +75,7 @@ impl PointSet {
         Self {
             ids: run.result.clone(),
             points: run.points().into_iter().map(position).collect(),
-            region: region(&run.domain),
+            region: region_in_radii(&run.domain),
         }
     }
 

@@ -8,6 +8,7 @@ use tilescope_core::{
     Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
     reference_sample,
 };
+use tilescope_sets::region;
 
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
@@ -104,11 +105,6 @@ pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run>
 
 pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>> {
     Ok(Pattern::of_spec(spec, &mut control.observer())?)
-}
-
-/// Returns the verifier's region of a domain.
-pub fn region(domain: &Domain) -> Region {
-    Region::new(domain.size(), domain.is_periodic())
 }
 
 /// Returns the shortest of the ways in a periodic region that differ by whole periods.

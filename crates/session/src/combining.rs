@@ -7,9 +7,10 @@ mod progress;
 mod saved;
 
 use serde::{Deserialize, Serialize};
+use tilescope_core::Run;
 use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
 use tilescope_core::combine::{Piece, Seam, combine, combine_in_stages};
-use tilescope_core::{Pattern, Run};
+use tilescope_sets::set_of_piece;
 
 pub use saved::{SavedCombination, SavedError};
 
@@ -113,15 +114,11 @@ fn set(
     monitor: &Monitor,
     observer: &mut OneSet<'_>,
 ) -> Result<Set, CombinationError> {
-    match source {
-        PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
-        PieceSource::Run { parameters, .. } => {
-            let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
-            Ok(Set::of_run(parameters, &pattern, observer)?)
-        }
-        PieceSource::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
-            let path = path.clone();
+    set_of_piece(source, observer, |path, given| {
+        let none = || {
+            let path = path.to_owned();
             Err(CombinationError::NoFiles { path })
-        }),
-    }
+        };
+        files.set(path, given, monitor).unwrap_or_else(none)
+    })
 }

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use tilescope_analysis::{COVERING_TOLERANCE, Region, Tessellation, exposed_arcs};
+use tilescope_sets::region_in_radii;
 
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::ShownMoment;
-use crate::session::Session;
 use crate::task::{self, Task};
 
 /// The most samples that are triangulated for the canvas; more would take seconds at each moment.
@@ -96,7 +96,8 @@ impl Geometry {
         let mut geometry = Self::default();
         if shown.session.run().samples.len() <= MAX_SAMPLES {
             let (ids, points) = covering(shown);
-            let nets = Nets::of(&ids, &points, region_of(shown.session));
+            let region = region_in_radii(&shown.session.run().domain);
+            let nets = Nets::of(&ids, &points, region);
             geometry.take(key_of(shown), Ok(nets));
         }
         geometry
@@ -159,7 +160,8 @@ impl Geometry {
             self.failed = Some(key);
             return;
         }
-        let ((ids, points), region) = (covering(shown), region_of(shown.session));
+        let (ids, points) = covering(shown);
+        let region = region_in_radii(&shown.session.run().domain);
         let task = TriangulateTask {
             ids,
             points,
@@ -198,11 +200,4 @@ impl Geometry {
 fn covering(shown: &ShownMoment<'_>) -> (Vec<u32>, Vec<[f64; 2]>) {
     let covering = shown.moment().covering(shown.session).into_iter();
     (covering.map(|(_, id)| (id, shown.session.position(id).to_array()))).unzip()
-}
-
-/// Returns the region of a session, in r.
-#[must_use]
-pub fn region_of(session: &Session) -> Region {
-    let is_periodic = session.run().domain.is_periodic();
-    Region::new(session.size_radii().into(), is_periodic)
 }

@@ -1,12 +1,10 @@
 //! Makes nested levels on the CPU, or takes them from a file that was exported with them. Begin with [`sample`] and
 //! [`of_file`].
 
-use std::collections::BTreeMap;
-
-use serde_json::{Value, json};
-use tilescope_analysis::{Boundary as Judged, PrefixClaim};
+use tilescope_analysis::PrefixClaim;
 use tilescope_core::{Boundary, Domain, MAX_LEVELS, NestedRequest, Parameters, Run, SampleError};
 use tilescope_formats::ReadSet;
+use tilescope_sets::stated;
 
 use crate::jobs::Monitor;
 use crate::nested::NestedLevels;
@@ -30,17 +28,13 @@ pub fn sample(
         radius: domain.radius(),
         ..asked
     };
-    let mut stated = BTreeMap::new();
-    for part in [json!(request), json!(parameters)] {
-        if let Value::Object(part) = part {
-            stated.extend(part);
-        }
-    }
+    let mut all = stated(&parameters);
+    all.extend(stated(&request));
     let levels = NestedLevels {
         claims: nested.claims().map(PrefixClaim::from).collect(),
         asked: Some((asked, request)),
         method: "kdrt".to_owned(),
-        stated,
+        stated: all,
     };
     let run = Run::of_points(parameters, domain, nested.points().to_vec());
     observer.prepare(|| Session::from_levels(run, levels, generation))
@@ -55,10 +49,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
     let claims = certificate.claims();
     (!claims.is_empty()).then(|| {
         let region = certificate.region;
-        let boundary = match region.boundary {
-            Judged::Periodic => Boundary::Periodic,
-            Judged::Bounded => Boundary::Bounded,
-        };
+        let boundary = Boundary::of(region.is_periodic());
         let radius = certificate.radius;
         let domain = Domain::from_size([region.width, region.height], radius, boundary)
             .map_err(|error| format!("{name}: {error}"))?;

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Boundary, NestedRequest, Observer, Parameters, Pattern, SampleError};
+use tilescope_core::{NestedRequest, Observer, Parameters, Pattern, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
 use tilescope_formats::ReadSet;
+use tilescope_sets::KnownDomain;
 
 use crate::encoding::as_json;
 use crate::incoming::Incoming;
@@ -98,15 +99,13 @@ pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
                 "{name} has no certificate, which says how large its domain and its radius are"
             ),
         })?;
-    let region = certificate.region;
-    let (size, boundary) = (region.size(), Boundary::of(region.is_periodic()));
-    let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)
-        .map_err(|error| format!("{name}: {error}"))?;
+    let set = KnownDomain::from(certificate).set(&read.set.points);
+    let pattern = set.map_err(|error| format!("{name}: {error}"))?.pattern;
     Ok(OwnPattern {
         file: PatternFile {
             path: name.to_owned(),
             digest: pattern_digest(&pattern),
         },
-        pattern: Arc::new(pattern),
+        pattern,
     })
 }

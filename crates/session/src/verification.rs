@@ -7,6 +7,8 @@ use tilescope_analysis::{
     Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
+use tilescope_sets::region;
+
 use crate::jobs::Monitor;
 use crate::session::Session;
 use crate::task::{SessionRef, Task};
@@ -153,7 +155,8 @@ impl Task for VerifyTask {
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let session = &self.session;
-        let (run, region) = (session.run(), region_of(session));
+        let run = session.run();
+        let region = region(&run.domain);
         let verdict = match session.nested.as_ref().zip(self.prefix) {
             Some((nested, count)) => {
                 let claim = nested.claim(count);
@@ -168,11 +171,4 @@ impl Task for VerifyTask {
         };
         verdict.map_err(|error| error.to_string())
     }
-}
-
-/// Returns the region of a session's result, in user units.
-#[must_use]
-pub fn region_of(session: &Session) -> Region {
-    let domain = &session.run().domain;
-    Region::new(domain.size(), domain.is_periodic())
 }

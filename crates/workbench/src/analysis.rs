@@ -16,7 +16,7 @@ use brush::{Brush, Marks};
 use measured::{Samples, missing, refusal};
 pub use reference::Reference;
 use reference_file::ReferenceFile;
-use tilescope_session::geometry::{Key, key_of, region_of};
+use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::sentence::name_in;
@@ -24,6 +24,7 @@ use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
+use tilescope_sets::region_in_radii;
 
 /// The most moments whose measures are cached.
 pub const MAX_KEPT: usize = 48;
@@ -314,7 +315,7 @@ pub fn samples(still: &Still) -> Samples {
     let points = covering.map(|(point, _)| [radii(point.x), radii(point.y)]);
     Samples {
         points: points.collect(),
-        region: region_of(still.session()),
+        region: region_in_radii(&still.session().run().domain),
         radius: 1.0,
     }
 }

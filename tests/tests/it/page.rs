@@ -28,7 +28,7 @@ const LIMITS: [(&str, usize, usize); 21] = [
     ("crates/lessons", 40, 11),
     ("crates/python", 12, 13),
     ("crates/reproduce", 42, 5),
-    ("crates/session", 19, 11),
+    ("crates/session", 18, 12),
     ("crates/sets", 0, 25),
     ("crates/tilescope", 1, 47),
     ("crates/trusted", 0, 45),

@@ -2,16 +2,16 @@
 //! read from its folder; it is read once, and certificates name it by the digest of its content.
 
 use std::collections::HashMap;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde_json::{Value, json};
-use tilescope_analysis::Region;
-use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
-use tilescope_core::{Boundary, SampleError, Stage};
+use tilescope_core::combine::file::{Layout, PlacedLayout, Set};
+use tilescope_core::{SampleError, Stage};
 use tilescope_formats::{Certificate, bytes_digest};
+use tilescope_sets::{GivenDomain, Stated, stated_layout};
 
-use super::saved;
 use crate::combination::CombinationError;
 use crate::incoming::{Incoming, Unread};
 use crate::jobs::Monitor;
@@ -39,22 +39,15 @@ impl<'a> Files<'a> {
         Self { around, read }
     }
 
-    /// Reads a set; `None` if it does not come from a file or the layout may not use files.
+    /// Reads a set; `None` if the layout may not use files.
     pub fn set(
         &self,
-        source: &PieceSource,
+        path: &str,
+        given: &GivenDomain,
         monitor: &Monitor,
     ) -> Option<Result<Set, CombinationError>> {
-        let PieceSource::File {
-            path,
-            radius,
-            size,
-            boundary,
-        } = source
-        else {
-            return None;
-        };
         let around = self.around?;
+
         // A layout must not make the program contact another machine.
         if path.starts_with(r"\\") || path.starts_with("//") {
             let why = "it lies on another machine; put it beside the layout";
@@ -63,7 +56,7 @@ impl<'a> Files<'a> {
         let path = path_of(around, path);
         let slot = self.slot(&path);
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
-            Ok(file) => set(file, *radius, *size, *boundary).map_err(|why| failed(&path, &why)),
+            Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
                 stage: Stage::Pattern,
@@ -80,16 +73,18 @@ impl<'a> Files<'a> {
     /// Returns the layout as certificates state it: files without folders, each with the digest of the content that was
     /// read.
     pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
-        let mut stated = saved::json(layout);
-        for (k, piece) in placed.pieces.iter().enumerate() {
-            if let (PieceSource::File { path, .. }, Some(around)) = (&piece.source, self.around) {
-                stated["pieces"][k]["file"] = json!(last_part(path));
-                let path = path_of(around, path);
-                if let Some(Ok(file)) = self.slot(&path).get() {
-                    stated["pieces"][k]["digest"] = json!(file.digest);
-                }
+        let named = |path: &str| -> Result<Stated, Infallible> {
+            let Some(around) = self.around else {
+                return Ok(Stated::new());
+            };
+            let mut named = Stated::from([("file".to_owned(), json!(last_part(path)))]);
+            // A set that was not read made the combination fail.
+            if let Some(Ok(file)) = self.slot(&path_of(around, path)).get() {
+                named.insert("digest".to_owned(), json!(file.digest));
             }
-        }
+            Ok(named)
+        };
+        let Ok(stated) = stated_layout(layout, placed, named);
         stated
     }
 }
@@ -140,21 +135,8 @@ fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incomi
     Err(Unread::Failed(why.to_owned()))
 }
 
-fn set(
-    file: &SetFile,
-    radius: Option<f64>,
-    [width, height]: [Option<f64>; 2],
-    boundary: Option<Boundary>,
-) -> Result<Set, String> {
-    let stated = file.certificate.as_ref();
-    let radius = radius.or(stated.map(|stated| stated.radius));
-    let radius = radius.ok_or("the set has no certificate; give its \"radius\"")?;
-    let region = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
-    let boundary = boundary.unwrap_or(Boundary::of(region.is_periodic()));
-    let size = [
-        width.unwrap_or(region.width),
-        height.unwrap_or(region.height),
-    ];
-    let set = Set::from_positions(&file.points, size, radius, boundary);
-    set.map_err(|error| error.to_string())
+fn set(file: &SetFile, given: &GivenDomain) -> Result<Set, String> {
+    let known = given.over(file.certificate.as_ref().map(Into::into));
+    let known = known.ok_or("the set has no certificate; give its \"radius\"")?;
+    known.set(&file.points).map_err(|error| error.to_string())
 }

@@ -2,7 +2,7 @@
 //! the combination again and compares the digest.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use tilescope_core::combine::file::{Layout, LayoutError, MAX_LAYOUT_BYTES};
 use tilescope_debugger::digest;
 
@@ -64,12 +64,6 @@ pub enum SavedError {
     },
 }
 
-/// Returns a layout as JSON.
-pub(super) fn json(layout: &Layout) -> Value {
-    // This cannot fail: all numbers of a layout were read from JSON.
-    serde_json::to_value(layout).unwrap_or_default()
-}
-
 impl SavedCombination {
     /// Returns the file content for a session that shows a combination; `None` if it shows a run, or a combination with
     /// sets from files, which the file would not contain.
@@ -78,7 +72,7 @@ impl SavedCombination {
         let combination = session.combination.as_ref()?;
         (combination.files == 0).then(|| Self {
             version: VERSION,
-            combination: json(&combination.layout),
+            combination: json!(combination.layout),
             digest: digest(session.run()),
             stage,
             view,

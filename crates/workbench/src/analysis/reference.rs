@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::Region;
 use tilescope_analysis::measures::MeasuredSet;
 use tilescope_core::{Boundary, Pattern, PatternSpec, Unobserved};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
+use tilescope_sets::region_in_radii;
 
 use super::measured::{Samples, refusal};
 
@@ -99,12 +99,11 @@ impl Task for MeasureReferenceTask {
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let pattern = Pattern::of_spec(&SPEC, &mut Unobserved);
         let pattern = pattern.map_err(|error| error.to_string())?;
-        let domain = pattern.domain();
         let points = pattern.samples().iter();
         let points = points.map(|point| [radii(point.x), radii(point.y)]);
         let set = Samples {
             points: points.collect(),
-            region: Region::new([domain.width(), domain.height()].map(radii), true),
+            region: region_in_radii(pattern.domain()),
             radius: 1.0,
         };
         let measured = set.measured(&|progress| monitor.follow(progress));

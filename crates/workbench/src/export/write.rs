@@ -22,12 +22,12 @@ use tilescope_formats::{
 use tilescope_formats::{export, write_through, write_whole};
 
 use super::picture::{described, scene};
-use super::provenance::{method, parameter_map, point_set, provenance};
+use super::provenance::{method, parameter_map, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
-use tilescope_session::verification::region_of;
+use tilescope_sets::{point_set, region};
 
 /// The longest animation that is made in memory, in bytes.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
@@ -226,7 +226,7 @@ fn samples(
     monitor.set_activity("verifying what was written");
     go_on(monitor)?;
     let (session, run) = (&*job.session, job.session.run());
-    let mut context = ExportContext::new(region_of(session), run.domain.radius());
+    let mut context = ExportContext::new(region(&run.domain), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
     let mut moment = None;

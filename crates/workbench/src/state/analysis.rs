@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_session::verification::region_of;
+use tilescope_sets::region;
 
 use super::{RunView, State};
 use crate::analysis::Analysis;
@@ -34,7 +34,7 @@ impl State {
     pub fn reference_file(&self) -> Option<Result<&Arc<ReferenceFile>, String>> {
         let file = self.analysis.reference_file.as_ref()?;
         let session = self.runs.first.session.as_ref()?;
-        Some(match file.refusal(region_of(session)) {
+        Some(match file.refusal(region(&session.run().domain)) {
             None => Ok(file),
             Some(why) => Err(why),
         })

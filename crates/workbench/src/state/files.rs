@@ -7,8 +7,8 @@ use tilescope_session::combining::SavedCombination;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task;
-use tilescope_session::verification::region_of;
 use tilescope_session::words::{last_part, sentence};
+use tilescope_sets::region;
 
 use super::effects::{Context, Effect};
 use super::{FileState, Notice, RunView, State};
@@ -161,8 +161,8 @@ impl FileState {
         run: &RunView,
         context: &mut Context,
     ) {
-        let run = run.session.as_ref();
-        let run = run.map(|session| (region_of(session), session.run().domain.radius()));
+        let domain = run.session.as_ref().map(|session| session.run().domain);
+        let run = domain.map(|domain| (region(&domain), domain.radius()));
         let generation = context.next_generation();
         let task = ReadTask {
             purpose,

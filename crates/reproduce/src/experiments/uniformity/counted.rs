@@ -6,12 +6,13 @@ use tilescope_analysis::measures::{DistanceClasses, PositionClasses};
 use tilescope_core::{
     Domain, Fate, Insertion, Order, Origin, Parameters, Point, R, Rect, Run, reference_sample,
 };
+use tilescope_sets::region;
 
 use super::gaps::Gaps;
 use crate::control::Control;
 use crate::error::Result;
 use crate::experiments::common::seeded;
-use crate::sets::{Set, region, sequential};
+use crate::sets::{Set, sequential};
 
 /// Where classes of distances from a border begin, in radii.
 pub const EDGES: [f64; 14] = [
