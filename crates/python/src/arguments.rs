@@ -8,16 +8,16 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
-use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern,
-    Search, WithinLevel, radius_estimate, radius_for_count,
+    NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern, Search,
+    WithinLevel, radius_estimate,
 };
 use tilescope_formats::{Format, Overrides, positions_digest};
+use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, stated};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
-use crate::task::{TaskWatch, run};
+use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
 /// Returns how to verify. No name stands for both judges up to 2^20 samples, and covered circles for more.
@@ -46,11 +46,6 @@ pub fn overrides(format_name: Option<&str>, set: Option<&Bound<'_, PyAny>>) -> P
         set: set.map(|set| usize::try_from(set).unwrap_or(usize::MAX)),
         ..Overrides::default()
     })
-}
-
-/// Returns the analysis' region of a domain.
-pub fn region_of(domain: &Domain) -> Region {
-    Region::new(domain.size(), domain.is_periodic())
 }
 
 /// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
@@ -94,6 +89,12 @@ pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
 
 /// Count, distance and covering of a level, which Python makes a `Level` of.
 pub type LevelFields = (usize, f64, Option<f64>);
+
+/// Returns what is claimed of levels, for Python.
+pub fn level_fields(claims: &[PrefixClaim]) -> Vec<LevelFields> {
+    let fields = |claim: &PrefixClaim| (claim.count, claim.distance, claim.covering);
+    claims.iter().map(fields).collect()
+}
 
 /// Returns what holds for the first `count` samples of a set with levels.
 #[pyfunction]
@@ -143,12 +144,14 @@ impl SetArgument<'_> {
         let missing = "the radius of the set is not known; give radius";
         self.radius.ok_or_else(|| PyValueError::new_err(missing))
     }
-}
 
-/// Returns a set to clip or to combine from. Fails when it is not conflict-free and maximal.
-pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Failure> {
-    let (size, boundary) = (region.size(), Boundary::of(region.is_periodic()));
-    Ok(Set::from_positions(points, size, radius, boundary)?)
+    /// Returns the domain with the radius, or an error that asks for that.
+    pub fn known_domain(&self) -> PyResult<KnownDomain> {
+        Ok(KnownDomain {
+            region: self.region()?,
+            radius: self.radius()?,
+        })
+    }
 }
 
 /// Returns the parameters of a run. Those that are not given have their defaults; a radius that is not given is 0.
@@ -283,17 +286,6 @@ fn settle_radius(
     }
 }
 
-/// Returns every parameter by its name, those of levels among the others.
-fn stated_of(parameters: &Parameters, nested: Option<&NestedRequest>) -> Value {
-    let mut stated = serde_json::to_value(parameters).unwrap_or_default();
-    if let (Some(stated), Some(Value::Object(nested))) =
-        (stated.as_object_mut(), nested.map(|nested| json!(nested)))
-    {
-        stated.extend(nested);
-    }
-    stated
-}
-
 /// Returns where a given pattern is from: what is said of it, and else the digest of its positions.
 fn source_of(given: &SetArgument<'_>, source: Option<&str>) -> PyResult<Value> {
     if let Some(Ok(source)) = source.map(serde_json::from_str) {
@@ -304,8 +296,8 @@ fn source_of(given: &SetArgument<'_>, source: Option<&str>) -> PyResult<Value> {
 
 /// Returns a given set as a pattern. Fails when it is not conflict-free and maximal.
 fn pattern_of(py: Python<'_>, given: &SetArgument<'_>) -> PyResult<Arc<Pattern>> {
-    let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
-    Ok(run(py, None, |_| set(points, &region, radius))?.pattern)
+    let (points, domain) = (given.points()?, given.known_domain()?);
+    Ok(run(py, None, |_| Ok(domain.set(points)?))?.pattern)
 }
 
 fn refused(text: &str) -> PyErr {
@@ -315,14 +307,9 @@ fn refused(text: &str) -> PyErr {
 /// What a run is to be made from.
 #[pyclass(frozen, module = "tilescope._tilescope")]
 pub struct RunRequest {
-    pub parameters: Parameters,
-    pub count: Option<u64>,
+    pub recipe: Recipe,
     /// Nested levels, if they are asked for.
     pub nested: Option<NestedRequest>,
-    /// A pattern that is given rather than generated.
-    pattern: Option<Arc<Pattern>>,
-    /// Every parameter by its name, as certificates state them.
-    stated: Value,
 }
 
 #[pymethods]
@@ -360,49 +347,33 @@ impl RunRequest {
         let mut parameters = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
-        let mut stated = stated_of(&parameters, nested.as_ref());
-        let pattern = match &pattern {
-            Some(given) => {
-                stated["pattern"] = source_of(given, pattern_source)?;
-                Some(pattern_of(py, given)?)
-            }
-            None => None,
+        let given = |given: SetArgument<'_>| -> PyResult<GivenPattern> {
+            Ok(GivenPattern {
+                source: source_of(&given, pattern_source)?,
+                pattern: pattern_of(py, &given)?,
+            })
         };
-        Ok(Self {
+        let recipe = Recipe {
             parameters,
             count,
-            nested,
-            pattern,
-            stated,
-        })
+            pattern: pattern.map(given).transpose()?,
+        };
+        Ok(Self { recipe, nested })
     }
 
     /// Returns the side in radii of a pattern that would not repeat within blocks, where this one does.
     fn side_without_repeats(&self) -> Option<f64> {
-        let generated = self.pattern.is_none() && self.nested.is_none();
-        (self.parameters.side_without_repeats()).filter(|_| generated)
+        let generated = self.recipe.pattern.is_none() && self.nested.is_none();
+        let side = self.recipe.parameters.side_without_repeats();
+        side.filter(|_| generated)
     }
 }
 
 impl RunRequest {
-    /// Returns the parameters with the radius settled, and the pattern.
-    pub fn resolved(&self, watch: &TaskWatch) -> Result<(Parameters, Arc<Pattern>), Failure> {
-        let mut parameters = self.parameters;
-        let pattern = match &self.pattern {
-            Some(given) => Arc::clone(given),
-            None => Pattern::of_spec(&parameters.pattern, &mut watch.observer())?,
-        };
-        if let Some(count) = self.count {
-            let mut observer = watch.observer();
-            parameters.radius = radius_for_count(&parameters, count, &pattern, &mut observer)?;
-        }
-        Ok((parameters, pattern))
-    }
-
-    /// Returns every parameter by its name, with the radius of the run.
-    pub fn stated(&self, radius: f64) -> Value {
-        let mut stated = self.stated.clone();
-        stated["radius"] = json!(radius);
-        stated
+    /// Returns every parameter by its name, with the radius of the run, those of levels among the others.
+    pub fn stated(&self, radius: f64) -> Stated {
+        let mut all = self.recipe.stated(radius);
+        all.extend(self.nested.iter().flat_map(stated));
+        all
     }
 }

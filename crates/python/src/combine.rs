@@ -4,25 +4,24 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use serde_json::{Value, json};
-use tilescope_analysis::{Region, lossy};
-use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
+use serde_json::json;
+use tilescope_core::combine::file::{Layout, PieceSource, Set};
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_core::{Boundary, MAXIMAL_DENSITY, Pattern, combine::combine as combined};
-use tilescope_formats::{Overrides, bytes_digest, positions_digest, read_whole};
+use tilescope_core::{MAXIMAL_DENSITY, combine::combine as combined};
+use tilescope_formats::{Overrides, positions_digest};
+use tilescope_sets::{KnownDomain, Made, Stated, named_by_content, set_of_piece, stated_layout};
 
-use crate::arguments::{SetArgument, set};
+use crate::arguments::SetArgument;
 use crate::failure::Failure;
 use crate::files::of_file;
 use crate::memory::ask_to_read;
-use crate::sample::{PythonSet, made, provenance_of_sources};
+use crate::sample::{PythonSet, into_python};
 use crate::task::{TaskWatch, run};
 
-/// A set that the caller has in memory: its positions, domain and radius.
+/// A set that the caller has in memory.
 struct GivenSet<'a> {
     points: &'a [[f64; 2]],
-    region: Region,
-    radius: f64,
+    domain: KnownDomain,
 }
 
 /// Makes the set of a layout. `sets` stand in for the files whose names they have; other files are in `folder`.
@@ -40,8 +39,7 @@ pub fn combine<'py>(
     for (name, set) in &sets {
         let set = GivenSet {
             points: set.points()?,
-            region: set.region()?,
-            radius: set.radius()?,
+            domain: set.known_domain()?,
         };
         given.insert(name.as_str(), set);
     }
@@ -52,18 +50,20 @@ pub fn combine<'py>(
         let pieces = placed.pieces(make, |_| {})?;
         let options = layout.options();
         let found = combined(placed.domain, &pieces, &options, &mut watch.observer())?;
-        let parameters = json!({ "layout": stated(&layout, &placed, &folder, &given)? });
-        let provenance = Some(provenance_of_sources(&found.sources));
-        let set = made(
-            "combined",
-            &parameters,
-            &found.domain,
-            &found.points,
-            provenance,
-        );
-        Ok(set.with_counts(found.summary()))
+        // Files are named without folders, sets in memory by their digests.
+        let named = |path: &str| match given.get(path) {
+            Some(held) => {
+                let digest = json!(positions_digest(held.points));
+                Ok(Stated::from([("positions_digest".to_owned(), digest)]))
+            }
+            None => named_by_content(&folder.join(path)),
+        };
+        Ok(Made::combined(
+            &found,
+            stated_layout(&layout, &placed, named)?,
+        ))
     })?;
-    made.into_python(py)
+    into_python(made, py)
 }
 
 /// Reads or makes the set of a piece.
@@ -73,69 +73,20 @@ fn set_of(
     given: &HashMap<&str, GivenSet<'_>>,
     watch: &TaskWatch,
 ) -> Result<Set, Failure> {
-    let mut observer = watch.observer();
-    match source {
-        PieceSource::File {
-            path,
-            radius,
-            size: [width, height],
-            boundary,
-        } => {
-            let of = |region: Region| {
-                let size = [
-                    width.unwrap_or(region.width),
-                    height.unwrap_or(region.height),
-                ];
-                let is_periodic =
-                    boundary.map_or(region.is_periodic(), |b| b == Boundary::Periodic);
-                Region::new(size, is_periodic)
-            };
-            if let Some(held) = given.get(path.as_str()) {
-                let radius = radius.unwrap_or(held.radius);
-                return set(held.points, &of(held.region), radius);
-            }
-            let path = folder.join(path);
-            ask_to_read(&path)?;
-            let read = of_file(&path, &Overrides::default(), true, &watch.control("verify"))?
-                .in_domain(None);
-            let certificate = read.certificate.as_ref();
-            let radius = radius.or(certificate.map(|stated| stated.radius));
-            let missing = || Failure::Value("the set has no certificate; give its radius".into());
-            let region = certificate.map_or(Region::UNIT_SQUARE, |stated| stated.region);
-            set(&read.set.points, &of(region), radius.ok_or_else(missing)?)
-                .map_err(|error| error.of(&path.display().to_string()))
+    set_of_piece(source, &mut watch.observer(), |path, beside| {
+        let missing = || Failure::Value("the set has no certificate; give its radius".into());
+        if let Some(held) = given.get(path) {
+            let known = beside.over(Some(held.domain)).ok_or_else(missing)?;
+            return Ok(known.set(held.points)?);
         }
-        PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
-        PieceSource::Run { parameters, .. } => {
-            let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-            Ok(Set::of_run(parameters, &pattern, &mut observer)?)
-        }
-    }
-}
 
-/// Returns the layout as a certificate states it: files without folders, and sets by their digests.
-fn stated(
-    layout: &Layout,
-    placed: &PlacedLayout,
-    folder: &Path,
-    given: &HashMap<&str, GivenSet<'_>>,
-) -> Result<Value, Failure> {
-    let mut stated = json!(layout);
-    for (piece, place) in stated["pieces"]
-        .as_array_mut()
-        .into_iter()
-        .flatten()
-        .zip(&placed.pieces)
-    {
-        if let PieceSource::File { path, .. } = &place.source {
-            if let Some(held) = given.get(path.as_str()) {
-                piece["positions_digest"] = json!(positions_digest(held.points));
-                continue;
-            }
-            let path = folder.join(path);
-            piece["file"] = json!(lossy(path.file_name().unwrap_or_default()));
-            piece["digest"] = json!(bytes_digest(&read_whole(&path)?));
-        }
-    }
-    Ok(stated)
+        let path = folder.join(path);
+        ask_to_read(&path)?;
+        let control = watch.control("verify");
+        let read = of_file(&path, &Overrides::default(), true, &control)?.in_domain(None);
+        let stated = read.certificate.as_ref().map(Into::into);
+        let known = beside.over(stated).ok_or_else(missing)?;
+        let set = known.set(&read.set.points).map_err(Failure::from);
+        set.map_err(|error| error.of(&path.display().to_string()))
+    })
 }

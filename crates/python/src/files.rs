@@ -10,16 +10,16 @@ use tilescope_analysis::{Control, Region, lossy};
 use tilescope_core::memory::NoMemory;
 use tilescope_formats::{
     Certificate, CheckError, ExportContext, Format, FormatError, Hint, Mapping, Overrides,
-    PointSet, Precision, Provenance, bytes_digest, certificate_path, decode, export, export_bytes,
+    PointSet, Precision, Provenance, certificate_path, decode, export, export_bytes,
     export_unverified, positions_digest, read_whole, write_whole,
 };
 
-use crate::arguments::{LevelFields, SetArgument, claims, format, overrides, verify_options};
+use crate::arguments::{SetArgument, claims, format, level_fields, overrides, verify_options};
 use crate::arrays::rows;
 use crate::failure::Failure;
 use crate::judge::{GivenDomain, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
-use crate::sample::{MadeSet, PythonSet};
+use crate::sample::{PythonSet, set_into_python};
 use crate::task::run;
 use crate::values::{named, whole};
 
@@ -33,9 +33,8 @@ pub fn digest(py: Python<'_>, set: SetArgument<'_>) -> PyResult<String> {
 /// Returns the name of a file without folders, and its digest, as JSON: so certificates name a set that was used.
 #[pyfunction]
 pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    let name = lossy(path.file_name().unwrap_or_default());
-    let digest = run(py, None, |_| Ok(bytes_digest(&read_whole(&path)?)))?;
-    Ok(json!({ "file": name, "digest": digest }).to_string())
+    let named = run(py, None, |_| Ok(tilescope_sets::named_by_content(&path)?))?;
+    Ok(json!(named).to_string())
 }
 
 /// Reads a file. What is not given is of its certificate, and else of the periodic unit square. Refuses a set whose
@@ -70,18 +69,12 @@ pub fn read<'py>(
         "domain": [region.width, region.height, region.boundary],
         "radius": radius,
         "origin": found.origin,
-        "levels": stated.map(levels_stated).unwrap_or_default(),
+        "levels": stated.map(|stated| level_fields(&stated.claims())).unwrap_or_default(),
         "summary": null,
         "certificate": stated,
     });
     let set = found.in_domain(Some(region)).set;
-    let provenance = set.provenance.as_ref();
-    MadeSet {
-        points: set.points,
-        provenance: provenance.map(|all| all.iter().map(|&one| one.into()).collect()),
-        facts,
-    }
-    .into_python(py)
+    set_into_python(set, &facts, py)
 }
 
 /// A set from a file.
@@ -172,14 +165,6 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
         format: read.detection.format,
         file_units: Some(read.precision),
     })
-}
-
-/// Returns what a certificate claims of levels.
-fn levels_stated(stated: &Certificate) -> Vec<LevelFields> {
-    let claims = stated.claims().into_iter();
-    claims
-        .map(|claim| (claim.count, claim.distance, claim.covering))
-        .collect()
 }
 
 /// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,

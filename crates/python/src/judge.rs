@@ -9,6 +9,7 @@ use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
     WHOLE_FILE_BYTES, check_stream, is_valid,
 };
+use tilescope_sets::check_or_unit_square;
 
 use crate::arguments::{SetArgument, claims, overrides, verify_options};
 use crate::failure::Failure;
@@ -123,21 +124,8 @@ pub fn check(
             ask_to_read(&path)?;
         }
         let control = watch.control("verify");
-        let outcome = match check_stream(&path, &overrides, &control) {
-            Err(CheckError::NoRegion(_)) => {
-                let region = Some(Region::UNIT_SQUARE);
-                check_stream(
-                    &path,
-                    &Overrides {
-                        region,
-                        ..overrides
-                    },
-                    &control,
-                )
-            }
-            outcome => outcome,
-        };
-        outcome.map_err(|error| match error {
+        let check = |overrides: &Overrides| check_stream(&path, overrides, &control);
+        check_or_unit_square(&overrides, check).map_err(|error| match error {
             CheckError::NoRadius => {
                 Failure::Value("the set has no certificate; give radius".to_owned())
             }

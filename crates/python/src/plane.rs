@@ -5,14 +5,15 @@ use std::ops::RangeInclusive;
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
     Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
 };
+use tilescope_sets::{Stated, region};
 
-use crate::arguments::{RunRequest, region_of};
+use crate::arguments::RunRequest;
 use crate::arrays::array;
 use crate::failure::Failure;
 use crate::memory::ask_to_judge;
@@ -30,7 +31,7 @@ enum Windows {
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
 pub struct PythonPlane {
     windows: Windows,
-    stated: Value,
+    stated: Stated,
 }
 
 #[pymethods]
@@ -39,17 +40,18 @@ impl PythonPlane {
     fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
         run(py, progress, |watch| {
             if let Some(nested) = &request.nested {
-                let (parameters, levels) = (&request.parameters, nested.levels);
+                let (parameters, levels) = (&request.recipe.parameters, nested.levels);
                 let plane = NestedPlane::new(parameters, levels, &mut watch.observer())?;
                 return Ok(Self {
                     windows: Windows::Nested(plane, levels - 1),
                     stated: request.stated(parameters.radius),
                 });
             }
-            let (parameters, pattern) = request.resolved(watch)?;
+            let settled = request.recipe.settle(&mut watch.observer())?;
+            let plane = Plane::new(&settled.parameters, &settled.pattern)?;
             Ok(Self {
-                windows: Windows::Single(Box::new(Plane::new(&parameters, &pattern)?)),
-                stated: request.stated(parameters.radius),
+                windows: Windows::Single(Box::new(plane)),
+                stated: settled.facts.parameters,
             })
         })
     }
@@ -57,7 +59,7 @@ impl PythonPlane {
     /// Returns facts as JSON.
     fn facts(&self) -> String {
         let domain = self.domain();
-        let region = region_of(domain);
+        let region = region(domain);
         json!({
             "parameters": self.stated,
             "domain": [region.width, region.height, region.boundary],

@@ -26,7 +26,7 @@ const LIMITS: [(&str, usize, usize); 21] = [
     ("crates/formats", 44, 20),
     ("crates/gpu", 44, 15),
     ("crates/lessons", 40, 11),
-    ("crates/python", 12, 13),
+    ("crates/python", 10, 16),
     ("crates/reproduce", 42, 5),
     ("crates/session", 18, 12),
     ("crates/sets", 0, 25),
