@@ -94,18 +94,10 @@ pub(crate) struct CoverSearch<'a> {
     buried: OnceLock<Buried>,
 }
 
-/// Distance below which two places are the same, where samples are about `length` apart.
-pub(crate) fn same_place(domain: &Domain, length: f64) -> f64 {
-    // A place is known to about 2^-50 of the extent, and Voronoi vertices of a random set
-    // are hardly ever closer than 2^-30 r.
-    let longer = domain.extent.max_element();
-    (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46))
-}
-
 impl<'a> CoverSearch<'a> {
     pub fn new(grid: &'a Grid, radius: f64, limit: f64, witnesses: usize) -> Self {
         let length = radius.min(grid.domain.spacing(grid.entries().len()));
-        let same = same_place(&grid.domain, length);
+        let same = grid.domain.same_place(length);
         Self::with_same(grid, radius, limit, witnesses, same)
     }
 

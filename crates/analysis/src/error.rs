@@ -2,7 +2,7 @@
 //! naming the value and the limit or the place. Errors of other libraries are not wrapped.
 
 use crate::number::Number;
-use crate::region::{Boundary, Region};
+use crate::region::Region;
 use crate::report::Report;
 
 /// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
@@ -170,11 +170,7 @@ impl VerifyError {
 
 /// Returns a hint for a sample on the upper or right side of a torus, which is the opposite side.
 fn on_far_side(point: [f64; 2], region: Region) -> &'static str {
-    let closed = Region {
-        boundary: Boundary::Bounded,
-        ..region
-    };
-    if region.boundary == Boundary::Periodic && closed.contains(point) {
+    if region.is_periodic() && region.closed().contains(point) {
         ": in a periodic region the upper side is the lower one, at 0; a set that has both is of a bounded region"
     } else {
         ""

@@ -6,6 +6,8 @@
 use glam::DVec2;
 use num_bigint::BigInt;
 
+use crate::domain::BorderLine;
+
 /// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
 pub(crate) const DOUBT: f64 = 1e-9;
 
@@ -89,27 +91,25 @@ pub(crate) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> boo
         > 4 * square(&double_area) * square(&limit)
 }
 
-/// Whether the circle about the crossing of two sites' bisector with a side of the region is larger than `limit`. The side lies
-/// at 0 or at the extent along `axis`.
+/// Whether the circle about the crossing of two sites' bisector with a line of the border is larger than `limit`.
 pub(crate) fn crossing_exceeds(
     sites: [Site; 2],
-    axis: usize,
-    is_far: bool,
+    BorderLine { axis, is_far }: BorderLine,
     extent: DVec2,
     limit: f64,
 ) -> bool {
     let integers = Integers::new(&sites, extent, limit);
     let [p, q] = sites.map(|site| integers.site(&site));
-    let side = if is_far {
+    let level = if is_far {
         integers.extent[axis].clone()
     } else {
         BigInt::ZERO
     };
-    let [p_off, q_off] = [&p[axis] - &side, &q[axis] - &side];
+    let [p_off, q_off] = [&p[axis] - &level, &q[axis] - &level];
     let along = &q[1 - axis] - &p[1 - axis];
     let twice = square(&along) + square(&q_off) - square(&p_off);
     let limit = integers.of(limit);
-    // The crossing is twice / (2 along) from the foot of p, and p is p_off from the side.
+    // The crossing is twice / (2 along) from the foot of p, and p is p_off from the line.
     square(&twice) + 4 * square(&along) * square(&p_off) > 4 * square(&along) * square(&limit)
 }
 
@@ -211,30 +211,15 @@ mod tests {
     fn crossings_and_corners_are_exact() {
         // Both are 3/4 from the middle of the lower side's part between them, at heights 0: a crossing at (1, 0).
         let pair = [site(0.25, 0.0), site(1.75, 0.0)];
-        assert!(!crossing_exceeds(pair, 1, false, EXTENT, 0.75));
-        assert!(crossing_exceeds(
-            pair,
-            1,
-            false,
-            EXTENT,
-            0.75_f64.next_down()
-        ));
+        let lower = BorderLine::new(1, false);
+        assert!(!crossing_exceeds(pair, lower, EXTENT, 0.75));
+        assert!(crossing_exceeds(pair, lower, EXTENT, 0.75_f64.next_down()));
         // Of (1.5, 0.5) and (1.5, 1) from the far side x = 2: the crossing at height 0.75 is sqrt(5)/4 away.
         let pair = [site(1.5, 0.5), site(1.5, 1.0)];
-        assert!(crossing_exceeds(
-            pair,
-            0,
-            true,
-            EXTENT,
-            5f64.sqrt() / 4.0 - 1e-15
-        ));
-        assert!(!crossing_exceeds(
-            pair,
-            0,
-            true,
-            EXTENT,
-            5f64.sqrt() / 4.0 + 1e-15
-        ));
+        let right = BorderLine::new(0, true);
+        let distance = 5f64.sqrt() / 4.0;
+        assert!(crossing_exceeds(pair, right, EXTENT, distance - 1e-15));
+        assert!(!crossing_exceeds(pair, right, EXTENT, distance + 1e-15));
         let corner = DVec2::new(2.0, 1.5);
         assert!(!corner_exceeds(site(1.625, 1.0), corner, EXTENT, 0.625));
         assert!(corner_exceeds(

@@ -84,6 +84,18 @@ impl Region {
         (0..2).all(|axis| point[axis] >= 0.0 && point[axis] <= last[axis])
     }
 
+    /// The same rectangle with all of its sides, as those of a torus seen in the plane.
+    #[must_use]
+    pub const fn closed(self) -> Self {
+        Self::new(self.size(), false)
+    }
+
+    /// The extent of its shorter side.
+    #[must_use]
+    pub const fn shorter_side(&self) -> f64 {
+        self.width.min(self.height)
+    }
+
     /// The largest coordinates of a point of the region.
     pub(crate) fn last_point(&self) -> [f64; 2] {
         [self.width, self.height].map(|extent| match self.boundary {
@@ -96,7 +108,7 @@ impl Region {
     #[must_use]
     pub fn is_supported(&self) -> bool {
         let range = Self::MIN_EXTENT..=Self::MAX_EXTENT;
-        let (short, long) = (self.width.min(self.height), self.width.max(self.height));
+        let (short, long) = (self.shorter_side(), self.width.max(self.height));
         // Both extents are asked, because min and max would pass over a NaN.
         range.contains(&self.width)
             && range.contains(&self.height)

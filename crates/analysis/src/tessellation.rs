@@ -51,7 +51,7 @@ impl Tessellation {
         check_points(points, region)?;
         let window = Window::new(points, domain, scaled_radius)?;
         let length = scaled_radius.min(domain.spacing(points.len()));
-        let same = crate::cover::same_place(&domain, length);
+        let same = domain.same_place(length);
         let cells = Cells::new(&window, &domain, scaled_radius, same);
         let triangles = if domain.periodic {
             triangles::around_vertices(&cells)

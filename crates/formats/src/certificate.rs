@@ -223,8 +223,8 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Certificate`] when it is too large, of a newer version or not JSON, and when it lacks a field, has an
-    /// unknown one, has one twice or has one of another type.
+    /// [`FormatError::Certificate`] when it is too large, of a newer version or not JSON, when it lacks a field, has an
+    /// unknown one, has one twice or has one of another type, and when it has a part that this version cannot judge.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),

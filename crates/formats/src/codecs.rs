@@ -222,11 +222,8 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
 ///
 /// [`FormatError::Degrees`] with the first point that lies outside.
 pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Result<(), FormatError> {
-    let size = region.size();
-    let is_beyond = |point: &[f64; 2]| {
-        let beyond = |axis: usize| !(0.0..=size[axis]).contains(&(point[axis] - origin[axis]));
-        beyond(0) || beyond(1)
-    };
+    let closed = region.closed();
+    let is_beyond = |[x, y]: &[f64; 2]| !closed.contains([x - origin[0], y - origin[1]]);
     let first = read.set.points.iter().position(is_beyond);
     match first.filter(|_| read.degrees) {
         None => Ok(()),

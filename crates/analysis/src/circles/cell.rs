@@ -8,6 +8,7 @@ use super::gaps::CellReach;
 use super::sample::Sample;
 use super::samples::Samples;
 use super::tile::Tile;
+use crate::domain::BorderLine;
 use crate::exact::{DOUBT, Site, circle_exceeds, corner_exceeds, crossing_exceeds, exceeds};
 use crate::witness::{Gap, GapKind};
 
@@ -16,8 +17,8 @@ use crate::witness::{Gap, GapKind};
 enum Edge {
     /// The border of the surroundings in which all samples are known.
     Unknown,
-    /// A side of a bounded region: its axis, and whether it is the far one.
-    Side(usize, bool),
+    /// A line of the border of a bounded region.
+    Border(BorderLine),
     /// The bisector with a sample of the tile.
     Bisector(usize),
 }
@@ -76,21 +77,18 @@ impl CellCutter {
         Some(reach)
     }
 
-    /// Begins with the square around the sample in which all samples are known, cut at the sides of a bounded region.
+    /// Begins with the square around the sample in which all samples are known, cut at the border of a bounded region.
     fn begin(&mut self, samples: &Samples<'_>, position: DVec2, known: f64) {
         let domain = &samples.cells.domain;
         let (mut low, mut high) = (DVec2::splat(-known), DVec2::splat(known));
         let mut edges = [[Edge::Unknown; 2]; 2];
-        if !domain.periodic {
-            for axis in [0, 1] {
-                let near = -position[axis];
-                let far = domain.extent[axis] - position[axis];
-                if near >= low[axis] {
-                    (low[axis], edges[axis][0]) = (near, Edge::Side(axis, false));
-                }
-                if far <= high[axis] {
-                    (high[axis], edges[axis][1]) = (far, Edge::Side(axis, true));
-                }
+        for &line in domain.border() {
+            let depth = line.depth(position, domain.extent);
+            // Farther lines do not reach the square.
+            if depth <= known {
+                let corner = if line.is_far { &mut high } else { &mut low };
+                corner[line.axis] = line.outward()[line.axis] * depth;
+                edges[line.axis][usize::from(line.is_far)] = Edge::Border(line);
             }
         }
         let [[left, right], [bottom, top]] = edges;
@@ -157,17 +155,12 @@ impl Circles<'_> {
     fn at(&self, edges: [Edge; 2], limit: f64) -> Option<(Gap, bool)> {
         match edges {
             [Edge::Bisector(a), Edge::Bisector(b)] => self.vertex([self.index, a, b], limit),
-            [Edge::Bisector(other), Edge::Side(axis, is_far)]
-            | [Edge::Side(axis, is_far), Edge::Bisector(other)] => {
-                self.crossing([self.index, other], (axis, is_far), limit)
+            [Edge::Bisector(other), Edge::Border(line)]
+            | [Edge::Border(line), Edge::Bisector(other)] => {
+                self.crossing([self.index, other], line, limit)
             }
-            [Edge::Side(a, a_far), Edge::Side(b, b_far)] if a != b => {
-                let is_far = if a == 0 {
-                    [a_far, b_far]
-                } else {
-                    [b_far, a_far]
-                };
-                Some(self.corner(is_far, limit))
+            [Edge::Border(one), Edge::Border(other)] if one.axis != other.axis => {
+                Some(self.corner([one, other], limit))
             }
             _ => None,
         }
@@ -207,17 +200,12 @@ impl Circles<'_> {
         Some((gap, exceeds))
     }
 
-    /// The circle about the crossing of two samples' bisector with a side.
-    fn crossing(
-        &self,
-        sites: [usize; 2],
-        (axis, is_far): (usize, bool),
-        limit: f64,
-    ) -> Option<(Gap, bool)> {
+    /// The circle about the crossing of two samples' bisector with a line of the border.
+    fn crossing(&self, sites: [usize; 2], line: BorderLine, limit: f64) -> Option<(Gap, bool)> {
         let [first, second] = self.in_sequence(sites).map(|(_, site)| site);
-        let side = if is_far { self.extent()[axis] } else { 0.0 };
+        let (axis, level) = (line.axis, line.level(self.extent()));
         let [p, q] = [first, second].map(|site| site.position);
-        let (p_off, q_off) = (p[axis] - side, q[axis] - side);
+        let (p_off, q_off) = (p[axis] - level, q[axis] - level);
         let along = q[1 - axis] - p[1 - axis];
         if along == 0.0 {
             return None;
@@ -225,7 +213,7 @@ impl Circles<'_> {
         let step = 0.5 * (along + (q_off - p_off) * (q_off + p_off) / along);
         let distance = step.hypot(p_off);
         let mut center = p;
-        center[axis] = side;
+        center[axis] = level;
         center[1 - axis] = (p[1 - axis] + step).clamp(0.0, self.extent()[1 - axis]);
         let gap = Gap {
             center: center.to_array(),
@@ -234,16 +222,19 @@ impl Circles<'_> {
         };
         let flatness = distance / along.abs();
         let exceeds = exceeds(distance, limit, flatness, || {
-            crossing_exceeds([first, second], axis, is_far, self.extent(), limit)
+            crossing_exceeds([first, second], line, self.extent(), limit)
         });
         Some((gap, exceeds))
     }
 
     /// The circle about a corner of the region.
-    fn corner(&self, is_far: [bool; 2], limit: f64) -> (Gap, bool) {
+    fn corner(&self, lines: [BorderLine; 2], limit: f64) -> (Gap, bool) {
         let [(_, site)] = self.in_sequence([self.index]);
         let extent = self.extent();
-        let corner = DVec2::from([0, 1].map(|axis| if is_far[axis] { extent[axis] } else { 0.0 }));
+        let mut corner = DVec2::ZERO;
+        for line in lines {
+            corner[line.axis] = line.level(extent);
+        }
         let distance = (corner - site.position).length();
         let gap = Gap {
             center: corner.to_array(),

@@ -1,7 +1,6 @@
 //! Gathers the corners of cells so that every gap counts once: three cells or more see it. A gap is dropped only for
 //! another one at the same place.
 
-use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::domain::Domain;
@@ -40,16 +39,9 @@ impl Gaps {
 
     /// Keeps one of all gaps within `same` of each other along both axes, and puts the largest first.
     pub fn settle(&mut self, domain: &Domain, same: f64, limit: f64) {
-        let extent = domain.extent;
-        let near_seam = |gap: &mut Gap| {
-            if domain.periodic {
-                // Places at a seam, from either side, come out near zero.
-                let center = DVec2::from(gap.center);
-                let beyond = center.cmpge(extent - 2.0 * same);
-                gap.center = DVec2::select(beyond, center - extent, center).to_array();
-            }
-        };
-        self.all.iter_mut().for_each(near_seam);
+        for gap in &mut self.all {
+            gap.center = domain.at_seam(gap.center.into(), same).into();
+        }
         self.all.sort_unstable_by(|a, b| {
             a.center[0]
                 .total_cmp(&b.center[0])

@@ -14,6 +14,7 @@ use super::sample::Sample;
 use super::samples::{Cells, Samples};
 use super::table;
 use super::tile::{self, Rectangle, Tile, Unfilled};
+use crate::domain::BorderLine;
 use crate::monitor::Monitor;
 
 /// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
@@ -244,19 +245,11 @@ impl<'a> Search<'a> {
             let is_near = offset.length_squared() < 4.0;
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
-        if !domain.periodic {
-            let position = tile.position(index);
-            let sides = [
-                (DVec2::NEG_X, position.x),
-                (DVec2::X, domain.extent.x - position.x),
-                (DVec2::NEG_Y, position.y),
-                (DVec2::Y, domain.extent.y - position.y),
-            ];
-            arcs.extend(sides.map(|(toward, distance)| Arc {
-                toward,
-                least: distance / rho,
-            }));
-        }
+        let of_border = |line: &BorderLine| Arc {
+            toward: line.outward(),
+            least: line.depth(tile.position(index), domain.extent) / rho,
+        };
+        arcs.extend(domain.border().iter().map(of_border));
         rho
     }
 
@@ -375,9 +368,7 @@ impl<'a> Search<'a> {
         if domain.periodic {
             found.add_own_copies(count, domain.extent.min_element(), radius);
         }
-        let longer = domain.extent.max_element();
-        let same = (limit * 2f64.powi(-30)).max(longer * 2f64.powi(-46));
-        found.gaps.settle(&domain, same, limit);
+        found.gaps.settle(&domain, domain.same_place(limit), limit);
         Ok(found)
     }
 }

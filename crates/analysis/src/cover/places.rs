@@ -69,10 +69,8 @@ impl Places {
     /// Settles the shared places.
     pub fn finish(mut self, domain: &Domain, same: f64) -> Cover {
         let mut shared = std::mem::take(&mut self.shared);
-        if domain.periodic {
-            for gap in &mut shared {
-                gap.center = wrapped(gap.center.into(), domain.extent, same).into();
-            }
+        for gap in &mut shared {
+            gap.center = domain.at_seam(gap.center.into(), same).into();
         }
         merge_same(&mut shared, same);
         for mut gap in shared {
@@ -92,13 +90,6 @@ impl Places {
         self.count += 1;
         self.worst.push(gap);
     }
-}
-
-/// Moves a place into the region such that places at the seam, from either side, come out near zero,
-/// possibly just below.
-fn wrapped(center: DVec2, extent: DVec2, same: f64) -> DVec2 {
-    let beyond = center.cmpge(extent - 2.0 * same);
-    DVec2::select(beyond, center - extent, center)
 }
 
 /// Replaces gaps whose places are within `same` along both axes by one. Which bits survive does not
@@ -143,6 +134,7 @@ fn joined(a: &Gap, b: &Gap) -> Gap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::region::Region;
     use crate::witness::GapKind;
 
     fn gap(x: f64, y: f64, distance: f64, kind: GapKind) -> Gap {
@@ -175,11 +167,14 @@ mod tests {
 
     #[test]
     fn a_place_on_the_seam_is_the_same_from_both_sides() {
-        let extent = DVec2::new(1.5, 1.0);
-        let wrapped = |x, y| wrapped(DVec2::new(x, y), extent, 1e-10).to_array();
-        let [x, y] = wrapped(1.5 - 1e-14, 0.25);
+        let domain = |periodic| Domain::new(Region::new([1.5, 1.0], periodic)).expect("supported");
+        let at_seam = |x, y| domain(true).at_seam(DVec2::new(x, y), 1e-10).to_array();
+        let [x, y] = at_seam(1.5 - 1e-14, 0.25);
         assert!(x.abs() < 1e-13 && y == 0.25);
-        assert_eq!(wrapped(-1e-14, 0.25), [-1e-14, 0.25]);
-        assert_eq!(wrapped(1.25, 0.0), [1.25, 0.0]);
+        assert_eq!(at_seam(-1e-14, 0.25), [-1e-14, 0.25]);
+        assert_eq!(at_seam(1.25, 0.0), [1.25, 0.0]);
+        // The control: nothing is beyond the far side of a bounded region.
+        let corner = DVec2::new(1.5, 1.0);
+        assert_eq!(domain(false).at_seam(corner, 1e-10), corner);
     }
 }

@@ -10,6 +10,7 @@ use super::border::{self, BorderSite};
 use super::circle::{circumcircle, is_below};
 use super::tiles::{Tile, TileWindow, original};
 use crate::delaunay::delaunay;
+use crate::domain::BorderLine;
 use crate::error::VerifyError;
 use crate::exact::{Site, circle_exceeds, corner_exceeds, crossing_exceeds, exceeds};
 use crate::witness::{Gap, GapKind};
@@ -33,10 +34,8 @@ impl Survey {
             covering_radius: 0.0,
             gaps: Vec::new(),
         };
-        for axis in [0, 1] {
-            for upper in [false, true] {
-                survey.add_side(task, tile, window, TileSide { axis, upper });
-            }
+        for line in BorderLine::ALL {
+            survey.add_side(task, tile, window, TileSide { line });
         }
         survey
     }
@@ -64,17 +63,17 @@ impl Survey {
     ) {
         let level = side.level(tile);
         let mut sites = side.sites(level, window);
-        let (start, end) = (tile.low[side.axis], tile.high[side.axis]);
-        let extent = task.grid.domain.extent;
-        let on_border =
-            !task.grid.domain.periodic && (level == 0.0 || level == extent[1 - side.axis]);
+        let (start, end) = (tile.low[side.along()], tile.high[side.along()]);
+        let domain = task.domain();
+        let extent = domain.extent;
+        let on_border = domain.border().contains(&side.line) && level == side.line.level(extent);
         for crossing in border::crossings(&mut sites) {
             let at = crossing.at;
             if at < start - task.same || at > end + task.same {
                 continue;
             }
             self.side_reach = self.side_reach.max(crossing.distance);
-            if on_border && (0.0..=extent[side.axis]).contains(&at) {
+            if on_border && (0.0..=extent[side.along()]).contains(&at) {
                 let circle = Gap {
                     center: side.place(at, level),
                     distance: crossing.distance,
@@ -82,7 +81,7 @@ impl Survey {
                 };
                 let sites = crossing.sites.map(|site| side.site(site, level));
                 self.claim(task, circle, || {
-                    crossing_exceeds(sites, 1 - side.axis, side.upper, extent, task.limit)
+                    crossing_exceeds(sites, side.line, extent, task.limit)
                 });
             }
         }
@@ -91,7 +90,7 @@ impl Survey {
             let distance = distances.fold(f64::INFINITY, f64::min);
             self.side_reach = self.side_reach.max(distance);
             // A corner of the region ends two sides: the sides along x report it.
-            if on_border && side.axis == 0 && (at == 0.0 || at == extent[0]) {
+            if on_border && side.along() == 0 && (at == 0.0 || at == extent[0]) {
                 let circle = Gap {
                     center: side.place(at, level),
                     distance,
@@ -161,24 +160,30 @@ impl Survey {
     }
 }
 
-/// One side of a tile.
+/// One side of a tile, parallel to the line of the border that it may lie on.
 #[derive(Clone, Copy)]
 struct TileSide {
-    /// The axis it runs along.
-    axis: usize,
-    /// Whether it is the one at the larger coordinate.
-    upper: bool,
+    line: BorderLine,
 }
 
 impl TileSide {
+    /// The axis it runs along.
+    fn along(self) -> usize {
+        1 - self.line.axis
+    }
+
     fn level(self, tile: &Tile) -> f64 {
-        let corner = if self.upper { tile.high } else { tile.low };
-        corner[1 - self.axis]
+        let corner = if self.line.is_far {
+            tile.high
+        } else {
+            tile.low
+        };
+        corner[self.line.axis]
     }
 
     /// A sample that was seen from this side, a side of the region.
     fn site(self, seen: BorderSite, level: f64) -> Site {
-        let across = if self.upper {
+        let across = if self.line.is_far {
             level - seen.offset
         } else {
             level + seen.offset
@@ -187,7 +192,7 @@ impl TileSide {
     }
 
     fn place(self, at: f64, level: f64) -> [f64; 2] {
-        if self.axis == 0 {
+        if self.along() == 0 {
             [at, level]
         } else {
             [level, at]
@@ -199,7 +204,7 @@ impl TileSide {
     fn sites(self, level: f64, window: &TileWindow) -> Vec<BorderSite> {
         (window.points.iter())
             .map(|point| {
-                let (along, across) = if self.axis == 0 {
+                let (along, across) = if self.along() == 0 {
                     (point.x, point.y)
                 } else {
                     (point.y, point.x)

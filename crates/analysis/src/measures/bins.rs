@@ -38,7 +38,7 @@ impl PairBins {
     #[must_use]
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());
-        let half = 0.499 * region.width.min(region.height);
+        let half = 0.499 * region.shorter_side();
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
             // A radius that is not the set's may be longer than its domain.
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;

@@ -80,7 +80,7 @@ impl PowerCurve {
         control: Control<'_>,
     ) -> Result<Option<Self>, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
-        let most = (0.499 * region.width.min(region.height) / r_max).min(MAX_DISTANCE);
+        let most = (0.499 * region.shorter_side() / r_max).min(MAX_DISTANCE);
         if most.is_nan() || most < NEAREST {
             return Ok(None);
         }

@@ -63,7 +63,7 @@ pub fn pairs_between(
 ) -> Result<DistantPairs, MeasureError> {
     check_set(points, region, 1)?;
     check_count("pairs to hold", limit, MAX_PAIRS)?;
-    let half = 0.5 * region.width.min(region.height);
+    let half = 0.5 * region.shorter_side();
     check_range("the least distance of a pair", least, [0.0, half])?;
     check_range("the largest distance of a pair", most, [0.0, half])?;
     if most <= least {

@@ -71,7 +71,7 @@ impl PairCorrelation {
         check_not_all_equal(points)?;
         check_count("bins of g(r)", bins, MAX_BINS)?;
         let r_max = largest_min_distance(points.len(), region.area());
-        let half = 0.5 * region.width.min(region.height) / r_max;
+        let half = 0.5 * region.shorter_side() / r_max;
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
         let monitor = Monitor::begin(control, points.len() as u64)?;
         let domain = Domain::new(region)?;
@@ -107,7 +107,7 @@ impl PairCorrelation {
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
-        let half = 0.499 * region.width.min(region.height) / r_max;
+        let half = 0.499 * region.shorter_side() / r_max;
         let most = half.min(5.0);
         let bins = (40.0 * most).ceil().max(1.0) as usize;
         Self::of(points, region, most, bins, control)
@@ -129,7 +129,7 @@ impl PairCorrelation {
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
         let r_max = largest_min_distance(points.len(), region.area());
-        let half = 0.499 * region.width.min(region.height);
+        let half = 0.499 * region.shorter_side();
         let reach = half.min(Self::MAX_DISTANCE * r_max);
         check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;
         let bins = (40.0 * (reach / unit).min(5.0)).floor().max(1.0);

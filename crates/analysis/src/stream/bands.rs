@@ -73,7 +73,7 @@ impl StreamSearch {
             band: StreamBand::default(),
             whole: false,
             cells,
-            same: cover::same_place(&domain, scaled_radius),
+            same: domain.same_place(scaled_radius),
         }
     }
 

@@ -201,22 +201,12 @@ impl Cells {
 /// The polygon inside a bounded domain; a periodic one has no border.
 fn clipped(polygon: &[Corner], domain: &Domain, sample: DVec2) -> Vec<Corner> {
     let mut corners = polygon.to_vec();
-    if domain.periodic {
-        return corners;
-    }
-    for axis in [0, 1] {
-        for upper in [false, true] {
-            let bound = if upper { domain.extent[axis] } else { 0.0 };
-            let inside = |corner: &Corner| {
-                if upper {
-                    corner.at[axis] <= bound
-                } else {
-                    corner.at[axis] >= bound
-                }
-            };
-            if !corners.iter().all(inside) {
-                corners = cut(&corners, axis, bound, sample, inside);
-            }
+    for &line in domain.border() {
+        let inside = |corner: &Corner| line.depth(corner.at, domain.extent) >= 0.0;
+        // Most cells do not reach the border.
+        if !corners.iter().all(inside) {
+            let bound = line.level(domain.extent);
+            corners = cut(&corners, line.axis, bound, sample, inside);
         }
     }
     corners

@@ -48,7 +48,7 @@ pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiC
     check_points(points, region)?;
     let spacing = domain.spacing(points.len());
     let window = Window::new(points, domain, spacing)?;
-    let same = crate::cover::same_place(&domain, spacing);
+    let same = domain.same_place(spacing);
     let cells = Cells::new(&window, &domain, spacing, same);
     Ok((0..points.len()).map(|index| cell(&cells, index)).collect())
 }
