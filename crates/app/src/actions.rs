@@ -200,7 +200,7 @@ fn no_events(state: &State) -> Option<&'static str> {
     match &state.runs().first {
         run if run.debugger.is_some() => None,
         run if run.session.is_none() => Some(NO_SESSION),
-        _ if state.shows_combination() => {
+        _ if state.runs().first.shows_combination() => {
             Some("A combination has stages but no events: its sets existed before.")
         }
         run if run.prefix().is_some() => Some(NO_EVENTS_OF_LEVELS),
@@ -326,7 +326,10 @@ impl List {
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance().look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
-        let caption = state.scene().map(|_| Command::Scene(SceneCommand::Leave));
+        let caption = state
+            .scenes()
+            .shown
+            .map(|_| Command::Scene(SceneCommand::Leave));
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
@@ -352,8 +355,8 @@ const NONE: Modifiers = Modifiers::NONE;
 
 fn edit(list: &mut List, state: &State) {
     list.menu = Menu::Edit;
-    let no_past = (!state.can_undo()).then_some("Nothing was changed yet.");
-    let no_future = (!state.can_redo()).then_some("Nothing was undone.");
+    let no_past = (!state.past().history.can_undo()).then_some("Nothing was changed yet.");
+    let no_future = (!state.past().history.can_redo()).then_some("Nothing was undone.");
     let undo = list.add("Undo", Command::Undo);
     undo.on_keys(COMMAND, Key::Z).refused(no_past);
     let redo = list.add("Redo", Command::Redo);
@@ -387,7 +390,8 @@ fn help(list: &mut List) {
 
 /// Adds the scenes. In the tour the space key, which plays otherwise, goes to the next scene.
 fn scenes(list: &mut List, state: &State) {
-    let has_scenes = state.scene().is_some() || !state.scenes(SceneList::Own).is_empty();
+    let has_scenes =
+        state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
     let add_scene = Command::Scene(SceneCommand::Add);
@@ -396,12 +400,12 @@ fn scenes(list: &mut List, state: &State) {
         .refused(no_events(state));
     let next = list.add("Next scene", step(Direction::Forwards));
     next.on_key(Key::PageDown).refused(no_scenes);
-    if state.is_touring() {
+    if state.scenes().is_touring() {
         next.or_on(NONE, Key::Space);
     }
     let previous = list.add("Previous scene", step(Direction::Backwards));
     previous.on_key(Key::PageUp).refused(no_scenes);
-    if state.scene().is_some() {
+    if state.scenes().shown.is_some() {
         let leave = Command::Scene(SceneCommand::Leave);
         list.add("Close the scene's caption", leave);
     }

@@ -465,7 +465,11 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        settings::set_value(storage, LAYOUT_KEY, self.state.layout_to_store());
+        settings::set_value(
+            storage,
+            LAYOUT_KEY,
+            self.state.past().layout_to_store(self.state.window()),
+        );
         let look = (
             self.state.appearance().look,
             self.state.appearance().motion_chosen(),

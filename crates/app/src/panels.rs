@@ -89,7 +89,7 @@ pub fn show_projector(
             ui.spacing_mut().item_spacing.y = 0.0;
             timeline::show(ui, &TimeContext::of(state), commands);
         });
-    if state.analyses() {
+    if state.window().shows(Panel::Analysis) {
         let side = Frame::new().fill(palette.panel);
         egui::Panel::left("projected analysis")
             .resizable(false)

@@ -48,7 +48,10 @@ impl<'a> CanvasContext<'a> {
             palette: Palette::of(state.appearance().look),
             look: state.appearance().look,
             runs: state.runs(),
-            subjects: [state.subject(), state.second_subject()],
+            subjects: [
+                state.subject(),
+                state.runs().second_subject(state.appearance()),
+            ],
             rows: state.buffers_on_canvas(),
             is_embedded: state.window().embedding.is_some(),
             is_stage: state.talks().open.is_some(),

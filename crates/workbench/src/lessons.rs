@@ -16,6 +16,9 @@ use tilescope_lessons::{
 use tilescope_session::language::Language;
 use tilescope_session::units::position;
 
+/// The notice of a page whose browser does not store results.
+pub const NOT_STORED: &str = "The browser does not store your results: they are gone when this page is closed. The list of lessons saves them to a file.";
+
 /// An action in a lesson, or on the list of lessons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -1,5 +1,5 @@
 //! Requests of a page that embeds the window, as JSON: strictly validated, with the limits of links. Begin with [`read`];
-//! `state/remote.rs` answers requests, and the page in `web/` decides which origins may send them.
+//! `answer.rs` answers requests, and the page in `web/` decides which origins may send them.
 
 use glam::DVec2;
 
@@ -532,5 +532,7 @@ fn same_kind(a: &Value, b: &Value) -> bool {
         || (a.is_boolean() && b.is_boolean())
 }
 
+mod answer;
+pub use answer::{ask, to_json};
 #[cfg(test)]
 mod tests;

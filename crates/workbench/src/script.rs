@@ -12,6 +12,7 @@ use tilescope_session::verification::Verdict;
 
 use crate::command::{Command, ViewCommand, Which};
 use crate::files::FileCommand;
+use crate::remote::to_json;
 use crate::state::State;
 
 /// The most commands of a script.
@@ -105,7 +106,7 @@ fn carry_out<E>(
 /// Returns why a command does nothing now, where the window has no button for it then, so that nothing says why.
 fn refusal_before(state: &State, command: &Command) -> Option<String> {
     match command {
-        Command::Run => state.run_refusal(),
+        Command::Run => state.form().refusal(state.gpu()),
         Command::File(FileCommand::Go) => match &state.files().sheet {
             None => Some("No file sheet is open.".to_owned()),
             Some(form) if form.path.trim().is_empty() => Some("No file is named.".to_owned()),
@@ -131,7 +132,7 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
     }
 
     // The first command that would replace a file only asks; the same command once more is the answer.
-    let asks = next.is_none_or(|next| next != command) && state.asks_to_replace();
+    let asks = next.is_none_or(|next| next != command) && state.files().asks_to_replace();
     let asked = "The file exists. The same command once more replaces it.".to_owned();
     failed.or_else(|| asks.then_some(asked))
 }
@@ -147,7 +148,7 @@ pub fn run<E: From<ScriptError>>(
     refused: &mut dyn FnMut(usize, &str, bool),
 ) -> Result<Option<bool>, E> {
     let commands = read(text)?;
-    let mut print_state = |state: &State| print(&format!("{}\n", state.to_json()));
+    let mut print_state = |state: &State| print(&format!("{}\n", to_json(state)));
     let state = carry_out(commands, |state, refusal| {
         if let Some(Refusal {
             number,

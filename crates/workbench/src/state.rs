@@ -3,6 +3,7 @@
 //! for an effect (`effects`), which the state carries out. No window is needed, so that tests and scripts use the state.
 
 use tilescope_core::Stage;
+use tilescope_core::combine::file::Layout;
 use tilescope_debugger::Target;
 
 use crate::analysis::Analysis;
@@ -13,27 +14,32 @@ use crate::command::{
     Which,
 };
 use crate::device::EngineChoice;
-use crate::draft::DraftRefusal;
 use crate::export::ExportCommand;
-use crate::lessons::Lessons;
-use crate::scenes::ShownScene;
-use crate::talk::Talks;
-use crate::thumbnails::Thumbnails;
+use crate::link::Link;
+use crate::rules::UndoPart;
 pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use frame::{FrameStart, Requests, Settings};
 pub use gpu::GpuState;
+pub use lesson_told::NO_LESSON;
 pub use lessons::HIDDEN_LAYER;
+pub use link::not_copied;
 pub use page::PageStart;
-use parts::JobContext;
-pub use parts::{FileState, Links, Messages, Runs};
+pub use parts::{FileState, Messages, Past, Runs};
 pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, RunView};
+pub use scenes::Scenes;
 use tilescope_drawing::subject::Subject;
+use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::Verdict;
+use tilescope_session::words::sentence;
 pub use time::Time;
+use undo::HistoryStep;
 pub use window::WindowState;
+
+/// Why a command is refused while a question is open.
+const VEILED: &str = "Answer the question of the lesson first, or close the lesson: this would show what comes next.";
 
 /// The state of verification.
 pub enum Verification {
@@ -111,20 +117,14 @@ pub struct State {
     gpu: GpuState,
     /// The analysis.
     analysis: Analysis,
-    /// The scene that is shown, if one is.
-    scene: Option<ShownScene>,
+    /// Scenes: the one that is shown, and their pictures.
+    scenes: Scenes,
     /// Lessons and talks.
     classroom: Classroom,
-    /// The scenes' pictures.
-    thumbnails: Thumbnails,
-    /// Links.
-    links: Links,
+    /// Changes to be undone, and what a lesson or the tour has replaced.
+    past: Past,
     /// Messages to the user.
     messages: Messages,
-    /// What a lesson or the tour has replaced.
-    borrowed: Option<Box<borrowed::Borrowed>>,
-    history: undo::History,
-    jobs: JobContext,
 }
 
 impl State {
@@ -133,24 +133,17 @@ impl State {
     pub fn new(wake: Wake) -> Self {
         let mut state = Self {
             form: Form::default(),
-            runs: Runs::default(),
+            runs: Runs::new(wake),
             time: Time::default(),
             appearance: Appearance::default(),
             window: WindowState::default(),
             files: FileState::default(),
             gpu: GpuState::default(),
             analysis: Analysis::default(),
-            scene: None,
+            scenes: Scenes::default(),
             classroom: Classroom::default(),
-            thumbnails: Thumbnails::default(),
-            links: Links::default(),
+            past: Past::default(),
             messages: Messages::default(),
-            borrowed: None,
-            history: undo::History::default(),
-            jobs: JobContext {
-                wake,
-                generation: 0,
-            },
         };
         state.apply(Command::Run);
         state
@@ -186,20 +179,28 @@ impl State {
         let first = &self.runs.first;
         Some(Subject {
             causes: self.causes(),
-            ..first.subject(&self.appearance, self.contrast(false))?
+            ..first.subject(&self.appearance, self.runs.contrast(false))?
         })
     }
 
-    /// Returns why the draft cannot be run now, or `None` if it can.
-    #[must_use]
-    pub fn run_refusal(&self) -> Option<String> {
-        let refusal = self.form.draft.refusals().into_iter().next();
-        let refusal = refusal.as_ref().map(DraftRefusal::with_name);
-        let own =
-            "Nested levels have a pattern of their own; they cannot be made from that of a file.";
-        let has_own = self.form.draft.levels.is_some() && self.form.own_pattern.is_some();
-        let refusal = refusal.or_else(|| has_own.then(|| own.to_owned()));
-        refusal.or_else(|| self.gpu.waiting())
+    /// Refuses a command that an open question does not allow, or that names something by a number that it does not have.
+    /// Returns whether it is refused; a notice says why.
+    fn refuse(&mut self, command: &Command) -> bool {
+        let lessons = &self.classroom.lessons;
+        let hidden = || lessons.hidden_layers(self.current_stage());
+        match command {
+            Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
+                self.tell(HIDDEN_LAYER.to_owned(), false);
+            }
+            _ if lessons.veil().is_some() && command.rules().reveals => {
+                self.tell(VEILED.to_owned(), false);
+            }
+            _ => match self.runs.index_refusal(command) {
+                Some(text) => self.tell(format!("{text}."), true),
+                None => return false,
+            },
+        }
+        true
     }
 
     /// Applies a command. The user changes the state by commands only.
@@ -218,7 +219,7 @@ impl State {
             lessons.draft_from_canvas(selection, at);
         }
         if matches!(command, Command::Time(_) | Command::Scene(_)) {
-            self.drop_brief_notice();
+            self.messages.drop_brief();
         }
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
         let before = match command {
@@ -228,8 +229,8 @@ impl State {
         };
         let seeks = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
         match command {
-            Command::Undo => self.undo(),
-            Command::Redo => self.redo(),
+            Command::Undo => self.step_in_history(HistoryStep::Undo),
+            Command::Redo => self.step_in_history(HistoryStep::Redo),
             command => match rules.undo {
                 Some(part) => {
                     let before = self.memento();
@@ -253,26 +254,18 @@ impl State {
     }
 
     /// Brings the parts into line with what has changed: layers with an open question, the second run with the first.
-    fn follow(&mut self) {
+    pub(crate) fn follow(&mut self) {
         let stage = self.current_stage();
         let chosen = &mut self.appearance.chosen_layers;
         *chosen = self.classroom.lessons.permitted(*chosen, stage);
-        self.follow_first();
-        self.follow_passes();
+        self.runs.follow_first();
+        self.time.follow_passes(&self.runs.first);
     }
 
     /// Moves the camera to the current event, if it follows and the cursor is no longer `before`.
     fn follow_event(&mut self, before: Option<(usize, usize)>) {
         if self.appearance.follows_events && self.cursor() != before {
             self.on(Which::First, |run, context| run.follow_event(context));
-        }
-    }
-
-    fn drop_brief_notice(&mut self) {
-        let brief = self.messages.brief.take();
-        let notice = &mut self.messages.notice;
-        if brief.is_some() && brief.as_ref() == notice.as_ref().map(|notice| &notice.text) {
-            *notice = None;
         }
     }
 
@@ -307,19 +300,32 @@ impl State {
             }
             Command::Window(command) => self.window.apply(command),
             Command::Undo | Command::Redo => {}
-            Command::OpenPasses => self.open_passes(),
-            Command::Passes(command) => self.apply_to_passes(command),
+            Command::OpenPasses => self.with(|state, context| {
+                state.runs.first.open_passes(&state.gpu, context);
+            }),
+            Command::Passes(command) => {
+                self.on(Which::First, |run, context| {
+                    run.apply_to_passes(command, context);
+                });
+            }
             Command::File(command) => match self.files.take_lesson(&command) {
                 Some(Ok(lesson)) => self.dispatch(Command::Lesson(lesson)),
                 Some(Err(why)) => self.tell(why, true),
                 None => self.apply_to_files(command),
             },
-            Command::Compare(command) => self.apply_to_comparison(command),
+            Command::Compare(command) => self.with(|state, context| {
+                let State {
+                    runs, form, gpu, ..
+                } = state;
+                runs.apply(command, form, gpu, context);
+            }),
             Command::Analysis(command) => {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
             }
-            Command::Scene(command) => self.apply_to_scenes(command),
+            Command::Scene(command) => self.in_scenes(|scenes, run, source, context| {
+                scenes.apply(command, run, source, context);
+            }),
             Command::Lesson(command) => {
                 self.in_class(|class, context| class.apply(command, context));
             }
@@ -334,8 +340,16 @@ impl State {
             Command::Time(command) => {
                 self.in_time(|time, run, context| time.apply(command, run, context));
             }
-            Command::View(Which::First, command) => self.apply_to_view(command),
-            Command::View(Which::Second, command) => self.apply_to_second_view(command),
+            Command::View(Which::First, command) => {
+                self.on(Which::First, |run, context| {
+                    run.apply_to_view(command, context);
+                });
+            }
+            Command::View(Which::Second, command) => {
+                self.with_of(Which::Second, |state, context| {
+                    state.runs.apply_to_second_view(command, context);
+                });
+            }
             Command::Export(command) => {
                 if matches!(command, ExportCommand::Open(_)) {
                     (self.files.sheet, self.messages.notice) = (None, None);
@@ -344,8 +358,31 @@ impl State {
                     exports.apply(command, source, delivery, context);
                 });
             }
-            Command::Link(LinkCommand::Copy) => self.copy_link(),
+            Command::Link(LinkCommand::Copy) => {
+                let Link { fragment, left_out } = self.link();
+                let address = self.window.address.as_deref();
+                let text = link::copied_notice(&left_out, address);
+                let link = format!("{}#{fragment}", address.unwrap_or_default());
+                self.window.copied = Some(link);
+                self.tell(text, false);
+            }
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
+        }
+    }
+
+    /// Starts making a combination, or shows a notice with the fault of its layout.
+    fn combine(&mut self, command: CombineCommand) {
+        let text = match command {
+            CombineCommand::Nine => NINE.to_owned(),
+            CombineCommand::Text(text) => text,
+        };
+        (self.messages.notice, self.runs.arriving) = (None, None);
+        match Layout::from_json(text.as_bytes()) {
+            Ok(layout) => {
+                self.remember_run(UndoPart::Run);
+                self.start_combining(layout);
+            }
+            Err(error) => self.tell(sentence(&error.to_string()), true),
         }
     }
 
@@ -364,117 +401,17 @@ impl State {
         }
     }
 
-    fn apply_to_view(&mut self, command: ViewCommand) {
-        self.on(Which::First, |run, context| {
-            run.apply_to_view(command, context);
-        });
-    }
-
     /// Stops making and reading sessions, and closes the notice.
     fn stop_making(&mut self) {
         self.files.stop_reading();
-        self.runs.first.sampling = None;
-        (self.links.arriving, self.messages.notice) = (None, None);
-    }
-}
-
-/// The parts, to be read. The user changes them by commands, the window by the functions of `state/frame.rs`.
-impl State {
-    /// Returns the input of the next run.
-    #[must_use]
-    pub const fn form(&self) -> &Form {
-        &self.form
-    }
-
-    /// Returns the runs that are shown.
-    #[must_use]
-    pub const fn runs(&self) -> &Runs {
-        &self.runs
-    }
-
-    /// Returns playback.
-    #[must_use]
-    pub const fn time(&self) -> &Time {
-        &self.time
-    }
-
-    /// Returns the appearance of moments.
-    #[must_use]
-    pub const fn appearance(&self) -> &Appearance {
-        &self.appearance
-    }
-
-    /// Returns panels, drawer, list of actions, full screen.
-    #[must_use]
-    pub const fn window(&self) -> &WindowState {
-        &self.window
-    }
-
-    /// Returns files and exports.
-    #[must_use]
-    pub const fn files(&self) -> &FileState {
-        &self.files
-    }
-
-    /// Returns the engine and the GPU.
-    #[must_use]
-    pub const fn gpu(&self) -> &GpuState {
-        &self.gpu
-    }
-
-    /// Returns the analysis.
-    #[must_use]
-    pub const fn analysis(&self) -> &Analysis {
-        &self.analysis
-    }
-
-    /// Returns the scene that is shown, if one is.
-    #[must_use]
-    pub const fn scene(&self) -> Option<ShownScene> {
-        self.scene
-    }
-
-    /// Returns lessons: the one that is open, the list, the results.
-    #[must_use]
-    pub const fn lessons(&self) -> &Lessons {
-        &self.classroom.lessons
-    }
-
-    /// Returns presenter mode.
-    #[must_use]
-    pub const fn talks(&self) -> &Talks {
-        &self.classroom.talks
-    }
-
-    /// Returns lessons and talks together.
-    #[must_use]
-    pub const fn classroom(&self) -> &Classroom {
-        &self.classroom
-    }
-
-    /// Returns the scenes' pictures.
-    #[must_use]
-    pub const fn thumbnails(&self) -> &Thumbnails {
-        &self.thumbnails
-    }
-
-    /// Returns links.
-    #[must_use]
-    pub const fn links(&self) -> &Links {
-        &self.links
-    }
-
-    /// Returns messages to the user.
-    #[must_use]
-    pub const fn messages(&self) -> &Messages {
-        &self.messages
+        self.runs.stop_making();
+        self.messages.notice = None;
     }
 }
 
 mod analysis;
 mod announce;
 mod borrowed;
-mod combine;
 mod compare;
 mod effects;
 mod engine;
@@ -489,7 +426,6 @@ mod lessons;
 mod link;
 mod page;
 mod parts;
-mod remote;
 pub mod run_view;
 mod scenes;
 mod talk;
@@ -499,7 +435,7 @@ mod tests;
 mod time;
 mod undo;
 mod unfinished;
-mod view;
+mod whole;
 mod window;
 mod work;
 

@@ -19,7 +19,9 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::LinkCommand;
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::embedding::Embedding;
-use tilescope_workbench::state::{PageStart, Settings};
+use tilescope_workbench::lessons::NOT_STORED;
+use tilescope_workbench::remote::{ask, to_json};
+use tilescope_workbench::state::{PageStart, Settings, not_copied};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
@@ -148,7 +150,7 @@ impl Tilescope {
             return busy.to_owned();
         };
         page.work();
-        let answer = page.app.state.ask(request);
+        let answer = ask(&mut page.app.state, request);
         // A request for the state changes nothing.
         let parsed = serde_json::from_str::<serde_json::Value>(request);
         if parsed.is_ok_and(|request| request["do"] != "state") {
@@ -266,7 +268,8 @@ impl Tilescope {
     /// Shows a notice that copying failed.
     pub fn copy_failed(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
-            page.app.state.tell_not_copied();
+            let is_embedded = page.app.state.window().embedding.is_some();
+            page.app.state.report(not_copied(is_embedded));
             page.ctx.request_repaint();
         }
     }
@@ -444,7 +447,7 @@ impl Page {
         // The notice is shown once, not at every answer.
         if !LocalStore::put(RESULTS_KEY, &results.text) && !self.is_refused {
             self.is_refused = true;
-            self.app.state.tell_not_stored();
+            self.app.state.report(NOT_STORED.to_owned());
         }
     }
 
@@ -489,7 +492,7 @@ impl Page {
     /// Reports changes to the page.
     fn tell(&mut self) {
         let state = &self.app.state;
-        let announcement = state.announcement();
+        let announcement = state.messages().announcement();
         if announcement != self.announcement {
             hooks::announce(announcement.as_deref().unwrap_or_default());
             self.announcement = announcement;
@@ -510,7 +513,7 @@ impl Page {
             hooks::talk(&talk);
             self.talk = talk;
         }
-        let told = state.to_json();
+        let told = to_json(state);
         let link = told["link"].as_str().unwrap_or_default();
         if self.link.as_deref() != Some(link) {
             hooks::link(link);

@@ -16,7 +16,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Analyze;
     let analysis = state.analysis();
     // With tiles, tabs lead away from the analysis; the projector mode and small windows have no tabs.
-    let (name, command) = if !state.analyses() {
+    let (name, command) = if !state.window().shows(Panel::Analysis) {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);

@@ -16,7 +16,12 @@ pub(super) fn add(list: &mut List, state: &State) {
         for preset in ComparePreset::ALL {
             let command = Command::Compare(CompareCommand::Start(preset));
             list.add(format!("Compare with {}", preset.name()), command)
-                .refused(state.preset_refusal(preset).as_deref());
+                .refused(
+                    state
+                        .runs()
+                        .preset_refusal(preset, state.form(), state.gpu())
+                        .as_deref(),
+                );
         }
     });
     list.add("Keep this run as B", Command::Compare(CompareCommand::Keep))
@@ -29,7 +34,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let go = Command::Compare(CompareCommand::GoToDivergence);
     list.add("Go to the event where A and B diverge", go)
         .on_key(Key::D)
-        .refused(state.parting_refusal());
+        .refused(state.runs().parting_refusal());
     let is_at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
     list.add("Cancel B", Command::Cancel(Which::Second))
         .refused((!is_at_work).then_some("B is not being sampled."));

@@ -14,7 +14,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::File;
     let run = list.add("Run with these parameters", Command::Run);
     run.on_keys(COMMAND, Key::Enter)
-        .refused(state.run_refusal().as_deref());
+        .refused(state.form().refusal(state.gpu()).as_deref());
     let is_idle = state.runs().first.sampling.is_none();
     list.add("Cancel the run", Command::Cancel(Which::First))
         .refused(is_idle.then_some("Nothing is being sampled."));
@@ -86,7 +86,13 @@ fn sessions(list: &mut List, state: &State) {
     };
     toggle(list, "Open session\u{2026}", sheet(Purpose::Open), None).on_keys(COMMAND, Key::O);
     let save = sheet(Purpose::Save);
-    toggle(list, "Save session\u{2026}", save, state.save_refusal()).on_keys(COMMAND, Key::S);
+    toggle(
+        list,
+        "Save session\u{2026}",
+        save,
+        state.runs().first.save_refusal(),
+    )
+    .on_keys(COMMAND, Key::S);
     recent(list, state);
     let combination = sheet(Purpose::Combination);
     toggle(list, "Open a combination\u{2026}", combination, None);

@@ -42,7 +42,7 @@ fn begin(list: &mut List, state: &State) {
         "Present the lecture of 50 minutes",
         TalkCommand::Lecture,
     );
-    let no_scenes = state.scenes(SceneList::Own).is_empty();
+    let no_scenes = SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
     own(list, "Present the scenes", TalkCommand::Scenes).refused(no_scenes);
     let handout = |answers| TalkCommand::Handout {

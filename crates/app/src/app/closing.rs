@@ -25,7 +25,13 @@ impl App {
     /// Answers a request to close the window: asks if something would be lost, otherwise ends what is open and lets it close.
     pub(super) fn follow_closing(&mut self, ctx: &Context) {
         if ctx.input(|input| input.viewport().close_requested()) {
-            if self.closing != Closing::Sure && !self.state.unfinished().is_empty() {
+            if self.closing != Closing::Sure
+                && !self
+                    .state
+                    .files()
+                    .unfinished(&self.state.runs().first)
+                    .is_empty()
+            {
                 ctx.send_viewport_cmd(ViewportCommand::CancelClose);
                 self.closing = Closing::Asked;
             } else {
@@ -40,14 +46,15 @@ impl App {
     }
 
     fn ask_to_close(&mut self, ctx: &Context) {
-        let unfinished = self.state.unfinished();
+        let unfinished = self.state.files().unfinished(&self.state.runs().first);
         // What kept the window open may have ended meanwhile; the question then has no reason.
         if unfinished.is_empty() {
             self.closing = Closing::No;
             return;
         }
         let palette = Palette::of(self.state.appearance().look);
-        let saves = self.state.unsaved_scenes() > 0 && self.state.save_refusal().is_none();
+        let saves = self.state.files().unsaved_scenes(&self.state.runs().first) > 0
+            && self.state.runs().first.save_refusal().is_none();
         let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
             ui.set_width(320.0);
             heading(ui, "Close Tilescope?");

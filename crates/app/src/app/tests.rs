@@ -393,7 +393,9 @@ fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
     for size in [[1280.0, 720.0], [1440.0, 900.0], [1920.0, 1080.0]] {
         let mut window = Window::first(size);
         let state = &window.app.state;
-        assert!(state.is_touring() && !state.lessons().lists && !state.window().shows_sides());
+        assert!(
+            state.scenes().is_touring() && !state.lessons().lists && !state.window().shows_sides()
+        );
         let share = window.canvas_share();
         assert!(share >= 0.6, "{size:?}: {share}");
         let canvas = state.runs().first.viewport;
@@ -403,11 +405,11 @@ fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
         for _ in 1..tilescope_workbench::tour::tour().len() {
             window.apply(Command::Scene(forwards.clone()));
         }
-        assert!(window.app.state.is_touring() && window.app.state.window().shows_sides());
+        assert!(window.app.state.scenes().is_touring() && window.app.state.window().shows_sides());
         let lessons = window.rect_of("caption-offer-1").center();
         window.frame(click(lessons).to_vec());
         window.rest();
-        assert!(window.app.state.lessons().lists && !window.app.state.is_touring());
+        assert!(window.app.state.lessons().lists && !window.app.state.scenes().is_touring());
         assert!(window.is_known("lesson-welcome"), "{size:?}");
     }
 }
@@ -447,7 +449,7 @@ fn on_a_phone_the_card_of_the_tour_stands_below_a_canvas_of_half_the_height() {
             let forwards = SceneCommand::Step(tilescope_debugger::Direction::Forwards);
             let state = &window.app.state;
             let last = tilescope_workbench::tour::tour().len() - 1;
-            if state.scene().is_some_and(|shown| shown.index < last) {
+            if state.scenes().shown.is_some_and(|shown| shown.index < last) {
                 window.apply(Command::Scene(forwards));
             }
         }
@@ -642,7 +644,7 @@ fn the_tour_begins_at_the_first_start_of_the_default_session_only() {
     let begins = |storage: &MemoryStorage, is_default| {
         let mut app = App::new(&Context::default());
         app.remember(storage, is_default);
-        app.state.is_touring()
+        app.state.scenes().is_touring()
     };
     let mut storage = MemoryStorage::default();
     assert!(begins(&storage, true) && !begins(&storage, false));

@@ -97,8 +97,8 @@ impl<'a> AnalysisContext<'a> {
             palette: Palette::of(state.appearance().look),
             run: &state.runs().first,
             analysis: state.analysis(),
-            reference_file: state.reference_file(),
-            brush_text: state.brush_text(),
+            reference_file: state.analysis().file_for(&state.runs().first),
+            brush_text: state.analysis().brush_text(&state.runs().first),
         }
     }
 }

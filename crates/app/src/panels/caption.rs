@@ -40,8 +40,8 @@ struct Card<'a> {
 impl<'a> Card<'a> {
     /// Returns the card of the scene that is shown, if it has a caption.
     fn of(state: &'a State) -> Option<Self> {
-        let shown = state.scene()?;
-        let scenes = state.scenes(shown.list);
+        let shown = state.scenes().shown?;
+        let scenes = shown.list.scenes(&state.runs().first);
         let scene = *scenes.get(shown.index)?;
         let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
         let has_text = of_tour.is_some() || !scene.caption.is_empty();
@@ -80,7 +80,9 @@ impl<'a> Card<'a> {
 /// Returns whether the card stands below the canvas, as in a small window during the tour, and not over it.
 pub fn is_below(state: &State) -> bool {
     let window = state.window();
-    state.is_touring() && window.embedding.is_none() && window.drawer.arrangement.is_compact()
+    state.scenes().is_touring()
+        && window.embedding.is_none()
+        && window.drawer.arrangement.is_compact()
 }
 
 /// Shows the caption over the canvas.

@@ -35,13 +35,18 @@ pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, comma
 
 impl<'a> CompareContext<'a> {
     fn of(state: &'a State) -> Self {
-        let presets = ComparePreset::ALL.map(|preset| (preset, state.preset_refusal(preset)));
+        let refusal = |preset| {
+            state
+                .runs()
+                .preset_refusal(preset, state.form(), state.gpu())
+        };
+        let presets = ComparePreset::ALL.map(|preset| (preset, refusal(preset)));
         Self {
             palette: Palette::of(state.appearance().look),
             first: &state.runs().first,
             second: state.runs().second.as_ref(),
             presets: presets.into(),
-            parting: state.parting_refusal(),
+            parting: state.runs().parting_refusal(),
         }
     }
 }

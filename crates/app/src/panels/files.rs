@@ -137,7 +137,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
             "Name a file."
         }
     } else if form.purpose == Purpose::Save {
-        return state
+        return (state.runs().first)
             .save_refusal()
             .map(str::to_owned)
             .or_else(|| no_folder(path));

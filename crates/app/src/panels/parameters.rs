@@ -85,10 +85,12 @@ impl<'a> FormContext<'a> {
             form: state.form(),
             gpu: state.gpu(),
             sampling: state.runs().first.sampling.as_ref(),
-            refusal: state.run_refusal(),
-            remark: state.run_remark(),
+            refusal: state.form().refusal(state.gpu()),
+            remark: state.form().remark(&state.runs().first, state.gpu()),
             memory: state.form().draft.memory_needed(),
-            engine_differs: state.engine_differs(),
+            engine_differs: state
+                .gpu()
+                .differs(&state.runs().first, &state.form().draft),
             made: match &state.runs().first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,

@@ -36,7 +36,7 @@ const COMPARED: &str = "After the last pass of a stage everything is compared wi
 
 /// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
-    let refusal = state.passes_refusal();
+    let refusal = state.gpu().passes_refusal(&state.runs().first);
     // The engine is all that is missing.
     let can_choose = refusal.as_deref() == Some(CHOOSE_GPU_FIRST);
     let context = PanelContext::of(state);

@@ -45,7 +45,10 @@ pub fn show(
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("no-scenes");
     }
-    let own = state.scene().filter(|shown| shown.list == SceneList::Own);
+    let own = state
+        .scenes()
+        .shown
+        .filter(|shown| shown.list == SceneList::Own);
     for (index, scene) in debugger.scenes.iter().enumerate() {
         let is_shown = own.is_some_and(|shown| shown.index == index);
         ui.horizontal_top(|ui| {
@@ -87,7 +90,8 @@ fn picture(
     response.known_as(format_args!("scene-{}.picture", index + 1));
     let session = state.runs().first.session.as_ref();
     let is_dark = state.appearance().look.is_dark();
-    let thumbnail = session.and_then(|session| state.thumbnails().of(session, scene, is_dark));
+    let thumbnail =
+        session.and_then(|session| state.scenes().thumbnails.of(session, scene, is_dark));
     if let Some(thumbnail) = thumbnail {
         let id = Id::unique("picture of a scene").with(index);
         let texture = thumbnail_texture(ui, id, thumbnail).id();

@@ -136,7 +136,11 @@ fn the_analysis_is_left_by_its_key_where_there_are_no_tabs() {
         state.apply(Command::Window(WindowCommand::Drawer(arrange)));
         for expected in [true, false] {
             assert!(press(&mut state, Modifiers::NONE, Key::A));
-            assert_eq!(state.analyses(), expected, "{arrangement:?}");
+            assert_eq!(
+                state.window().shows(Panel::Analysis),
+                expected,
+                "{arrangement:?}"
+            );
         }
     }
 }

@@ -99,10 +99,9 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         harness.state().state.files().sheet.is_none(),
         "the sheet is closed"
     );
-    let file = harness
-        .state()
-        .state
-        .reference_file()
+    let state = &harness.state().state;
+    let file = (state.analysis())
+        .file_for(&state.runs().first)
         .unwrap()
         .unwrap()
         .clone();
@@ -139,13 +138,28 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
     );
     apply(&mut harness, Command::Run);
-    assert!(harness.state().state.reference_file().unwrap().is_err());
+    assert!(
+        harness
+            .state()
+            .state
+            .analysis()
+            .file_for(&harness.state().state.runs().first)
+            .unwrap()
+            .is_err()
+    );
     assert!(!text(&harness, SAMPLES).contains("file"));
     let domains = ["1 \u{d7} 1 periodic", "2 \u{d7} 1 periodic"];
     says(&harness, "analysis.refusal", &domains);
     node(&harness, "analysis.clear").click();
     harness.run();
-    assert!(harness.state().state.reference_file().is_none());
+    assert!(
+        harness
+            .state()
+            .state
+            .analysis()
+            .file_for(&harness.state().state.runs().first)
+            .is_none()
+    );
     for id in ["analysis.file", "analysis.refusal"] {
         assert!(find(&harness, id).is_none(), "{id}");
     }
@@ -174,7 +188,14 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
         let (text, is_error) = notice(&harness);
         assert!(is_error && text.contains("1 \u{d7} 1 periodic"), "{text}");
         assert!(text.contains(domain), "{text}");
-        assert!(harness.state().state.reference_file().is_none());
+        assert!(
+            harness
+                .state()
+                .state
+                .analysis()
+                .file_for(&harness.state().state.runs().first)
+                .is_none()
+        );
     }
     // The border counts, too: a file of the unit torus, and a run in a bounded domain.
     let torus = path.with_file_name("torus.txt");
@@ -187,7 +208,15 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     }
     apply(&mut harness, Command::Run);
     go(&mut harness, Purpose::Against, &torus);
-    assert!(harness.state().state.reference_file().unwrap().is_ok());
+    assert!(
+        harness
+            .state()
+            .state
+            .analysis()
+            .file_for(&harness.state().state.runs().first)
+            .unwrap()
+            .is_ok()
+    );
     apply(&mut harness, Command::Analysis(AnalysisCommand::Clear));
     apply(
         &mut harness,
@@ -226,7 +255,15 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
         go(&mut harness, Purpose::Against, &path);
         let (text, is_error) = notice(&harness);
         assert!(is_error && text.contains(name), "{name}: {text}");
-        assert!(harness.state().state.reference_file().is_none(), "{name}");
+        assert!(
+            harness
+                .state()
+                .state
+                .analysis()
+                .file_for(&harness.state().state.runs().first)
+                .is_none(),
+            "{name}"
+        );
     }
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Against, &folder);
@@ -238,10 +275,9 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     let rest = "0.9,0.4\n0.6,0.1\n0.2,0.3\n0.2,0.3\n";
     std::fs::write(&twice, format!("x,y\n{rest}")).unwrap();
     go(&mut harness, Purpose::Against, &twice);
-    let file = harness
-        .state()
-        .state
-        .reference_file()
+    let state = &harness.state().state;
+    let file = (state.analysis())
+        .file_for(&state.runs().first)
         .unwrap()
         .unwrap()
         .clone();
@@ -252,11 +288,11 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
 #[test]
 fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
     let mut harness = opened_at([1440.0, 900.0]);
-    assert!(!harness.state().state.analyses());
+    assert!(!harness.state().state.window().shows(Panel::Analysis));
     harness.key_press(Key::A);
     harness.run();
     settle(&mut harness);
-    assert!(harness.state().state.analyses());
+    assert!(harness.state().state.window().shows(Panel::Analysis));
     let tab_to = |harness: &mut Harness<'_, App>, id: &str| {
         for _ in 0..200 {
             harness.key_press(Key::Tab);

@@ -92,7 +92,7 @@ fn a_place_can_be_asked_about_copied_and_zoomed_to() {
     state.apply(Command::View(Which::First, copy));
     let radius = 0.008_36;
     let expected = format!("{:.6}, {:.6}", 20.0 * radius, 30.0 * radius);
-    assert_eq!(state.links().copied.as_ref(), Some(&expected));
+    assert_eq!(state.window().copied.as_ref(), Some(&expected));
 }
 
 #[test]

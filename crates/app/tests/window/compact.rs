@@ -193,7 +193,7 @@ fn the_list_of_lessons_ends_the_tour() {
     settle(&mut harness);
     node(&harness, "caption-title");
     click(&mut harness, "lessons-list");
-    assert!(harness.state().state.lessons().lists && !harness.state().state.is_touring());
+    assert!(harness.state().state.lessons().lists && !harness.state().state.scenes().is_touring());
     assert!(find(&harness, "caption-title").is_none());
     // The tour, in turn, closes the list.
     harness
@@ -279,7 +279,7 @@ fn every_primary_action_can_be_done() {
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     menu(&mut harness, "compare", "compare-close");
     menu(&mut harness, "analyze", "window-open-panel-analysis");
-    assert!(harness.state().state.analyses());
+    assert!(harness.state().state.window().shows(Panel::Analysis));
 }
 
 #[test]

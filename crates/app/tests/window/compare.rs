@@ -267,13 +267,21 @@ fn impossible_comparisons_are_explained() {
         Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
     );
     assert!(is_disabled(&harness, "compare.engine"));
-    let refusal = harness.state().state.preset_refusal(ComparePreset::Engine);
+    let refusal = harness.state().state.runs().preset_refusal(
+        ComparePreset::Engine,
+        harness.state().state.form(),
+        harness.state().state.gpu(),
+    );
     assert!(refusal.expect("a reason").contains("GPU"));
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
     );
-    let refusal = harness.state().state.preset_refusal(ComparePreset::Typed);
+    let refusal = harness.state().state.runs().preset_refusal(
+        ComparePreset::Typed,
+        harness.state().state.form(),
+        harness.state().state.gpu(),
+    );
     assert!(refusal.expect("a reason").contains("radius"));
     // A refused command does nothing.
     let start = CompareCommand::Start(ComparePreset::Typed);

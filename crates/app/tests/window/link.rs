@@ -4,6 +4,7 @@ use egui::{Key, Modifiers, OutputCommand};
 
 use tilescope_workbench::Command;
 use tilescope_workbench::command::LinkCommand;
+use tilescope_workbench::state::not_copied;
 
 use crate::support::{opened, settle};
 
@@ -42,7 +43,7 @@ fn a_window_copies_its_link() {
     harness.step();
     let commands = &harness.output().platform_output.commands;
     assert!(!commands.iter().any(copied), "{commands:?}");
-    harness.state_mut().state.tell_not_copied();
+    harness.state_mut().state.report(not_copied(false));
     let notice = harness
         .state()
         .state

@@ -120,7 +120,8 @@ fn a_caption_lies_within_a_small_canvas() {
             if harness
                 .state()
                 .state
-                .scene()
+                .scenes()
+                .shown
                 .is_some_and(|shown| shown.index + 1 < tour().len())
             {
                 press(&mut harness, Key::PageDown);

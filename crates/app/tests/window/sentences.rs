@@ -309,11 +309,9 @@ fn two_runs_and_the_debugger() {
         ("compare.go", "Go there in both"),
         ("compare.keep", "my next run (keeps this one as B)"),
     ]);
-    let refusal = window
-        .harness
-        .state()
-        .state
-        .preset_refusal(ComparePreset::Engine);
+    let state = &window.harness.state().state;
+    let preset = ComparePreset::Engine;
+    let refusal = (state.runs()).preset_refusal(preset, state.form(), state.gpu());
     assert!(refusal.expect("a reason").contains("Choose the GPU"));
     window.after([Command::Compare(CompareCommand::Start(
         ComparePreset::NextSeed,

@@ -342,7 +342,10 @@ fn a_click_opens_the_inspector_at_once() {
     let state = &harness.state().state;
     assert_eq!(state.runs().first.selected, Some(id));
     assert!(state.window().shows(Panel::Inspector));
-    assert!(!state.can_undo(), "a selection is nothing to undo");
+    assert!(
+        !state.past().history.can_undo(),
+        "a selection is nothing to undo"
+    );
 }
 
 #[test]

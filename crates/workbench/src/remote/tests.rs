@@ -130,7 +130,7 @@ fn every_request_is_documented_with_all_its_fields() {
 
 #[test]
 fn every_field_of_the_state_is_documented() {
-    let state = crate::State::new(std::sync::Arc::new(|| {})).to_json();
+    let state = super::to_json(&crate::State::new(std::sync::Arc::new(|| {})));
     let keys = |value: &Value| words(value.as_object().expect("an object").keys());
     assert_eq!(first_column("field of `state`"), keys(&state));
     let view = &REQUESTS

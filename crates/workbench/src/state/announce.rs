@@ -3,7 +3,8 @@
 use tilescope_session::sentence::{happened, name_in};
 use tilescope_session::words::grouped;
 
-use super::{State, Verification};
+use super::{Notice, RunView, Verification};
+use crate::lessons::Lessons;
 
 /// The texts announced last, and the announcement.
 #[derive(Default)]
@@ -11,81 +12,74 @@ pub struct Announcer {
     happened: String,
     verdict: Option<(u64, String)>,
     notice: Option<String>,
-    announcement: Option<String>,
+    pub(super) announcement: Option<String>,
 }
 
-impl State {
-    /// Returns the text for a screen reader: the newest of these. It stays the same until there is another.
-    #[must_use]
-    pub fn announcement(&self) -> Option<String> {
-        self.messages.announcer.announcement.clone()
-    }
-
-    /// Updates the announcement.
-    pub(super) fn announce(&mut self) {
-        let happened = self.time_text();
-        let verdict = self.verdict_text();
-        let notice = self.messages.notice.as_ref().map(|notice| {
+impl Announcer {
+    /// Updates the announcement, in the language of the window.
+    pub(super) fn follow(
+        &mut self,
+        run: &RunView,
+        is_playing: bool,
+        notice: Option<&Notice>,
+        lessons: &Lessons,
+    ) {
+        let happened = time_text(run, is_playing);
+        let verdict = verdict_text(run);
+        let notice = notice.map(|notice| {
             let kind = if notice.is_error { "Error: " } else { "" };
             format!("{kind}{}", notice.text)
         });
-        let old = &self.messages.announcer;
+
         let mut new = Vec::new();
-        if old.happened != happened {
-            new.push(self.classroom.lessons.in_words(&happened));
+        if self.happened != happened {
+            new.push(lessons.in_words(&happened));
         }
-        if let Some((_, text)) = verdict.as_ref().filter(|_| old.verdict != verdict) {
-            new.push(self.classroom.lessons.in_words(text));
+        if let Some((_, text)) = verdict.as_ref().filter(|_| self.verdict != verdict) {
+            new.push(lessons.in_words(text));
         }
-        if let Some(text) = notice.as_ref().filter(|_| old.notice != notice) {
-            new.push(self.classroom.lessons.in_words(text));
+        if let Some(text) = notice.as_ref().filter(|_| self.notice != notice) {
+            new.push(lessons.in_words(text));
         }
-        let announcement = if new.is_empty() {
-            self.messages.announcer.announcement.take()
-        } else {
-            Some(new.join(" "))
-        };
-        self.messages.announcer = Announcer {
-            happened,
-            verdict,
-            notice,
-            announcement,
-        };
+        if !new.is_empty() {
+            self.announcement = Some(new.join(" "));
+        }
+        (self.happened, self.verdict, self.notice) = (happened, verdict, notice);
     }
+}
 
-    /// Returns the announcement of the moment. During playback only stages are announced, since there are too many
-    /// events to listen to.
-    fn time_text(&self) -> String {
-        match (&self.runs.first.session, self.current_stage()) {
-            (Some(session), Some(stage)) if self.time.playback.is_playing() => {
-                format!("Playing: {}.", name_in(session, stage))
-            }
-            _ => happened(self.shown().as_ref()),
+/// Returns the announcement of the moment. During playback only stages are announced, since there are too many
+/// events to listen to.
+fn time_text(run: &RunView, is_playing: bool) -> String {
+    match (&run.session, run.current_stage()) {
+        (Some(session), Some(stage)) if is_playing => {
+            format!("Playing: {}.", name_in(session, stage))
         }
+        _ => happened(run.shown().as_ref()),
     }
+}
 
-    fn verdict_text(&self) -> Option<(u64, String)> {
-        let generation = self.runs.first.session.as_ref()?.generation;
-        let text = match &self.runs.first.verification {
-            Verification::Nothing | Verification::Pending(_) => return None,
-            Verification::Failed(why) => format!("There is no verdict. {why}"),
-            Verification::Done(verdict) => {
-                let found = match (verdict.conflict_free(), verdict.maximal()) {
-                    (true, true) => "Verified: conflict-free and maximal.",
-                    (true, false) => "The verifier found gaps: the set is not maximal.",
-                    (false, true) => "The verifier found conflicts.",
-                    (false, false) => "The verifier found conflicts and gaps.",
-                };
-                match verdict.claim {
-                    Some(claim) => {
-                        let word = if verdict.valid() { "" } else { " not" };
-                        let count = grouped(claim.count);
-                        format!("The first {count} samples are{word} as promised.")
-                    }
-                    None => found.to_owned(),
+fn verdict_text(run: &RunView) -> Option<(u64, String)> {
+    let generation = run.session.as_ref()?.generation;
+    let text = match &run.verification {
+        Verification::Nothing | Verification::Pending(_) => return None,
+        Verification::Failed(why) => format!("There is no verdict. {why}"),
+        Verification::Done(verdict) => {
+            let found = match (verdict.conflict_free(), verdict.maximal()) {
+                (true, true) => "Verified: conflict-free and maximal.",
+                (true, false) => "The verifier found gaps: the set is not maximal.",
+                (false, true) => "The verifier found conflicts.",
+                (false, false) => "The verifier found conflicts and gaps.",
+            };
+            match verdict.claim {
+                Some(claim) => {
+                    let word = if verdict.valid() { "" } else { " not" };
+                    let count = grouped(claim.count);
+                    format!("The first {count} samples are{word} as promised.")
                 }
+                None => found.to_owned(),
             }
-        };
-        Some((generation, text))
-    }
+        }
+    };
+    Some((generation, text))
 }

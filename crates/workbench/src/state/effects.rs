@@ -1,20 +1,26 @@
 //! The interface between parts of the state: the data that a part may use while it applies a command, and the effects that
 //! it asks for, which the state carries out in their order.
 
+use tilescope_core::combine::file::Layout as Combination;
+use tilescope_debugger::Stops;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
+use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 
 use super::parts::JobContext;
-use super::{Appearance, Notice, RunView, State, Time};
+use super::scenes::{SceneSource, Scenes};
+use super::undo::{History, Made};
+use super::{Appearance, ExportSource, Exports, Form, Notice, RunView, State, Time};
 use crate::classroom::{self, Classroom, StepView};
-use crate::command::Which;
+use crate::clock::Clock;
+use crate::command::{Command, Which};
 use crate::device::EngineChoice;
-use crate::layout::Panel;
+use crate::files::{Delivery, Done};
+use crate::layout::{Layout, Panel};
 
 /// A request of a part to the others, which the state carries out after the command.
-#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// Show this notice.
     Tell(Notice),
@@ -24,6 +30,44 @@ pub(super) enum Effect {
     Inspect,
     /// Download a file.
     Download(NamedBytes),
+    /// Show a notice that only confirms a command: it goes with the next move in time or the next scene.
+    TellBriefly(String),
+    /// Carry out a command.
+    Issue(Box<Command>),
+    /// Bring a panel into view.
+    OpenPanel(Panel),
+    /// Lay out the panels so.
+    Layout(Layout),
+    /// Bring back the panels that the tour has hidden.
+    BringPanels,
+    /// Fill in the form so.
+    Form(Box<Form>),
+    /// Take layers, colouring and look of this appearance.
+    Appearance(Box<Appearance>),
+    /// Show these layers and this colouring.
+    Layers(Option<Layers>, Colouring),
+    /// Replace breakpoints, watches and scenes.
+    Stops(Stops),
+    /// Stop playing.
+    Pause,
+    /// Remove the loop.
+    EndLoop,
+    /// Choose the unit of a tick.
+    Clock(Clock),
+    /// Append a sentence to the notice, or show a new one.
+    Add(String),
+    /// Take what was read from a file or written.
+    Done(Box<Done>),
+    /// Start a run by an engine.
+    Sample(Which, Box<Recipe>, EngineChoice),
+    /// Make a run or a combination again, unless it is the current one.
+    Make(Option<Box<Made>>),
+    /// Drop all steps to undo, as another session is there.
+    Forget,
+    /// Show the first scene of the tour.
+    StartTour,
+    /// End the tour, if it is shown.
+    EndTour,
 }
 
 /// The data of other parts that a part may use while it applies a command.
@@ -70,10 +114,14 @@ impl State {
     }
 
     /// Runs `act` for one of the runs; its notices name that run.
-    fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
-        let mut context = Context::new(&self.jobs, &self.appearance);
+    pub(super) fn with_of<T>(
+        &mut self,
+        which: Which,
+        act: impl FnOnce(&mut Self, &mut Context) -> T,
+    ) -> T {
+        let mut context = Context::new(&self.runs.jobs, &self.appearance);
         let outcome = act(self, &mut context);
-        self.jobs.generation = context.generation;
+        self.runs.jobs.generation = context.generation;
         self.carry_out_effects(which, context.effects);
         outcome
     }
@@ -101,10 +149,66 @@ impl State {
         for effect in effects {
             match effect {
                 Effect::Tell(notice) => self.notify(which, notice),
-                Effect::Copy(text) => self.links.copied = Some(text),
+                Effect::Copy(text) => self.window.copied = Some(text),
                 Effect::Inspect => self.inspect(which),
                 Effect::Download(file) => self.files.downloads.push(file),
+                Effect::TellBriefly(text) => {
+                    self.messages.brief = Some(text.clone());
+                    self.tell(text, false);
+                }
+                Effect::Issue(command) => self.dispatch(*command),
+                Effect::OpenPanel(panel) => self.window.open_panel(panel),
+                Effect::Layout(layout) => self.window.layout = layout,
+                Effect::BringPanels => self.bring_panels(),
+                Effect::Form(form) => self.form.take(*form),
+                Effect::Appearance(appearance) => self.appearance.take(&appearance),
+                Effect::Layers(layers, colouring) => {
+                    (self.appearance.chosen_layers, self.appearance.colouring) =
+                        (layers, colouring);
+                }
+                Effect::Stops(stops) => {
+                    self.on(Which::First, |run, context| run.put_stops(stops, context));
+                }
+                Effect::Add(text) => self.messages.add(&text, false),
+                Effect::Done(done) => self.take_done(*done),
+                Effect::Pause => self.time.playback.stop(),
+                Effect::EndLoop => self.time.playback.range = None,
+                Effect::Clock(clock) => self.time.playback.choose(clock),
+                Effect::Sample(which, recipe, engine) => {
+                    self.start_sampling(which, *recipe, engine);
+                }
+                Effect::Make(made) => self.make_again(made.map(|made| *made)),
+                Effect::Forget => self.past.history = History::default(),
+                Effect::StartTour => self.start_tour(),
+                Effect::EndTour => self.end_tour(),
             }
+        }
+    }
+
+    /// Starts a run of `recipe` by `engine`.
+    pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: EngineChoice) {
+        self.with(|state, context| {
+            let gpu = state.gpu.for_run(&recipe.parameters, engine);
+            state.runs.sample(which, recipe, gpu, context);
+        });
+    }
+
+    /// Starts making a combination; the current session stays until it is ready.
+    pub(super) fn start_combining(&mut self, layout: Combination) {
+        self.files.stop_reading();
+        self.with(|state, context| state.runs.combine(layout, context));
+    }
+
+    /// Makes a run again, unless it is the current one.
+    fn make_again(&mut self, made: Option<Made>) {
+        self.stop_making();
+        if made == Made::of(&self.runs.first) {
+            return;
+        }
+        match made {
+            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.gpu.engine),
+            Some(Made::Combination(layout)) => self.start_combining(layout),
+            None => {}
         }
     }
 
@@ -136,12 +240,12 @@ impl State {
     }
 
     /// Runs `act` on lessons and talks, and carries out the effects they ask for.
-    pub(super) fn in_class<T>(
+    pub(crate) fn in_class<T>(
         &mut self,
         act: impl FnOnce(&mut Classroom, &mut classroom::Context) -> T,
     ) -> T {
         let canvas = self.runs.first.canvas_view();
-        let mut context = classroom::Context::new(Wake::clone(&self.jobs.wake), canvas);
+        let mut context = classroom::Context::new(Wake::clone(&self.runs.jobs.wake), canvas);
         let outcome = act(&mut self.classroom, &mut context);
         for effect in context.effects {
             self.carry_out_of_class(effect);
@@ -157,16 +261,18 @@ impl State {
             E::Begin => {
                 self.end_tour();
                 self.borrow_window();
-                (self.scene, self.messages.notice) = (None, None);
+                (self.scenes.shown, self.messages.notice) = (None, None);
             }
             E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
             E::MakeRun(parameters) => {
-                self.links.arriving = None;
+                self.runs.arriving = None;
                 self.time.playback.stop();
                 // Lessons need events, which runs of the GPU do not have.
                 self.start_sampling(Which::First, Recipe::from(*parameters), EngineChoice::Cpu);
             }
-            E::ShowRun(run, cursor) => self.show_recording(&run, Some(cursor)),
+            E::ShowRun(recording, cursor) => self.in_time(|time, run, context| {
+                time.show_recording(&recording, Some(cursor), run, context);
+            }),
             E::ShowStep(view) => self.show_step(&view),
             E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
             E::ShowSomeRun => {
@@ -178,7 +284,7 @@ impl State {
             E::Save(file) => self.with(|state, context| state.files.save_text(file, context)),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
             E::LessonOfScenes => {
-                let made = self.lesson_of_scenes();
+                let made = self.runs.first.lesson_of_scenes();
                 self.in_class(|class, context| class.present_scenes(made, context));
             }
         }
@@ -187,8 +293,8 @@ impl State {
     /// Shows the moment of a step: up to it if a question is open, otherwise in the whole run.
     fn show_step(&mut self, view: &StepView) {
         self.appearance.chosen_layers = view.layers;
-        self.show_recording(&view.run, view.limit);
-        self.on(Which::First, |run, context| {
+        self.in_time(|time, run, context| {
+            time.show_recording(&view.run, view.limit, run, context);
             let before = run.stage;
             run.jump(view.cursor);
             run.moved(before);
@@ -199,6 +305,49 @@ impl State {
                 (Some((center, radii)), None) => run.fly_to(center.into(), radii, context),
                 (None, None) => run.fit(context),
             }
+        });
+    }
+
+    /// Runs `act` on the exports and their input, and carries out the effects it asks for.
+    pub(super) fn in_exports<T>(
+        &mut self,
+        act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
+    ) -> T {
+        let are_causes_seen = self.window.shows(Panel::Analysis);
+        self.with(|state, context| {
+            let Self {
+                files,
+                runs,
+                time,
+                appearance,
+                analysis,
+                scenes,
+                ..
+            } = state;
+            let source = ExportSource {
+                run: &runs.first,
+                time,
+                appearance,
+                causes: analysis.causes(&runs.first, are_causes_seen),
+                caption: scenes.caption(&runs.first),
+            };
+            act(&mut files.exports, source, files.delivery, context)
+        })
+    }
+
+    /// Runs `act` on the scenes and the run that shows them, and carries out the effects they ask for.
+    pub(super) fn in_scenes(
+        &mut self,
+        act: impl FnOnce(&mut Scenes, &mut RunView, &SceneSource, &mut Context),
+    ) {
+        let source = SceneSource {
+            view: self.view(),
+            layout: self.window.layout.clone(),
+            has_panel: self.window.shows(Panel::Scenes),
+            is_embedded: self.window.embedding.is_some(),
+        };
+        self.with(|state, context| {
+            act(&mut state.scenes, &mut state.runs.first, &source, context);
         });
     }
 }

@@ -17,8 +17,7 @@ use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
 use super::effects::Context;
-use super::scenes::caption_of;
-use super::{RunView, State, Time};
+use super::{RunView, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::{MAX_DRAWN, size_refusal};
@@ -69,47 +68,6 @@ pub struct ExportSource<'a> {
     pub causes: Option<&'a BrushedCause>,
     /// The caption of the scene that is shown, if it has one.
     pub caption: Option<&'a str>,
-}
-
-impl State {
-    /// Returns the input of an export of what is shown.
-    #[must_use]
-    pub fn export_source(&self) -> ExportSource<'_> {
-        ExportSource {
-            run: &self.runs.first,
-            time: &self.time,
-            appearance: &self.appearance,
-            causes: self.causes(),
-            caption: self.caption(),
-        }
-    }
-
-    /// Runs `act` on the exports and their input, and carries out the effects it asks for.
-    pub(super) fn in_exports<T>(
-        &mut self,
-        act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
-    ) -> T {
-        let are_causes_seen = self.analyses();
-        self.with(|state, context| {
-            let Self {
-                files,
-                runs,
-                time,
-                appearance,
-                analysis,
-                scene,
-                ..
-            } = state;
-            let source = ExportSource {
-                run: &runs.first,
-                time,
-                appearance,
-                causes: analysis.causes(&runs.first, are_causes_seen),
-                caption: caption_of(&runs.first, *scene),
-            };
-            act(&mut files.exports, source, files.delivery, context)
-        })
-    }
 }
 
 impl Exports {

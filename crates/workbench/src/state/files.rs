@@ -11,7 +11,7 @@ use tilescope_session::words::{last_part, sentence};
 use tilescope_sets::region;
 
 use super::effects::{Context, Effect};
-use super::{FileState, Notice, RunView, State};
+use super::{FileState, Notice, RunView};
 use crate::classroom::TextFile;
 use crate::files;
 use crate::files::{
@@ -24,8 +24,8 @@ mod outcome;
 
 /// The current session in saved form: a run with its events, or a combination.
 pub(super) struct Saving {
-    run: Option<tilescope_debugger::Session>,
-    combination: Option<SavedCombination>,
+    pub run: Option<tilescope_debugger::Session>,
+    pub combination: Option<SavedCombination>,
 }
 
 impl FileState {
@@ -101,6 +101,13 @@ impl FileState {
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
         self.sheet.is_some() || self.exports.sheet.is_some()
+    }
+
+    /// Returns whether a sheet waits for the answer whether to replace a file.
+    #[must_use]
+    pub fn asks_to_replace(&self) -> bool {
+        let saves = self.sheet.as_ref().is_some_and(|form| form.asked);
+        saves || self.exports.sheet.as_ref().is_some_and(|form| form.asked)
     }
 
     fn browse(&mut self, context: &mut Context) {
@@ -364,40 +371,11 @@ fn write_text(path: &Path, text: &str, context: &mut Context) {
     }
 }
 
-impl State {
-    pub(super) fn apply_to_files(&mut self, command: FileCommand) {
-        if command == FileCommand::Last {
-            return self.reopen_last();
-        }
-        let saves = |form: &FileForm| form.purpose == Purpose::Save;
-        let is_saved = command == FileCommand::Go && self.files.sheet.as_ref().is_some_and(saves);
-        let saving = is_saved.then(|| Saving {
-            run: self.saved(),
-            combination: self.saved_combination(),
-        });
-        if matches!(command, FileCommand::Sheet(_)) {
-            // What the sheet shows is about its own file.
-            self.messages.notice = None;
-        }
-        self.with(|state, context| {
-            state
-                .files
-                .apply(command, &state.runs.first, saving, context);
-        });
-    }
-
-    /// Returns whether a sheet waits for the answer whether to replace a file.
-    #[must_use]
-    pub fn asks_to_replace(&self) -> bool {
-        let files = &self.files;
-        let saves = files.sheet.as_ref().is_some_and(|form| form.asked);
-        saves || files.exports.sheet.as_ref().is_some_and(|form| form.asked)
-    }
-
+impl RunView {
     /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {
-        let Some(session) = &self.runs.first.session else {
+        let Some(session) = &self.session else {
             return Some("There is no session yet.");
         };
         let events = "Only a session with events can be saved; a larger run is reproduced by its parameters.";
@@ -406,30 +384,7 @@ impl State {
         match &session.combination {
             None if session.nested.is_some() => Some(levels),
             Some(combination) => (combination.files > 0).then_some(files),
-            None => self.runs.first.debugger.is_none().then_some(events),
+            None => self.debugger.is_none().then_some(events),
         }
-    }
-
-    /// Returns the current combination in saved form, with its view.
-    #[must_use]
-    pub fn saved_combination(&self) -> Option<SavedCombination> {
-        let session = self.runs.first.session.as_ref()?;
-        SavedCombination::of(session, self.runs.first.stage, self.view().to_json())
-    }
-
-    /// Returns the current session in saved form, with its view.
-    #[must_use]
-    pub fn saved(&self) -> Option<tilescope_debugger::Session> {
-        let run = &self.runs.first;
-        let (debugger, session) = (run.debugger.as_ref()?, run.session.as_ref()?);
-        let mut saved = debugger.session();
-        saved.view = self.view().to_json();
-        if let (Some(record), Some(view)) =
-            (self.classroom.saved_record(), saved.view.as_object_mut())
-        {
-            view.insert("talk".to_owned(), serde_json::json!(record));
-        }
-        saved.pattern = session.own.as_ref().map(|own| own.file.clone());
-        Some(saved)
     }
 }

@@ -1,9 +1,11 @@
 //! The input of the next run.
 
-use tilescope_session::recipe::OwnPattern;
+use tilescope_session::layers::SessionKind;
+use tilescope_session::recipe::{OwnPattern, Recipe};
 
+use super::{GpuState, RunView};
 use crate::command::FormCommand;
-use crate::draft::Draft;
+use crate::draft::{Draft, DraftRefusal};
 
 /// The input of the next run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +19,58 @@ pub struct Form {
 }
 
 impl Form {
+    /// Takes the input of another form; whether small runs start at once stays.
+    pub(super) fn take(&mut self, other: Self) {
+        (self.draft, self.own_pattern) = (other.draft, other.own_pattern);
+    }
+
+    /// Returns the recipe of the next run.
+    #[must_use]
+    pub fn recipe(&self) -> Recipe {
+        Recipe {
+            parameters: self.draft.parameters,
+            own: self.own_pattern.clone(),
+            nested: self.draft.nesting(),
+        }
+    }
+
+    /// Returns why it cannot be run now, or `None` if it can.
+    #[must_use]
+    pub fn refusal(&self, gpu: &GpuState) -> Option<String> {
+        let refusal = self.draft.refusals().into_iter().next();
+        let refusal = refusal.as_ref().map(DraftRefusal::with_name);
+        let own =
+            "Nested levels have a pattern of their own; they cannot be made from that of a file.";
+        let has_own = self.draft.levels.is_some() && self.own_pattern.is_some();
+        let refusal = refusal.or_else(|| has_own.then(|| own.to_owned()));
+        refusal.or_else(|| gpu.waiting())
+    }
+
+    /// Returns a sentence that names what differs from the run shown, if anything.
+    #[must_use]
+    pub fn remark(&self, run: &RunView, gpu: &GpuState) -> Option<String> {
+        let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
+        if !session.has_recipe() {
+            let what = match session.kind() {
+                SessionKind::Combination => "A combination is",
+                SessionKind::Run | SessionKind::Nested => "Nested levels of a file are",
+            };
+            return Some(format!("{what} shown, not a run of these parameters."));
+        }
+        let made = session.recipe();
+        let mut names = self.draft.differences(&made.parameters);
+        if self.draft.nesting() != made.nested {
+            names.push("nested levels");
+        }
+        if self.own_pattern != session.own {
+            names.push("pattern file");
+        }
+        if gpu.differs(run, &self.draft) {
+            names.push("engine");
+        }
+        (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
+    }
+
     pub(super) fn apply(&mut self, command: FormCommand) {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),

@@ -1,16 +1,23 @@
 //! The window and the state: what the window tells at the beginning of a frame, what it restores at its start, and what it is
-//! asked to do for the state. Everything else goes through commands.
+//! asked to do for the state; and the parts, to be read. Everything else goes through commands.
 
 use std::path::PathBuf;
 
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::look::Look;
 
-use super::{FullScreen, Notice, State};
+use super::{
+    Appearance, ExportSource, FileState, Form, FullScreen, GpuState, Messages, Notice, PageStart,
+    Past, Runs, Scenes, State, Time, WindowState,
+};
+use crate::analysis::Analysis;
+use crate::classroom::Classroom;
 use crate::embedding::Embedding;
 use crate::files::Delivery;
-use crate::layout::Layout;
-use crate::lessons::ResultsToStore;
+use crate::layout::{Layout, Panel};
+use crate::lessons::{Lessons, ResultsToStore};
+use crate::talk::Talks;
 
 /// What the window knows at the beginning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +87,7 @@ impl State {
 
     /// Begins on a page of this address, without its fragment, with lessons in this language.
     pub fn begin_at(&mut self, address: Option<String>, language: String) {
-        self.links.base = address;
+        self.window.address = address;
         self.classroom.lessons.on_page = true;
         self.classroom.lessons.language = language;
     }
@@ -102,7 +109,7 @@ impl State {
             self.window.full_screen = FullScreen::Free;
         }
         Requests {
-            copied: self.links.copied.take(),
+            copied: self.window.copied.take(),
             folder: self.files.folder_to_open.take(),
             downloads: std::mem::take(&mut self.files.downloads),
             turns_full_screen,
@@ -129,7 +136,7 @@ impl State {
     /// Returns the address that leads a phone to the step of a talk; empty if the page's address is not known.
     #[must_use]
     pub fn talk_address(&self) -> String {
-        let page = self.links.base.as_deref();
+        let page = self.window.address.as_deref();
         self.classroom.talk_address(page, &self.link().fragment)
     }
 
@@ -147,5 +154,126 @@ impl State {
     /// Returns what is to be put into the store, which contains `stored`, if there are new results.
     pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
         self.classroom.lessons.store_results(stored)
+    }
+
+    /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
+    /// the CPU is tested only if it was requested.
+    pub fn begin_on_page(&mut self, start: &PageStart) {
+        self.embed(start.embedding);
+        self.prefer_reduced_motion(start.reduced_motion);
+        if !start.full_screen {
+            let why = "The browser does not allow this page full screen.";
+            self.window.full_screen = FullScreen::Refused(why);
+        }
+        if !start.reason.is_empty() {
+            self.messages.notice = Some(Notice::new(start.reason.clone(), true));
+        }
+        self.with(|state, context| state.gpu.begin_on_page(start, context));
+    }
+
+    /// Returns the input of an export of what is shown.
+    #[must_use]
+    pub fn export_source(&self) -> ExportSource<'_> {
+        ExportSource {
+            run: &self.runs.first,
+            time: &self.time,
+            appearance: &self.appearance,
+            causes: self.causes(),
+            caption: self.scenes.caption(&self.runs.first),
+        }
+    }
+
+    /// Returns the causes of the brush at the current moment, if found, while the panel of the analysis is visible.
+    #[must_use]
+    pub fn causes(&self) -> Option<&BrushedCause> {
+        let is_seen = self.window.shows(Panel::Analysis);
+        self.analysis.causes(&self.runs.first, is_seen)
+    }
+}
+
+/// The parts, to be read. The user changes them by commands, the window by the functions of `state/frame.rs`.
+impl State {
+    /// Returns the input of the next run.
+    #[must_use]
+    pub const fn form(&self) -> &Form {
+        &self.form
+    }
+
+    /// Returns the runs that are shown.
+    #[must_use]
+    pub const fn runs(&self) -> &Runs {
+        &self.runs
+    }
+
+    /// Returns playback.
+    #[must_use]
+    pub const fn time(&self) -> &Time {
+        &self.time
+    }
+
+    /// Returns the appearance of moments.
+    #[must_use]
+    pub const fn appearance(&self) -> &Appearance {
+        &self.appearance
+    }
+
+    /// Returns panels, drawer, list of actions, full screen.
+    #[must_use]
+    pub const fn window(&self) -> &WindowState {
+        &self.window
+    }
+
+    /// Returns files and exports.
+    #[must_use]
+    pub const fn files(&self) -> &FileState {
+        &self.files
+    }
+
+    /// Returns the engine and the GPU.
+    #[must_use]
+    pub const fn gpu(&self) -> &GpuState {
+        &self.gpu
+    }
+
+    /// Returns the analysis.
+    #[must_use]
+    pub const fn analysis(&self) -> &Analysis {
+        &self.analysis
+    }
+
+    /// Returns the scenes.
+    #[must_use]
+    pub const fn scenes(&self) -> &Scenes {
+        &self.scenes
+    }
+
+    /// Returns lessons: the one that is open, the list, the results.
+    #[must_use]
+    pub const fn lessons(&self) -> &Lessons {
+        &self.classroom.lessons
+    }
+
+    /// Returns presenter mode.
+    #[must_use]
+    pub const fn talks(&self) -> &Talks {
+        &self.classroom.talks
+    }
+
+    /// Returns lessons and talks together.
+    #[must_use]
+    pub const fn classroom(&self) -> &Classroom {
+        &self.classroom
+    }
+
+    /// Returns the changes to be undone, and what a lesson or the tour has replaced.
+    #[must_use]
+    pub const fn past(&self) -> &Past {
+        &self.past
+    }
+
+    /// Returns messages to the user.
+    #[must_use]
+    pub const fn messages(&self) -> &Messages {
+        &self.messages
     }
 }

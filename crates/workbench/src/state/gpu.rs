@@ -5,13 +5,16 @@ use std::sync::Arc;
 use tilescope_core::{Parameters, Variant};
 use tilescope_gpu::{Choice, Gpu, GpuError};
 use tilescope_session::jobs::Job;
+use tilescope_session::layers::SessionKind;
+use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
 use tilescope_session::session::Failure;
-use tilescope_session::words::sentence;
+use tilescope_session::words::{grouped, sentence};
 
-use super::PageStart;
 use super::effects::Context;
+use super::{PageStart, RunView};
 use crate::command::GpuCommand;
 use crate::device::{Device, EngineChoice, Tried, open_and_test};
+use crate::draft::Draft;
 
 /// Why an emulated GPU is used only if chosen by the user.
 const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
@@ -156,6 +159,49 @@ impl GpuState {
     ) -> Option<Arc<Gpu>> {
         let serves = self.takes(engine) && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| serves).map(Arc::clone)
+    }
+
+    /// Returns whether another engine made the run shown than the one that makes the next. Nested levels and combinations
+    /// are always made on the CPU.
+    #[must_use]
+    pub fn differs(&self, run: &RunView, draft: &Draft) -> bool {
+        let Some(session) = &run.session else {
+            return false;
+        };
+        let has_choice = session.kind() == SessionKind::Run && session.has_recipe();
+        if !has_choice || draft.levels.is_some() {
+            return false;
+        }
+        let next = self.for_run(&draft.parameters, self.engine);
+        next.is_some() != session.engine.starts_with("GPU")
+    }
+
+    /// Returns why the passes cannot be inspected now, or `None` if they can.
+    #[must_use]
+    pub fn passes_refusal(&self, run: &RunView) -> Option<String> {
+        let Some(session) = &run.session else {
+            return Some("There is no session yet.".to_owned());
+        };
+        if session.combination.is_some() {
+            let text =
+                "This is a combination of sets, made on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
+        }
+        if session.nested.is_some() {
+            let text = "These are nested levels, made on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
+        }
+        if session.own.is_some() {
+            let text = "This session's pattern comes from a file; passes can be inspected only with a generated pattern.";
+            return Some(text.to_owned());
+        }
+        if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
+            let most = grouped(MAX_PASSES_ON_A_PAGE);
+            return Some(format!(
+                "A page shows the passes of runs of up to {most} samples; the native program has no such limit."
+            ));
+        }
+        self.device.not_ready()
     }
 
     /// Returns why no run can start yet, or `None` if it can: the chosen device is being tested.

@@ -5,15 +5,11 @@ use tilescope_debugger::Target;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
 
-use super::State;
-use super::lessons::HIDDEN_LAYER;
+use super::Runs;
 use super::run_view::RunView;
-use crate::command::{AppearanceCommand, Command, DebugCommand, TimeCommand, ViewCommand};
+use crate::command::{Command, DebugCommand, TimeCommand, ViewCommand};
 use crate::passes::PassCommand;
 use crate::scenes::{SceneCommand, SceneList};
-
-/// Why a command is refused while a question is open.
-const VEILED: &str = "Answer the question of the lesson first, or close the lesson: this would show what comes next.";
 
 /// Something that a command names by its number.
 struct Named {
@@ -55,34 +51,14 @@ const EVENT: [&str; 2] = ["event", "events"];
 const STAGE: [&str; 2] = ["stage", "stages"];
 const SCENE: [&str; 2] = ["scene", "scenes"];
 
-impl State {
-    /// Refuses a command that an open question does not allow, or that names something by a number that it does not have.
-    /// Returns whether it is refused; a notice says why.
-    pub(super) fn refuse(&mut self, command: &Command) -> bool {
-        let lessons = &self.classroom.lessons;
-        let hidden = || lessons.hidden_layers(self.current_stage());
-        match command {
-            Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
-                self.tell(HIDDEN_LAYER.to_owned(), false);
-            }
-            _ if lessons.veil().is_some() && command.rules().reveals => {
-                self.tell(VEILED.to_owned(), false);
-            }
-            _ => match self.index_refusal(command) {
-                Some(text) => self.tell(format!("{text}."), true),
-                None => return false,
-            },
-        }
-        true
-    }
-
+impl Runs {
     /// Returns why a command is refused, or `None` if everything that it names by a number is there. Without a run there is
     /// nothing to compare with, and such commands do nothing.
-    fn index_refusal(&self, command: &Command) -> Option<String> {
+    pub(super) fn index_refusal(&self, command: &Command) -> Option<String> {
         match command {
-            Command::View(which, command) => self.runs.get(*which)?.view_refusal(command),
-            Command::Time(command) => self.runs.first.time_refusal(command),
-            Command::Debug(command) => self.runs.first.debug_refusal(command),
+            Command::View(which, command) => self.get(*which)?.view_refusal(command),
+            Command::Time(command) => self.first.time_refusal(command),
+            Command::Debug(command) => self.first.debug_refusal(command),
             Command::Scene(command) => self.scene_refusal(command),
             Command::Passes(command) => self.pass_refusal(command),
             Command::Form(_)
@@ -110,7 +86,7 @@ impl State {
     }
 
     fn scene_refusal(&self, command: &SceneCommand) -> Option<String> {
-        let count = self.scenes(SceneList::Own).len();
+        let count = SceneList::Own.scenes(&self.first).len();
         let scene = |index: usize| {
             let of = "the session";
             Named {
@@ -135,7 +111,7 @@ impl State {
     }
 
     fn pass_refusal(&self, command: &PassCommand) -> Option<String> {
-        let passes = self.runs.first.passes.as_ref()?;
+        let passes = self.first.passes.as_ref()?;
         match *command {
             PassCommand::Select(index) => {
                 Named::new(["pass", "passes"], index, passes.entries().len()).refusal()

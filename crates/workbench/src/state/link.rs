@@ -1,31 +1,42 @@
-//! Permalinks in the state: makes the link to what is shown, and opens links. Begin with [`State::link`] and
-//! [`State::open_link`]. To open one, its run is made first; then moment, view and the rest are applied.
+//! Permalinks: makes the link to what is shown, from a [`LinkSource`], and applies an opened link to a run. `state/whole.rs`
+//! opens links: the run is made first; then moment, view and the rest are applied.
 
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
-use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped, stage_name};
 
-use super::State;
-use crate::command::Which;
-use crate::draft::Draft;
-use crate::lessons::{LessonSource, WantedLesson};
+use super::{Form, RunView, Runs};
+use crate::layout::Layout;
+use crate::lessons::{LessonSource, Lessons, WantedLesson};
 use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
-use crate::rules::UndoPart;
+use crate::view::SavedView;
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
-    content: LinkContent,
-    warnings: LinkWarnings,
+    pub content: LinkContent,
+    pub warnings: LinkWarnings,
 }
 
-impl State {
+/// What a link to what is shown is made from.
+pub(super) struct LinkSource<'a> {
+    /// The runs.
+    pub runs: &'a Runs,
+    /// The current view, as it is saved.
+    pub view: SavedView,
+    /// The layout, as it is saved.
+    pub layout: &'a Layout,
+    /// The input of the next run.
+    pub form: &'a Form,
+    /// Lessons.
+    pub lessons: &'a Lessons,
+}
+
+impl LinkSource<'_> {
     /// Returns the link to what is shown: run, moment and view. While the run of an opened link is being made, it is
     /// that link. Cheap enough to be called every frame.
-    #[must_use]
-    pub fn link(&self) -> Link {
-        if let Some(arriving) = &self.links.arriving {
+    pub(super) fn link(&self) -> Link {
+        if let Some(arriving) = &self.runs.arriving {
             return link::write(&arriving.content);
         }
         if let Some(link) = self.lesson_link() {
@@ -41,7 +52,7 @@ impl State {
     /// Returns the link to the step of the open lesson. It names no run, so that it does not show what happens after the
     /// question.
     fn lesson_link(&self) -> Option<Link> {
-        let lessons = &self.classroom.lessons;
+        let lessons = self.lessons;
         let lesson = match (&lessons.wanted, &lessons.open) {
             (Some(wanted), _) => wanted.clone(),
             (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
@@ -68,7 +79,7 @@ impl State {
     }
 
     fn content(&self, left_out: &mut Vec<String>) -> LinkContent {
-        let mut view = self.view();
+        let mut view = self.view.clone();
         if self.runs.first.before_pattern.is_none() {
             let flight = self.runs.first.flight.as_ref();
             let destination = flight.map(tilescope_drawing::camera::Flight::destination);
@@ -84,7 +95,7 @@ impl State {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches.clone_from(&debugger.watches);
             content.scenes.clone_from(&debugger.scenes);
-            let layout = json!(self.layout_to_store());
+            let layout = json!(self.layout);
             let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
             let scenes = content.scenes.iter();
             match scenes.filter(|mark| is_other(&mark.view["layout"])).count() {
@@ -148,7 +159,7 @@ impl State {
         let Some(session) = &self.runs.first.session else {
             return NamedMoment::End;
         };
-        match self.cursor() {
+        match self.runs.first.cursor() {
             Some((cursor, len)) if cursor < len => NamedMoment::Event(cursor),
             None if self.runs.first.stage + 1 < session.stages.len() => {
                 NamedMoment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
@@ -172,93 +183,38 @@ impl State {
         }
         second
     }
+}
 
-    pub(super) fn copy_link(&mut self) {
-        let Link { fragment, left_out } = self.link();
-        let base = self.links.base.as_deref();
-        self.links.copied = Some(format!("{}#{fragment}", base.unwrap_or_default()));
-        let hint = match base {
-            Some(_) => ".",
-            None => {
-                ": put it behind the address of any Tilescope page, or open it with tilescope --link."
-            }
-        };
-        let mut text = format!("The link is copied{hint}");
-        if !left_out.is_empty() {
-            text = format!("{text} It leaves out {}.", left_out.join("; "));
+/// Returns the notice about a link that was copied; `address` is that of the page, if there is one.
+pub(super) fn copied_notice(left_out: &[String], address: Option<&str>) -> String {
+    let hint = match address {
+        Some(_) => ".",
+        None => {
+            ": put it behind the address of any Tilescope page, or open it with tilescope --link."
         }
-        self.tell(text, false);
+    };
+    let mut text = format!("The link is copied{hint}");
+    if !left_out.is_empty() {
+        text = format!("{text} It leaves out {}.", left_out.join("; "));
     }
+    text
+}
 
-    /// Shows a notice that the link could not be copied.
-    pub fn tell_not_copied(&mut self) {
-        let whence = if self.window.embedding.is_some() {
-            "the page around this one may have to allow it"
-        } else {
-            "the address bar holds the link, too"
-        };
-        let text = format!("The browser did not let the link be copied: {whence}.");
-        self.tell(text, true);
-    }
+/// Returns why a link could not be copied, in a window that is embedded in another page or not.
+#[must_use]
+pub fn not_copied(is_embedded: bool) -> String {
+    let whence = if is_embedded {
+        "the page around this one may have to allow it"
+    } else {
+        "the address bar holds the link, too"
+    };
+    format!("The browser did not let the link be copied: {whence}.")
+}
 
-    /// Shows a notice that the browser does not store results.
-    pub fn tell_not_stored(&mut self) {
-        let text = "The browser does not store your results: they are gone when this page is closed. The list of lessons saves them to a file.";
-        self.tell(text.to_owned(), true);
-    }
-
-    /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
-    /// too large are left out and named in a notice. The run is made first, unless it is the current one; a run
-    /// that the user starts meanwhile replaces it.
-    pub fn open_link(&mut self, text: &str) {
-        let (content, warnings) = link::read(text);
-        self.open_content(content, warnings);
-    }
-
-    pub(super) fn open_content(&mut self, content: LinkContent, mut warnings: LinkWarnings) {
-        self.stop_making();
-        (self.files.sheet, self.files.exports.sheet) = (None, None);
-        self.window.finder = None;
-        self.classroom.lessons.close_list();
-        if let Some(language) = &content.language {
-            self.classroom.lessons.language.clone_from(language);
-        }
-        if let Some(wanted) = content.lesson {
-            // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
-            self.tell_of_link(&warnings);
-            self.in_class(|class, context| class.open_wanted(wanted, context));
-            return;
-        }
-        self.give_back();
-        let before = self.memento();
-        let is_made = self.is_made_from(&content);
-        if !is_made {
-            self.remember_run(UndoPart::Everything);
-        }
-        self.form.own_pattern = None;
-        if content.combination.is_none() {
-            self.form.draft =
-                Draft::from_parameters(content.parameters).with_nesting(content.nested);
-        }
-        if is_made {
-            self.take_up_link(&content, &mut warnings);
-            self.remember(before, UndoPart::Everything, None);
-            self.tell_of_link(&warnings);
-            return;
-        }
-        self.tell_of_link(&warnings);
-        if let Some(layout) = content.combination.clone() {
-            self.start_combining(layout);
-        } else {
-            let recipe = content.recipe();
-            self.start_sampling(Which::First, recipe, self.gpu.engine);
-        }
-        self.links.arriving = Some(Box::new(Arriving { content, warnings }));
-    }
-
+impl RunView {
     /// Returns whether the current session is the one that a link asks for.
-    fn is_made_from(&self, content: &LinkContent) -> bool {
-        let Some(session) = &self.runs.first.session else {
+    pub(super) fn is_made_from(&self, content: &LinkContent) -> bool {
+        let Some(session) = &self.session else {
             return false;
         };
         match (&session.combination, &content.combination) {
@@ -271,78 +227,22 @@ impl State {
         }
     }
 
-    /// Applies the rest of a link whose run has just been made.
-    pub(super) fn arrive(&mut self) {
-        let Some(arriving) = self.links.arriving.take() else {
-            return;
-        };
-        let Arriving {
-            content,
-            mut warnings,
-        } = *arriving;
-        if !self.is_made_from(&content) {
-            return;
-        }
-        let shown_before = warnings.clone();
-        let notice = self.messages.notice.as_ref();
-        let shown = notice.map(|notice| notice.text == shown_before.text());
-        if shown == Some(true) {
-            self.messages.notice = None;
-        }
-        self.take_up_link(&content, &mut warnings);
-        // Warnings that the user has dismissed are not repeated unless there are new ones.
-        if shown.is_some() || warnings != shown_before {
-            self.tell_of_link(&warnings);
-        }
-    }
-
-    fn take_up_link(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
-        self.time.playback.stop();
-        self.time.playback.range = None;
-        self.on(Which::First, |run, context| {
-            run.pick(Selection::Nothing, context);
-        });
-        self.runs.first.witness_mark = None;
-        self.take_moment(&content.moment, warnings);
-        self.take_linked_stops(content, warnings);
-        self.scenes_are_saved();
-        for part in self.look_as(&content.view) {
-            let text = format!("The link's {part} does not fit this run and was left out.");
-            warnings.add(text);
-        }
-        self.follow_first();
-    }
-
-    /// Shows the warnings about a link, after an existing notice.
-    fn tell_of_link(&mut self, warnings: &LinkWarnings) {
-        if warnings.is_empty() {
-            return;
-        }
-        let mut text = match self.messages.notice.take() {
-            Some(notice) => notice.text + " ",
-            None => String::new(),
-        };
-        text.push_str(&warnings.text());
-        self.tell(text, true);
-    }
-
-    fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
+    /// Goes to the moment of a link; to the end if there is no such moment.
+    pub(super) fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
         let index = match moment {
             // Nested levels have no stages.
-            NamedMoment::Stage(name) if self.runs.first.prefix().is_none() => {
-                self.stage_named(name)
-            }
+            NamedMoment::Stage(name) if self.prefix().is_none() => self.stage_named(name),
             _ => None,
         };
         let missed = match (moment, len, index) {
             (NamedMoment::Event(cursor), Some(len), _) if *cursor <= len => {
-                return self.runs.first.jump(*cursor);
+                return self.jump(*cursor);
             }
-            (NamedMoment::Stage(_), _, Some(index)) => return self.runs.first.show_stage(index),
+            (NamedMoment::Stage(_), _, Some(index)) => return self.show_stage(index),
             (NamedMoment::End, ..) => None,
             (NamedMoment::Event(cursor), Some(len), _) => {
-                let (item, whole) = match self.runs.first.prefix() {
+                let (item, whole) = match self.prefix() {
                     Some(_) => ("sample", "set"),
                     None => ("event", "run"),
                 };
@@ -361,20 +261,21 @@ impl State {
         if let Some(missed) = missed {
             warnings.add(format!("{missed}; the end is shown instead."));
         }
-        self.runs.first.show_stage(usize::MAX);
+        self.show_stage(usize::MAX);
     }
 
     /// Returns the index of a stage by its name in links.
-    pub(super) fn stage_named(&self, name: &str) -> Option<usize> {
-        let stages = &self.runs.first.session.as_ref()?.stages;
+    pub(crate) fn stage_named(&self, name: &str) -> Option<usize> {
+        let stages = &self.session.as_ref()?.stages;
         stages
             .iter()
             .position(|&stage| slug(&stage_name(stage)) == name)
     }
 
-    fn take_linked_stops(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
+    /// Replaces breakpoints, watches and scenes by those of a link.
+    pub(super) fn take_linked_stops(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
         let stops = content.breakpoints.len() + content.watches.len() + content.scenes.len();
-        let Some(debugger) = &mut self.runs.first.debugger else {
+        let Some(debugger) = &mut self.debugger else {
             if stops > 0 {
                 let text = "This run has no events: breakpoints, watches and scenes were left out.";
                 warnings.add(text.to_owned());

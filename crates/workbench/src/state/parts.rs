@@ -1,23 +1,43 @@
-//! The smaller parts of the state: runs, files, links, messages, job context. Larger parts have their own files.
+//! The smaller parts of the state: runs, files, the past, messages, job context. Larger parts have their own files.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Wake};
 
-use super::{Exports, Notice, RunView, announce, link};
+use super::borrowed::Borrowed;
+use super::undo::History;
+use super::{Exports, Notice, RunView, WindowState, announce, link};
 use crate::command::Which;
 use crate::compare::Comparison;
 use crate::files::{Delivery, FileForm, Filing, LastSession, Purpose};
+use crate::layout::Layout;
+use crate::link::LinkWarnings;
 
-/// The runs that are shown.
-#[derive(Default)]
+/// The runs that are shown, and what is needed to make others.
 pub struct Runs {
     /// The run that the panels show.
     pub first: RunView,
     /// The second run, and the comparison of the two.
     pub second: Option<(RunView, Comparison)>,
+    /// A link whose run is being made.
+    pub(super) arriving: Option<Box<link::Arriving>>,
+    /// The inputs of every background job.
+    pub(super) jobs: JobContext,
 }
 
 impl Runs {
+    /// Returns no runs, of a window that `wake` asks for a new frame.
+    pub(super) fn new(wake: Wake) -> Self {
+        Self {
+            first: RunView::default(),
+            second: None,
+            arriving: None,
+            jobs: JobContext {
+                wake,
+                generation: 0,
+            },
+        }
+    }
+
     /// Returns one of the runs, if it exists.
     #[must_use]
     pub fn get(&self, which: Which) -> Option<&RunView> {
@@ -66,15 +86,22 @@ pub struct FileState {
     pub folder_to_open: Option<std::path::PathBuf>,
 }
 
-/// Links.
+/// What was before: changes to be undone, and what a lesson or the tour has replaced.
 #[derive(Default)]
-pub struct Links {
-    /// The address of the page, without a fragment, that copied links begin with; `None` natively.
-    pub base: Option<String>,
-    /// Text to be put on the clipboard.
-    pub copied: Option<String>,
-    /// A link whose run is being made.
-    pub(super) arriving: Option<Box<link::Arriving>>,
+pub struct Past {
+    /// The changes to undo and to redo.
+    pub history: History,
+    /// What a lesson or the tour has replaced.
+    pub(super) borrowed: Option<Box<Borrowed>>,
+}
+
+impl Past {
+    /// Returns the layout to store: while a lesson or the tour hides panels, the one before it.
+    #[must_use]
+    pub fn layout_to_store<'a>(&'a self, window: &'a WindowState) -> &'a Layout {
+        let borrowed = self.borrowed.as_ref();
+        borrowed.map_or(&window.layout, |borrowed| borrowed.layout())
+    }
 }
 
 /// Messages to the user.
@@ -86,6 +113,40 @@ pub struct Messages {
     pub(super) brief: Option<String>,
     /// Announcements for screen readers.
     pub(super) announcer: announce::Announcer,
+}
+
+impl Messages {
+    /// Returns the text for a screen reader: the newest event or stage, verdict or notice. It stays the same until there is
+    /// another.
+    #[must_use]
+    pub fn announcement(&self) -> Option<String> {
+        self.announcer.announcement.clone()
+    }
+
+    /// Appends to the notice, or shows a new one, which is an error if this is one or the notice was.
+    pub(super) fn add(&mut self, message: &str, is_error: bool) {
+        let (text, was_error) = match self.notice.take() {
+            Some(notice) => (format!("{} {message}", notice.text), notice.is_error),
+            None => (message.to_owned(), false),
+        };
+        self.notice = Some(Notice::new(text, is_error || was_error));
+    }
+
+    /// Shows the warnings about a link, after an existing notice.
+    pub(super) fn warn(&mut self, warnings: &LinkWarnings) {
+        if !warnings.is_empty() {
+            self.add(&warnings.text(), true);
+        }
+    }
+
+    /// Removes a notice that only confirms a command.
+    pub(super) fn drop_brief(&mut self) {
+        let brief = self.brief.take();
+        let notice = &mut self.notice;
+        if brief.is_some() && brief.as_ref() == notice.as_ref().map(|notice| &notice.text) {
+            *notice = None;
+        }
+    }
 }
 
 /// The inputs of every background job.

@@ -32,7 +32,8 @@ mod work;
 
 pub use debug::{EventQuery, FindEventsTask, FoundEvents, MAX_FOUND};
 pub use hits::{CountHitsTask, Hits, MAX_HITS};
-pub(super) use time::{next_line, none_there};
+pub(super) use time::next_line;
+pub(crate) use time::none_there;
 pub(super) use transition::TRANSITION_SECS;
 
 /// The result of making a session.

@@ -1,96 +1,95 @@
-//! Scenes in the state: makes, changes and shows them, draws their small pictures, and shows the tour.
+//! Scenes: makes, changes and shows them, draws their small pictures, and shows the tour.
 
 use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
+use tilescope_session::jobs::Wake;
 use tilescope_session::selection::Selection;
 
-use super::{RunView, State};
-use crate::command::{FormCommand, Which};
-use crate::layout::Panel;
+use super::RunView;
+use super::effects::{Context, Effect};
+use crate::command::Command;
+use crate::layout::Layout;
 use crate::scene_lesson::lesson_of;
 use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
+use crate::thumbnails::Thumbnails;
 use crate::tour::tour;
 use crate::view::{SavedView, SceneCamera};
 
 /// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
 const PARTS: [&str; 5] = ["layers", "colouring", "look", "layout", "selection"];
 
-/// Returns the caption of a scene that is shown.
-pub(super) fn caption_of(run: &RunView, shown: Option<ShownScene>) -> Option<&str> {
-    let ShownScene { list, index } = shown?;
-    let scene = match list {
-        SceneList::Tour => &tour().get(index)?.scene,
-        SceneList::Own => run.debugger.as_ref()?.scenes.get(index)?,
-    };
-    Some(split_caption(&scene.caption).0)
-}
-
-impl State {
-    /// Returns the scenes of a list.
+impl SceneList {
+    /// Returns the scenes of the list.
     #[must_use]
-    pub fn scenes(&self, list: SceneList) -> Vec<&SavedScene> {
-        match list {
-            SceneList::Tour => tour().iter().map(|scene| &scene.scene).collect(),
-            SceneList::Own => {
-                let debugger = self.runs.first.debugger.as_ref();
+    pub fn scenes(self, run: &RunView) -> Vec<&SavedScene> {
+        match self {
+            Self::Tour => tour().iter().map(|scene| &scene.scene).collect(),
+            Self::Own => {
+                let debugger = run.debugger.as_ref();
                 debugger.map_or_else(Vec::new, |debugger| debugger.scenes.iter().collect())
             }
         }
     }
+}
 
+/// Scenes in the state of the window; those of the user are kept with the run.
+#[derive(Default)]
+pub struct Scenes {
+    /// The scene that is shown, if one is.
+    pub shown: Option<ShownScene>,
+    /// The scenes' pictures.
+    pub thumbnails: Thumbnails,
+}
+
+/// What scenes use of the rest of the window.
+pub(super) struct SceneSource {
+    /// The current view, as it is saved.
+    pub view: SavedView,
+    /// The layout of the panels.
+    pub layout: Layout,
+    /// Whether the panel of the scenes is visible.
+    pub has_panel: bool,
+    /// Whether the window is embedded in another page, whose layout stays.
+    pub is_embedded: bool,
+}
+
+impl Scenes {
     /// Returns whether the tour is shown.
     #[must_use]
     pub fn is_touring(&self) -> bool {
-        self.scene
+        self.shown
             .is_some_and(|shown| shown.list == SceneList::Tour)
     }
 
     /// Returns the caption of the scene that is shown.
     #[must_use]
-    pub fn caption(&self) -> Option<&str> {
-        caption_of(&self.runs.first, self.scene)
+    pub fn caption<'a>(&self, run: &'a RunView) -> Option<&'a str> {
+        let ShownScene { list, index } = self.shown?;
+        let scene = list.scenes(run).into_iter().nth(index)?;
+        Some(split_caption(&scene.caption).0)
     }
 
-    /// Draws the pictures of the scenes while their panel is open.
-    pub(super) fn follow_thumbnails(&mut self) {
-        let (run, dark) = (&self.runs.first, self.appearance.look.is_dark());
-        if let (Some(session), Some(debugger)) = (&run.session, &run.debugger)
-            && self.window.shows(Panel::Scenes)
-        {
-            let wake = &self.jobs.wake;
+    /// Draws the pictures of the scenes, for their panel.
+    pub(super) fn follow_thumbnails(&mut self, run: &RunView, dark: bool, wake: &Wake) {
+        if let (Some(session), Some(debugger)) = (&run.session, &run.debugger) {
             self.thumbnails.follow(session, debugger, dark, wake);
         }
     }
 
-    /// Waits for the pictures of the scenes.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle_thumbnails(&mut self) {
-        self.follow_thumbnails();
-        while self.thumbnails.wait() {
-            self.follow_thumbnails();
-        }
-    }
-
-    /// Returns a lesson with a step for each scene.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`lesson_of`].
-    pub(crate) fn lesson_of_scenes(&self) -> Result<String, String> {
-        let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
-        else {
-            return Err("There is no session with events.".to_owned());
-        };
-        let has_own_pattern = session.own.is_some();
-        lesson_of(&debugger.scenes, &session.run().parameters, has_own_pattern)
-    }
-
-    pub(super) fn apply_to_scenes(&mut self, command: SceneCommand) {
+    /// Applies a command to the scenes of a run, and shows them in it.
+    pub(super) fn apply(
+        &mut self,
+        command: SceneCommand,
+        run: &mut RunView,
+        source: &SceneSource,
+        context: &mut Context,
+    ) {
+        let count = SceneList::Own.scenes(run).len();
         match command {
-            SceneCommand::Add => self.add_scene(),
+            SceneCommand::Add => self.add(run, source, context),
             SceneCommand::Replace(index) => {
-                let view = self.scene_view();
-                self.change_scenes(|debugger| {
+                let view = scene_view(run, &source.view);
+                change_scenes(run, |debugger| {
                     if let Some(caption) = debugger.scenes.get(index).map(|s| s.caption.clone()) {
                         debugger.scenes.remove(index);
                         debugger.add_scene(index, view);
@@ -98,57 +97,39 @@ impl State {
                     }
                 });
             }
-            SceneCommand::Caption(index, text) => self.change_scenes(|debugger| {
+            SceneCommand::Caption(index, text) => change_scenes(run, |debugger| {
                 if let Some(scene) = debugger.scenes.get_mut(index) {
                     scene.caption = text;
                 }
             }),
             SceneCommand::Remove(index) => {
-                self.change_scenes(|debugger| {
+                change_scenes(run, |debugger| {
                     if index < debugger.scenes.len() {
                         debugger.scenes.remove(index);
                     }
                 });
-                if !self.is_touring() {
-                    self.scene = None;
-                }
+                self.shown = self.shown.filter(|_| self.is_touring());
             }
             SceneCommand::Move(from, to) => {
-                let len = self.scenes(SceneList::Own).len();
-                if from < len && to < len {
-                    self.change_scenes(|debugger| {
+                if from < count && to < count {
+                    change_scenes(run, |debugger| {
                         let scene = debugger.scenes.remove(from);
                         debugger.scenes.insert(to, scene);
                     });
-                    self.follow_moved_scene(from, to);
+                    self.follow_moved(from, to);
                 }
             }
-            SceneCommand::Show(index) => self.show_scene(SceneList::Own, index),
-            SceneCommand::Step(direction) => self.step_scene(direction),
-            SceneCommand::Tour => self.start_tour(),
-            SceneCommand::Offer(index) => self.take_offer(index),
-            SceneCommand::Leave => self.leave_scene(),
+            SceneCommand::Show(index) => self.show(SceneList::Own, index, run, source, context),
+            SceneCommand::Step(direction) => self.step(direction, run, source, context),
+            SceneCommand::Tour => context.ask(Effect::StartTour),
+            SceneCommand::Offer(index) => self.take_offer(index, context),
+            SceneCommand::Leave => self.leave(context),
         }
     }
 
-    /// Shows the first scene of the tour. Its scenes are of the run with the default parameters; what the window shows comes
-    /// back when the tour ends.
-    fn start_tour(&mut self) {
-        self.give_back();
-        self.classroom.lessons.lists = false;
-        self.borrow_window();
-        self.form.apply(FormCommand::Reset);
-        // At the start of the program that run is being made already.
-        let is_being_made = self.runs.first.sampling.is_some();
-        if !self.show_borrowed_session() && !is_being_made {
-            self.run();
-        }
-        self.show_scene(SceneList::Tour, 0);
-    }
-
-    /// Carries out the commands of a button of the tour's scene.
-    fn take_offer(&mut self, index: usize) {
-        let Some(shown) = self.scene.filter(|shown| shown.list == SceneList::Tour) else {
+    /// Asks for the commands of a button of the tour's scene.
+    fn take_offer(&self, index: usize, context: &mut Context) {
+        let Some(shown) = self.shown.filter(|shown| shown.list == SceneList::Tour) else {
             return;
         };
         let offers = tour().get(shown.index).map(|scene| &scene.offers);
@@ -156,13 +137,13 @@ impl State {
             return;
         };
         for command in &offer.commands {
-            self.dispatch(command.clone());
+            context.ask(Effect::Issue(Box::new(command.clone())));
         }
     }
 
     /// Corrects the index of the shown scene after a scene was moved.
-    fn follow_moved_scene(&mut self, from: usize, to: usize) {
-        if let Some(ShownScene { list, index }) = &mut self.scene
+    fn follow_moved(&mut self, from: usize, to: usize) {
+        if let Some(ShownScene { list, index }) = &mut self.shown
             && *list == SceneList::Own
         {
             let without = *index - usize::from(*index > from);
@@ -174,161 +155,190 @@ impl State {
         }
     }
 
-    fn change_scenes(&mut self, change: impl FnOnce(&mut Debugger)) {
-        if let Some(debugger) = &mut self.runs.first.debugger {
-            change(debugger);
-        }
-    }
-
-    fn add_scene(&mut self) {
-        let view = self.scene_view();
-        let at = match self.scene {
+    fn add(&mut self, run: &mut RunView, source: &SceneSource, context: &mut Context) {
+        let view = scene_view(run, &source.view);
+        let at = match self.shown {
             Some(shown) if shown.list == SceneList::Own => shown.index + 1,
             _ => usize::MAX,
         };
-        let before = self.scenes(SceneList::Own).len();
-        self.change_scenes(|debugger| debugger.add_scene(at, view));
-        if let Some(shown) = &mut self.scene
+        let before = SceneList::Own.scenes(run).len();
+        change_scenes(run, |debugger| debugger.add_scene(at, view));
+        if let Some(shown) = &mut self.shown
             && shown.list == SceneList::Own
         {
             shown.index += 1;
         }
-        if self.scenes(SceneList::Own).len() > before && !self.window.shows(Panel::Scenes) {
+
+        let is_added = SceneList::Own.scenes(run).len() > before;
+        if is_added && !source.has_panel {
             // The panel would show the new scene; without it there is no other sign that the key did something.
             let number = at.min(before) + 1;
             let text = format!("Scene {number} is made of this moment: it is in the panel Scenes.");
-            self.messages.brief = Some(text.clone());
-            self.tell(text, false);
+            context.ask(Effect::TellBriefly(text));
         }
     }
 
-    /// Returns the current view for a scene.
-    fn scene_view(&self) -> Value {
-        let run = &self.runs.first;
-        let camera = (!run.is_fitted()).then(|| SceneCamera {
-            radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
-            center: Some(run.camera.center),
-            event: run.current_place(),
-        });
-        let mut view = self.view().to_json();
-        if let Some(parts) = view.as_object_mut() {
-            parts.retain(|name, _| PARTS.contains(&name.as_str()));
-            if let Some(camera) = camera {
-                parts.insert("camera".to_owned(), json!(camera));
-            }
-        }
-        view
-    }
-
-    fn step_scene(&mut self, direction: Direction) {
-        let (list, to) = match (self.scene, direction) {
+    fn step(
+        &mut self,
+        direction: Direction,
+        run: &mut RunView,
+        source: &SceneSource,
+        context: &mut Context,
+    ) {
+        let (list, to) = match (self.shown, direction) {
             (None, Direction::Forwards) => (SceneList::Own, Some(0)),
             (None, Direction::Backwards) => (SceneList::Own, None),
             (Some(shown), Direction::Forwards) => (shown.list, Some(shown.index + 1)),
             (Some(shown), Direction::Backwards) => (shown.list, shown.index.checked_sub(1)),
         };
-        let len = self.scenes(list).len();
+        let len = list.scenes(run).len();
         match to {
-            Some(index) if index < len => self.show_scene(list, index),
+            Some(index) if index < len => self.show(list, index, run, source, context),
             // After its last scene the tour is over.
-            Some(_) if list == SceneList::Tour => self.leave_scene(),
+            Some(_) if list == SceneList::Tour => self.leave(context),
             _ => {}
         }
     }
 
     /// Removes the caption. The tour gives back what it replaced.
-    pub(super) fn leave_scene(&mut self) {
+    fn leave(&mut self, context: &mut Context) {
         if self.is_touring() {
-            self.end_tour();
+            context.ask(Effect::EndTour);
         } else {
-            self.scene = None;
+            self.shown = None;
         }
     }
 
-    fn show_scene(&mut self, list: SceneList, index: usize) {
-        let Some(scene) = self.scenes(list).get(index).map(|&scene| scene.clone()) else {
+    /// Shows a scene of a list.
+    pub(super) fn show(
+        &mut self,
+        list: SceneList,
+        index: usize,
+        run: &mut RunView,
+        source: &SceneSource,
+        context: &mut Context,
+    ) {
+        let Some(scene) = list.scenes(run).get(index).map(|&scene| scene.clone()) else {
             return;
         };
-        if list == SceneList::Own {
-            self.end_tour();
+        if list == SceneList::Own && self.is_touring() {
+            // The scene is shown in the run that comes back.
+            let show = Command::Scene(SceneCommand::Show(index));
+            context.ask(Effect::EndTour);
+            return context.ask(Effect::Issue(Box::new(show)));
         }
-        self.scene = Some(ShownScene { list, index });
+        self.shown = Some(ShownScene { list, index });
         // The last card of the tour leads to the panels.
         if list == SceneList::Tour && index + 1 == tour().len() {
-            self.bring_panels();
+            context.ask(Effect::BringPanels);
         }
         // A run that is being made shows the scene when it is there.
-        self.arrive_at(&scene);
+        arrive_at(&scene, run, source, context);
     }
+}
 
-    /// Shows the current scene of the tour again, since another run is there.
-    pub(super) fn show_tour_again(&mut self) {
-        if let Some(shown) = self.scene
-            && shown.list == SceneList::Tour
-        {
-            self.show_scene(shown.list, shown.index);
+fn change_scenes(run: &mut RunView, change: impl FnOnce(&mut Debugger)) {
+    if let Some(debugger) = &mut run.debugger {
+        change(debugger);
+    }
+}
+
+/// Returns the current view for a scene.
+fn scene_view(run: &RunView, view: &SavedView) -> Value {
+    let camera = (!run.is_fitted()).then(|| SceneCamera {
+        radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
+        center: Some(run.camera.center),
+        event: run.current_place(),
+    });
+    let mut view = view.to_json();
+    if let Some(parts) = view.as_object_mut() {
+        parts.retain(|name, _| PARTS.contains(&name.as_str()));
+        if let Some(camera) = camera {
+            parts.insert("camera".to_owned(), json!(camera));
         }
     }
+    view
+}
 
-    fn arrive_at(&mut self, scene: &SavedScene) {
-        let Some(debugger) = &self.runs.first.debugger else {
-            return;
-        };
-        let marked = debugger.marked(scene);
-        let Some(cursor) = marked.cursor() else {
-            let text = "This run has no such moment: the scene was made in another run.";
-            return self.tell(text.to_owned(), false);
-        };
-        self.time.playback.stop();
-        self.on(Which::First, |run, _| {
-            let before = run.stage;
-            run.jump(cursor);
-            run.moved(before);
-        });
-        if !scene.view.is_null() {
-            self.look_as_in(&scene.view, matches!(marked, Marked::Here(_)));
-        }
+fn arrive_at(scene: &SavedScene, run: &mut RunView, source: &SceneSource, context: &mut Context) {
+    let Some(debugger) = &run.debugger else {
+        return;
+    };
+    let marked = debugger.marked(scene);
+    let Some(cursor) = marked.cursor() else {
+        let text = "This run has no such moment: the scene was made in another run.";
+        return context.tell(text.to_owned(), false);
+    };
+    context.ask(Effect::Pause);
+    let before = run.stage;
+    run.jump(cursor);
+    run.moved(before);
+    if !scene.view.is_null() {
+        let is_same_run = matches!(marked, Marked::Here(_));
+        look_as(&scene.view, is_same_run, run, source, context);
+    }
+}
+
+/// Applies the view of a scene; `is_same_run` if it was made in this run. Parts that are missing or invalid stay as they
+/// are, but without a camera the domain is fitted.
+fn look_as(
+    view: &Value,
+    is_same_run: bool,
+    run: &mut RunView,
+    source: &SceneSource,
+    context: &mut Context,
+) {
+    let now = SavedView {
+        selection: Selection::Nothing,
+        layout: source.layout.clone(),
+        ..source.view.clone()
+    };
+    let (saved, _) = SavedView::from_json(view, &now);
+    context.ask(Effect::Appearance(Box::new(saved.appearance)));
+    // Without a layout of the scene's own, the panels stay, also those that the tour has just brought back.
+    if !source.is_embedded && view.get("layout").is_some() {
+        context.ask(Effect::Layout(saved.layout));
     }
 
-    /// Applies the view of a scene; `is_same_run` if it was made in this run. Parts that are missing or invalid stay as they
-    /// are, but without a camera the domain is fitted.
-    fn look_as_in(&mut self, view: &Value, is_same_run: bool) {
-        let now = SavedView {
-            selection: Selection::Nothing,
-            layout: self.window.layout.clone(),
-            ..self.view()
+    let can_select = is_same_run && run.can_select(saved.selection);
+    let selection = if can_select {
+        saved.selection
+    } else {
+        Selection::Nothing
+    };
+    run.pick(selection, context);
+    let placed = SceneCamera::of(view).and_then(|camera| {
+        let center = camera.placed(run.current_place(), is_same_run)?;
+        Some((center, camera.radii))
+    });
+    match placed {
+        Some((center, radii)) => run.fly_to(center, radii, context),
+        None => run.fit(context),
+    }
+}
+
+impl RunView {
+    /// Returns a lesson with a step for each scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`lesson_of`].
+    pub(crate) fn lesson_of_scenes(&self) -> Result<String, String> {
+        let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
+            return Err("There is no session with events.".to_owned());
         };
-        let (saved, _) = SavedView::from_json(view, &now);
-        self.appearance.take(&saved.appearance);
-        if self.window.embedding.is_none() {
-            self.window.layout = saved.layout;
-        }
-        let can_select = is_same_run && self.runs.first.can_select(saved.selection);
-        let selection = if can_select {
-            saved.selection
-        } else {
-            Selection::Nothing
-        };
-        let camera = SceneCamera::of(view);
-        self.on(Which::First, |run, context| {
-            run.pick(selection, context);
-            let placed = camera.and_then(|camera| {
-                let center = camera.placed(run.current_place(), is_same_run)?;
-                Some((center, camera.radii))
-            });
-            match placed {
-                Some((center, radii)) => run.fly_to(center, radii, context),
-                None => run.fit(context),
-            }
-        });
+        let has_own_pattern = session.own.is_some();
+        lesson_of(&debugger.scenes, &session.run().parameters, has_own_pattern)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::State;
     use super::super::tests::settled;
     use super::*;
-    use crate::command::{Command, TimeCommand, ViewCommand};
+    use crate::command::{FormCommand, TimeCommand, ViewCommand, Which};
+    use crate::layout::Panel;
     use glam::DVec2;
     use tilescope_core::RunEvent;
     use tilescope_debugger::{Event, Target};
@@ -389,22 +399,22 @@ mod tests {
         assert!(views[1].1.center.distance([30.0, 40.0].into()) < 1e-9);
         // A step goes on from the scene that is shown, and stays at the ends of the list.
         scene(&mut state, SceneCommand::Step(Direction::Forwards));
-        assert_eq!(state.scene.map(|shown| shown.index), Some(2));
+        assert_eq!(state.scenes.shown.map(|shown| shown.index), Some(2));
         for index in [1, 0, 0] {
             scene(&mut state, SceneCommand::Step(Direction::Backwards));
             rest(&mut state);
-            assert_eq!(state.scene.map(|shown| shown.index), Some(index));
+            assert_eq!(state.scenes.shown.map(|shown| shown.index), Some(index));
             assert_eq!(seen(&state), views[index]);
         }
         // The first one, which is shown, becomes the second one.
         scene(&mut state, SceneCommand::Move(2, 0));
-        assert_eq!(state.scene.map(|shown| shown.index), Some(1));
+        assert_eq!(state.scenes.shown.map(|shown| shown.index), Some(1));
         scene(&mut state, SceneCommand::Show(1));
         rest(&mut state);
         assert_eq!(seen(&state), views[0]);
         scene(&mut state, SceneCommand::Remove(1));
-        assert_eq!(state.scenes(SceneList::Own).len(), 2);
-        assert!(state.scene.is_none());
+        assert_eq!(SceneList::Own.scenes(&state.runs.first).len(), 2);
+        assert!(state.scenes.shown.is_none());
     }
 
     #[test]
@@ -444,8 +454,8 @@ mod tests {
         let mut state = settled();
         scene(&mut state, SceneCommand::Tour);
         for (index, of_tour) in tour().iter().enumerate() {
-            assert!(state.is_touring());
-            assert_eq!(state.scene.map(|shown| shown.index), Some(index));
+            assert!(state.scenes.is_touring());
+            assert_eq!(state.scenes.shown.map(|shown| shown.index), Some(index));
             assert!(state.messages.notice.is_none(), "{}", of_tour.title);
             let words = of_tour.scene.caption.split_whitespace().count();
             assert!(
@@ -460,7 +470,7 @@ mod tests {
             assert_eq!(camera.is_some(), SceneCamera::of(view).is_some());
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
         }
-        assert!(state.scene.is_none());
+        assert!(state.scenes.shown.is_none());
         assert_eq!(tour().len(), 11);
     }
 
@@ -534,7 +544,7 @@ mod tests {
             let run = &state.runs.first;
             let (session, debugger) = (run.session.as_ref(), run.debugger.as_ref());
             let (session, debugger) = (session.unwrap(), debugger.unwrap());
-            let of = |scene| state.thumbnails.of(session, scene, true);
+            let of = |scene| state.scenes.thumbnails.of(session, scene, true);
             let scenes = debugger.scenes.iter();
             scenes
                 .map(|scene| of(scene).map(|made| made.rgba.clone()))
@@ -554,7 +564,7 @@ mod tests {
     #[test]
     fn pictures_of_the_whole_domain_show_what_is_near_their_events() {
         let mut state = with_scenes();
-        while !state.scenes(SceneList::Own).is_empty() {
+        while !SceneList::Own.scenes(&state.runs.first).is_empty() {
             scene(&mut state, SceneCommand::Remove(0));
         }
         state.apply(Command::View(Which::First, ViewCommand::Fit));
@@ -571,7 +581,7 @@ mod tests {
         let run = &state.runs.first;
         let (session, debugger) = (run.session.as_ref(), run.debugger.as_ref());
         let (session, debugger) = (session.unwrap(), debugger.unwrap());
-        let of = |scene| state.thumbnails.of(session, scene, true).unwrap();
+        let of = |scene| state.scenes.thumbnails.of(session, scene, true).unwrap();
         let [first, second] = &debugger.scenes[..] else {
             panic!("two scenes");
         };

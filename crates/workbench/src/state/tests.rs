@@ -81,7 +81,7 @@ fn playing_ends_at_the_last_stage() {
 fn a_bad_draft_is_not_run() {
     let mut state = settled();
     type_in(&mut state, Field::Radius, "-3");
-    assert!(state.run_refusal().unwrap().contains("-3"));
+    assert!(state.form.refusal(&state.gpu).unwrap().contains("-3"));
     state.apply(Command::Run);
     assert!(state.runs.first.sampling.is_none());
     // A script or a page that asked for the run is told why there is none.
@@ -92,9 +92,15 @@ fn a_bad_draft_is_not_run() {
         notice.text
     );
     state.apply(Command::Form(FormCommand::Reset));
-    assert_eq!(state.run_refusal(), None);
+    assert_eq!(state.form.refusal(&state.gpu), None);
     state.apply(Command::Form(FormCommand::Count("abc".to_owned())));
-    assert!(state.run_refusal().unwrap().starts_with("Samples: "));
+    assert!(
+        state
+            .form
+            .refusal(&state.gpu)
+            .unwrap()
+            .starts_with("Samples: ")
+    );
 }
 
 #[test]
@@ -305,7 +311,7 @@ fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
         "no such adapter".to_owned(),
     ))));
     state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
-    assert!(state.run_refusal().unwrap().contains("tested"));
+    assert!(state.form.refusal(&state.gpu).unwrap().contains("tested"));
     state.settle();
     assert_eq!(state.gpu.engine, EngineChoice::Auto);
     let notice = state.messages.notice.clone().unwrap();
@@ -316,7 +322,7 @@ fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
     );
     state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
     assert_eq!(state.gpu.engine, EngineChoice::Auto);
-    assert_eq!(state.run_refusal(), None);
+    assert_eq!(state.form.refusal(&state.gpu), None);
     state.apply(Command::Run);
     state.settle();
     assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
@@ -329,7 +335,7 @@ fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
 fn a_device_lost_in_a_run_is_reported_and_the_cpu_makes_the_session() {
     let mut state = settled();
     state.gpu.engine = EngineChoice::Gpu;
-    let monitor = tilescope_session::jobs::Job::start(&state.jobs.wake, |monitor| {
+    let monitor = tilescope_session::jobs::Job::start(&state.runs.jobs.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
     let mut session = monitor.wait().unwrap().unwrap();
@@ -461,7 +467,7 @@ fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
     );
     assert_eq!(seed(&state), 4);
     assert!(state.runs.first.sampling.is_none());
-    while state.can_undo() && seed(&state) == 4 {
+    while state.past.history.can_undo() && seed(&state) == 4 {
         state.apply(Command::Undo);
         state.settle();
     }

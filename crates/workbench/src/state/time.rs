@@ -3,8 +3,10 @@
 
 use std::cell::Cell;
 use std::ops::Range;
+use std::sync::Arc;
 
-use tilescope_debugger::{Direction, Step, Stop};
+use tilescope_debugger::{Direction, Recording, Step, Stop};
+use tilescope_session::session::Session;
 
 use super::RunView;
 use super::effects::Context;
@@ -79,6 +81,30 @@ impl Time {
             run.moved(before);
         }
         plays || self.continuing.is_some()
+    }
+
+    /// If the clock counts passes but there are none any more, returns to the previous clock.
+    pub(super) const fn follow_passes(&mut self, run: &RunView) {
+        if run.passes.is_none() {
+            self.playback.clock = self.playback.clock_of_events();
+        }
+    }
+
+    /// Shows a recorded run, whole or up to a cursor, without verifying it.
+    pub(super) fn show_recording(
+        &mut self,
+        recording: &Arc<Recording>,
+        limit: Option<usize>,
+        run: &mut RunView,
+        context: &mut Context,
+    ) {
+        let shown = match limit {
+            Some(cursor) => Arc::new(recording.until(cursor)),
+            None => Arc::clone(recording),
+        };
+        let session = Session::from_recording(shown, context.next_generation());
+        self.rest(run.is_same_run(&session));
+        run.show_unverified(session, context);
     }
 
     /// Stops, as another session is shown. The loop stays if that is of the same run.

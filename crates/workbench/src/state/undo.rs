@@ -4,12 +4,11 @@
 
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
-use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::Recipe;
 
-use super::{Form, State};
-use crate::appearance::Appearance;
-use crate::command::{Command, DebugCommand, FormCommand, Which, WindowCommand};
+use super::effects::{Context, Effect};
+use super::{Appearance, Form, RunView, WindowState};
+use crate::command::{Command, DebugCommand, FormCommand, WindowCommand};
 use crate::draft::{Draft, Field};
 use crate::layout::{Layout, Panel};
 use crate::rules::UndoPart;
@@ -20,7 +19,7 @@ const MAX_STEPS: usize = 200;
 
 /// The input of the current run, so that it can be made again.
 #[derive(Clone, Debug, PartialEq)]
-enum Made {
+pub(super) enum Made {
     Run(Recipe),
     Combination(Combination),
 }
@@ -90,139 +89,52 @@ fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
     layout
 }
 
-impl State {
-    /// Returns whether there is something to undo.
-    #[must_use]
-    pub fn can_undo(&self) -> bool {
-        !self.history.past.is_empty()
-    }
-
-    /// Returns whether there is something to redo.
-    #[must_use]
-    pub fn can_redo(&self) -> bool {
-        !self.history.future.is_empty()
-    }
-
-    /// Drops all steps, as another session was opened.
-    pub(super) fn forget_changes(&mut self) {
-        self.history = History::default();
-    }
-
-    pub(super) fn memento(&self) -> Memento {
-        Memento {
-            form: self.form.clone(),
-            made: self.made(),
-            appearance: self.appearance.clone(),
-            layout: self.window.layout.clone(),
-            stops: self.runs.first.stops(),
-        }
-    }
-
-    fn made(&self) -> Option<Made> {
-        let session = self.runs.first.session.as_ref()?;
+impl Made {
+    /// Returns the input of the session that is shown; `None` if it cannot be made again.
+    pub(super) fn of(run: &RunView) -> Option<Self> {
+        let session = run.session.as_ref()?;
         match &session.combination {
-            None if session.has_recipe() => Some(Made::Run(session.recipe())),
+            None if session.has_recipe() => Some(Self::Run(session.recipe())),
             None => None,
             // The content of its files is not kept.
             Some(combination) if combination.files > 0 => None,
-            Some(combination) => Some(Made::Combination(combination.layout.clone())),
+            Some(combination) => Some(Self::Combination(combination.layout.clone())),
         }
     }
+}
 
-    /// Adds a step for `command`, if it changed something since `before`.
-    pub(super) fn remember(&mut self, before: Memento, part: UndoPart, command: Option<&Command>) {
-        // To open a tab is no change of the layout; to bring back a hidden panel is.
-        if let Some(Command::Window(WindowCommand::OpenPanel(_))) = command
-            && before.layout.hidden() == self.window.layout.hidden()
-        {
-            return;
-        }
-        let field = command.and_then(typed_in);
-        if before != self.memento() {
-            let goes_on = field.is_some() && field == self.history.typing;
-            if goes_on {
-                self.history.future.clear();
-            } else {
-                self.push(part, before);
-            }
-        }
-        self.history.typing = field;
-    }
-
-    fn push(&mut self, part: UndoPart, memento: Memento) {
-        let History { past, future, .. } = &mut self.history;
-        past.push(Change { part, memento });
-        let surplus = past.len().saturating_sub(MAX_STEPS);
-        past.drain(..surplus);
-        future.clear();
-    }
-
-    /// Adds the step of a run that is about to replace the current one. What was typed since the last run is
-    /// part of it, so that undo restores parameters and run together.
-    pub(super) fn remember_run(&mut self, part: UndoPart) {
-        if self.runs.first.session.is_none() {
-            return;
-        }
-        let mut before = self.memento();
-        let past = &mut self.history.past;
-        let is_run = |change: &Change| matches!(change.part, UndoPart::Run | UndoPart::Everything);
-        let last = past.iter().rposition(is_run);
-        let since = last.map_or(0, |index| index + 1);
-        let mut later = past[since..].iter();
-        if let Some(typed) = later.find(|change| change.part == UndoPart::Form) {
-            before.form = typed.memento.form.clone();
-        }
-        let mut count = 0;
-        past.retain(|change| {
-            count += 1;
-            count <= since || change.part != UndoPart::Form
-        });
-        self.history.typing = None;
-        // A run that was cancelled is not a step.
-        let stopped =
-            last.is_some_and(|index| self.history.past[index].memento.made == before.made);
-        if stopped && part == UndoPart::Run {
-            self.history.future.clear();
-        } else {
-            self.push(part, before);
+impl Memento {
+    /// Returns a snapshot of everything that can be undone.
+    pub(super) fn of(
+        form: &Form,
+        run: &RunView,
+        appearance: &Appearance,
+        window: &WindowState,
+    ) -> Self {
+        Self {
+            form: form.clone(),
+            made: Made::of(run),
+            appearance: appearance.clone(),
+            layout: window.layout.clone(),
+            stops: run.stops(),
         }
     }
+}
 
-    /// Adds the step of a run that starts since a parameter changed, unless it goes on with the step of the one before.
-    pub(super) fn remember_live_run(&mut self, command: &Command) {
-        let field = typed_in(command);
-        let last = self.history.past.len().checked_sub(1);
-        let goes_on = field
-            .zip(last)
-            .is_some_and(|step| self.history.live == Some(step));
-        if goes_on {
-            // The change of the form belongs to that step.
-            self.history.past.pop();
-            self.history.typing = None;
-        } else {
-            self.remember_run(UndoPart::Run);
-        }
-        self.history.live = field.map(|field| (field, self.history.past.len()));
+impl Change {
+    /// Returns whether to undo it makes a run again.
+    const fn makes_run(&self) -> bool {
+        matches!(self.part, UndoPart::Run | UndoPart::Everything)
     }
 
-    /// Takes a layout that the user changed by dragging. Moving a panel can be undone.
-    pub fn replace_layout(&mut self, layout: Layout, is_moved: bool) {
-        let before = self.memento();
-        self.window.layout = layout;
-        if is_moved {
-            self.remember(before, UndoPart::Layout, None);
-        }
-    }
-
-    /// Returns the question to ask before a change is taken back: whether to make a run again that takes minutes and much
+    /// Returns the question to ask before the change is taken back: whether to make a run again that takes minutes and much
     /// memory. It is answered by undoing once more while the question stands.
-    fn question(&self, change: Option<&Change>) -> Option<String> {
-        let change = change?;
-        let is_run = matches!(change.part, UndoPart::Run | UndoPart::Everything);
-        let Some(Made::Run(recipe)) = change.memento.made.as_ref().filter(|_| is_run) else {
+    fn question(&self, now: &Memento) -> Option<String> {
+        let Some(Made::Run(recipe)) = self.memento.made.as_ref().filter(|_| self.makes_run())
+        else {
             return None;
         };
-        if change.memento.made == self.made() {
+        if self.memento.made == now.made {
             return None;
         }
         let needed = Draft::from_parameters(recipe.parameters).memory_needed()?;
@@ -231,114 +143,165 @@ impl State {
         ))
     }
 
-    /// Asks before a large run is made again; returns whether to wait for the answer.
-    fn waits_for_answer(&mut self, question: Option<String>) -> bool {
-        let Some(question) = question else {
-            return false;
-        };
-        let asked = self.messages.notice.take();
-        if asked.is_some_and(|notice| notice.text == question) {
-            return false;
-        }
-        self.tell(question, false);
-        true
-    }
-
-    pub(super) fn undo(&mut self) {
-        if self.waits_for_answer(self.question(self.history.past.last())) {
-            return;
-        }
-        if let Some(Change { part, memento }) = self.history.past.pop() {
-            let mut now = self.memento();
-            // The run may still be being made.
-            let session = self.runs.first.session.as_ref();
-            let is_made = session.is_none_or(|session| session.has_recipe());
-            if matches!(part, UndoPart::Run | UndoPart::Everything) && is_made {
-                now.made = Some(Made::Run(self.typed()));
-            }
-            self.history.future.push(Change { part, memento: now });
-            self.recall(part, memento);
-        }
-    }
-
-    pub(super) fn redo(&mut self) {
-        if self.waits_for_answer(self.question(self.history.future.last())) {
-            return;
-        }
-        if let Some(Change { part, memento }) = self.history.future.pop() {
-            let now = self.memento();
-            self.history.past.push(Change { part, memento: now });
-            self.recall(part, memento);
-        }
-    }
-
-    fn recall(&mut self, part: UndoPart, memento: Memento) {
-        self.history.typing = None;
-        if !matches!(part, UndoPart::Layout | UndoPart::Stops) {
-            let live = self.form.live;
-            self.form = Form {
-                live,
-                ..memento.form
-            };
-        }
+    /// Asks for what the change restores; `layout` is the present one.
+    fn recall(self, layout: &Layout, context: &mut Context) {
+        let Self { part, memento } = self;
         match part {
-            UndoPart::Layout if memento.layout.hidden() != self.window.layout.hidden() => {
-                self.window.layout = with_tabs_of(memento.layout, &self.window.layout);
+            UndoPart::Layout if memento.layout.hidden() != layout.hidden() => {
+                context.ask(Effect::Layout(with_tabs_of(memento.layout, layout)));
             }
-            UndoPart::Layout | UndoPart::Everything => self.window.layout = memento.layout,
-            UndoPart::Form | UndoPart::Run | UndoPart::Stops => {}
-        }
-        if part == UndoPart::Stops {
-            self.on(Which::First, |run, context| {
-                run.put_stops(memento.stops, context);
-            });
-        }
-        if part == UndoPart::Everything {
-            self.appearance.chosen_layers = memento.appearance.chosen_layers;
-            self.appearance.colouring = memento.appearance.colouring;
-        }
-        if matches!(part, UndoPart::Run | UndoPart::Everything) {
-            self.make_again(memento.made);
+            UndoPart::Layout => context.ask(Effect::Layout(memento.layout)),
+            UndoPart::Stops => context.ask(Effect::Stops(memento.stops)),
+            UndoPart::Form => context.ask(Effect::Form(Box::new(memento.form))),
+            UndoPart::Run => {
+                context.ask(Effect::Form(Box::new(memento.form)));
+                context.ask(Effect::Make(memento.made.map(Box::new)));
+            }
+            UndoPart::Everything => {
+                context.ask(Effect::Form(Box::new(memento.form)));
+                context.ask(Effect::Layout(memento.layout));
+                let appearance = memento.appearance;
+                context.ask(Effect::Layers(
+                    appearance.chosen_layers,
+                    appearance.colouring,
+                ));
+                context.ask(Effect::Make(memento.made.map(Box::new)));
+            }
         }
     }
+}
 
-    /// Makes a run again, unless it is the current one.
-    fn make_again(&mut self, made: Option<Made>) {
-        self.stop_making();
-        if made == self.made() {
+/// A step back or forward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum HistoryStep {
+    /// Undoes the last change.
+    Undo,
+    /// Redoes what was undone last.
+    Redo,
+}
+
+impl History {
+    /// Returns whether there is something to undo.
+    #[must_use]
+    pub fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Returns whether there is something to redo.
+    #[must_use]
+    pub fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+
+    /// Adds a step for `command`, if it changed something between `before` and `now`.
+    pub(super) fn remember(
+        &mut self,
+        before: Memento,
+        now: &Memento,
+        part: UndoPart,
+        command: Option<&Command>,
+    ) {
+        // To open a tab is no change of the layout; to bring back a hidden panel is.
+        if let Some(Command::Window(WindowCommand::OpenPanel(_))) = command
+            && before.layout.hidden() == now.layout.hidden()
+        {
             return;
         }
-        match made {
-            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.gpu.engine),
-            Some(Made::Combination(layout)) => self.start_combining(layout),
-            None => {}
+        let field = command.and_then(typed_in);
+        if before != *now {
+            let goes_on = field.is_some() && field == self.typing;
+            if goes_on {
+                self.future.clear();
+            } else {
+                self.push(part, before);
+            }
+        }
+        self.typing = field;
+    }
+
+    fn push(&mut self, part: UndoPart, memento: Memento) {
+        let past = &mut self.past;
+        past.push(Change { part, memento });
+        let surplus = past.len().saturating_sub(MAX_STEPS);
+        past.drain(..surplus);
+        self.future.clear();
+    }
+
+    /// Adds the step of a run that is about to replace the current one, `now`. What was typed since the last run is part of it,
+    /// so that undo restores parameters and run together.
+    pub(super) fn remember_run(&mut self, part: UndoPart, now: Memento) {
+        let mut before = now;
+        let past = &mut self.past;
+        let last = past.iter().rposition(Change::makes_run);
+        let since = last.map_or(0, |index| index + 1);
+        let mut later = past[since..].iter();
+        if let Some(typed) = later.find(|change| change.part == UndoPart::Form) {
+            before.form = typed.memento.form.clone();
+        }
+
+        let mut count = 0;
+        past.retain(|change| {
+            count += 1;
+            count <= since || change.part != UndoPart::Form
+        });
+        self.typing = None;
+        // A run that was cancelled is not a step.
+        let stopped = last.is_some_and(|index| self.past[index].memento.made == before.made);
+        if stopped && part == UndoPart::Run {
+            self.future.clear();
+        } else {
+            self.push(part, before);
         }
     }
 
-    /// Returns a sentence that names the parameters of the panel that differ from those of the run shown, if any.
-    #[must_use]
-    pub fn run_remark(&self) -> Option<String> {
-        let run = &self.runs.first;
-        let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
-        if !session.has_recipe() {
-            let what = match session.kind() {
-                SessionKind::Combination => "A combination is",
-                _ => "Nested levels of a file are",
-            };
-            return Some(format!("{what} shown, not a run of these parameters."));
+    /// Adds the step of a run that starts since a parameter changed, unless it goes on with the step of the one before. `now`
+    /// is `None` if there is no run yet.
+    pub(super) fn remember_live_run(&mut self, command: &Command, now: Option<Memento>) {
+        let field = typed_in(command);
+        let last = self.past.len().checked_sub(1);
+        let goes_on = field.zip(last).is_some_and(|step| self.live == Some(step));
+        if goes_on {
+            // The change of the form belongs to that step.
+            self.past.pop();
+            self.typing = None;
+        } else if let Some(now) = now {
+            self.remember_run(UndoPart::Run, now);
         }
-        let made = session.recipe();
-        let mut names = self.form.draft.differences(&made.parameters);
-        if self.form.draft.nesting() != made.nested {
-            names.push("nested levels");
+        self.live = field.map(|field| (field, self.past.len()));
+    }
+
+    /// Takes the last change back, or does it again. Before a large run is made again, asks; `asked` is the notice that is
+    /// shown. `typed` are the parameters of the panel, for which the run may still be being made.
+    pub(super) fn step(
+        &mut self,
+        step: HistoryStep,
+        now: Memento,
+        typed: Option<Recipe>,
+        asked: Option<&str>,
+        context: &mut Context,
+    ) {
+        let (from, to) = match step {
+            HistoryStep::Undo => (&mut self.past, &mut self.future),
+            HistoryStep::Redo => (&mut self.future, &mut self.past),
+        };
+        let Some(change) = from.pop() else {
+            return;
+        };
+        let question = change.question(&now);
+        if let Some(question) = question.filter(|question| asked != Some(question)) {
+            from.push(change);
+            return context.tell(question, false);
         }
-        if self.form.own_pattern != session.own {
-            names.push("pattern file");
+
+        let layout = now.layout.clone();
+        let mut memento = now;
+        if change.makes_run() && step == HistoryStep::Undo {
+            memento.made = typed.map(Made::Run).or(memento.made);
         }
-        if self.engine_differs() {
-            names.push("engine");
-        }
-        (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
+        let part = change.part;
+        to.push(Change { part, memento });
+        self.typing = None;
+        change.recall(&layout, context);
     }
 }
 
@@ -346,7 +309,9 @@ impl State {
 mod tests {
     use std::sync::Arc;
 
+    use super::super::State;
     use super::*;
+    use crate::command::Which;
 
     fn type_in(state: &mut State, field: Field, text: &str) {
         let command = crate::command::FormCommand::Type(field, text.to_owned());
@@ -358,9 +323,9 @@ mod tests {
         let mut state = State::new(Arc::new(|| {}));
         type_in(&mut state, Field::Seed, "5");
         state.apply(Command::Undo);
-        assert!(state.can_redo());
+        assert!(state.past.history.can_redo());
         type_in(&mut state, Field::Leaf, "40");
-        assert!(state.can_undo() && !state.can_redo());
+        assert!(state.past.history.can_undo() && !state.past.history.can_redo());
     }
 
     #[test]
@@ -369,10 +334,10 @@ mod tests {
         state.settle();
         let mut step = |radius: f64| {
             let mut memento = state.memento();
-            let mut recipe = state.typed();
+            let mut recipe = state.form.recipe();
             recipe.parameters.radius = radius;
             memento.made = Some(Made::Run(recipe));
-            state.push(UndoPart::Run, memento);
+            state.past.history.push(UndoPart::Run, memento);
             state.apply(Command::Undo);
             let is_running = state.runs.first.sampling.is_some();
             let asked = state.messages.notice.clone();
@@ -423,7 +388,7 @@ mod tests {
             type_in(&mut state, field, &(step + 6).to_string());
         }
         let mut undone = 0;
-        while state.can_undo() {
+        while state.past.history.can_undo() {
             state.apply(Command::Undo);
             undone += 1;
         }

@@ -31,6 +31,10 @@ pub struct WindowState {
     pub quits: bool,
     /// Whether the window fills the screen, where that is known.
     pub is_full: Option<bool>,
+    /// The address of the page, without a fragment, that copied links begin with; `None` natively.
+    pub address: Option<String>,
+    /// Text to be put on the clipboard.
+    pub copied: Option<String>,
 }
 
 /// The panels as they were before a lesson or the tour hid some.

@@ -1,15 +1,19 @@
 //! Background work in the state: starts it, takes its results, waits for it. Every frame calls [`State::advance`]; tests and
 //! scripts call [`State::settle`].
 
-use tilescope_session::recipe::Recipe;
+use tilescope_session::jobs::Wake;
+use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 
 use super::run_view::{Made, TRANSITION_SECS};
-use super::{State, Which};
+use super::{Messages, State, Which};
 use crate::classroom::Classroom;
+use crate::clock::Clock;
 use crate::command::Command;
+use crate::files::FileCommand;
 use crate::layout::Panel;
+use crate::passes::OnCanvas;
 use crate::rules::UndoPart;
 
 /// Larger runs, in samples, do not start by themselves.
@@ -18,11 +22,11 @@ const MAX_LIVE: f64 = 50_000.0;
 impl State {
     pub(super) fn run(&mut self) {
         // The button is off then; scripts, links and pages that embed the window are told why nothing runs.
-        if let Some(why) = self.run_refusal() {
+        if let Some(why) = self.form.refusal(&self.gpu) {
             return self.tell_of(Which::First, why, true);
         }
         self.stop_making();
-        let recipe = self.typed();
+        let recipe = self.form.recipe();
         let session = self.runs.first.session.as_ref();
         let is_same = |session: &Session| session.has_recipe() && session.recipe() == recipe;
         if !session.is_some_and(|session| is_same(session)) {
@@ -35,24 +39,15 @@ impl State {
     pub(super) fn run_live(&mut self, command: &Command) {
         let expected = self.form.draft.expected_samples();
         let is_small = expected.is_some_and(|count| count <= MAX_LIVE);
-        if !self.form.live || !is_small || self.run_refusal().is_some() {
+        if !self.form.live || !is_small || self.form.refusal(&self.gpu).is_some() {
             return;
         }
-        let recipe = self.typed();
+        let recipe = self.form.recipe();
         let session = self.runs.first.session.as_ref();
         if session.is_none_or(|session| session.recipe() != recipe) {
-            self.remember_live_run(command);
+            let now = self.runs.first.session.is_some().then(|| self.memento());
+            self.past.history.remember_live_run(command, now);
             self.start_sampling(Which::First, recipe, self.gpu.engine);
-        }
-    }
-
-    /// Returns the recipe of the parameters panel.
-    #[must_use]
-    pub fn typed(&self) -> Recipe {
-        Recipe {
-            parameters: self.form.draft.parameters,
-            own: self.form.own_pattern.clone(),
-            nested: self.form.draft.nesting(),
         }
     }
 
@@ -81,17 +76,27 @@ impl State {
             }
             run.awaits_rest()
         });
-        self.want_analysis();
-        self.follow_thumbnails();
+        let is_analysed = self.window.shows(Panel::Analysis);
+        let wake = Wake::clone(&self.runs.jobs.wake);
+        self.analysis.follow(&self.runs.first, is_analysed, &wake);
+        self.follow_scenes();
         let dark = self.appearance.look.is_dark();
         self.in_class(|class, context| {
             class.follow_talk(dark, context);
             class.follow_handout(context);
         });
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
-        let flies = self.advance_second(dt_secs);
-        self.follow_passes();
-        self.announce();
+        self.poll_run(Which::Second);
+        let flies = self.with_of(Which::Second, |state, context| {
+            state.runs.advance_second(dt_secs, with_geometry, context)
+        });
+        self.time.follow_passes(&self.runs.first);
+        let is_playing = self.time.playback.is_playing();
+        let Messages {
+            announcer, notice, ..
+        } = &mut self.messages;
+        let lessons = &self.classroom.lessons;
+        announcer.follow(&self.runs.first, is_playing, notice.as_ref(), lessons);
         let is_wanted = !is_fast && !self.appearance.reduced_motion;
         let changes = self.runs.first.advance_transition(dt_secs, is_wanted);
         self.runs.first.flight.is_some() || runs || flies || changes || awaits_rest == Some(true)
@@ -103,7 +108,10 @@ impl State {
         self.in_exports(|exports, source, delivery, context| {
             exports.poll(source, delivery, context);
         });
-        self.poll_files();
+        self.with(|state, context| state.files.poll(&state.runs.first, context));
+        if let Some(path) = self.files.take_awaiting(&self.runs.first) {
+            self.apply(Command::File(FileCommand::Dropped(vec![path])));
+        }
     }
 
     /// Takes finished work on a run.
@@ -134,13 +142,17 @@ impl State {
                     self.runs.first.show_same_stage(stage);
                 }
                 self.arrive();
-                return self.show_tour_again();
+                // The scene of the tour is one of the run that is there now.
+                if let Some(shown) = self.scenes.shown.filter(|_| self.scenes.is_touring()) {
+                    self.show_scene_of_tour(shown.index);
+                }
+                return;
             }
             Ok(Err(error)) => self.not_made(which, &error),
             Err(failure) => self.tell_of(which, sentence(&failure), true),
         }
         if which == Which::First {
-            self.links.arriving = None;
+            self.runs.arriving = None;
         }
     }
 
@@ -177,22 +189,83 @@ impl State {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         self.with(|state, context| state.gpu.settle(context));
-        self.settle_files();
+        if let Some(path) = self.files.take_awaiting(&self.runs.first) {
+            self.apply(Command::File(FileCommand::Dropped(vec![path])));
+        }
+        self.with(|state, context| state.files.settle(context));
         self.settle_run(Which::First);
         while self.time.continuing.is_some() {
             self.in_time(super::Time::continue_on);
         }
-        self.settle_second();
-        self.settle_analysis();
-        self.follow_passes();
+        self.settle_run(Which::Second);
+        let wake = Wake::clone(&self.runs.jobs.wake);
+        self.runs.settle_comparison(&wake);
+        let is_analysed = self.window.shows(Panel::Analysis);
+        let run = &self.runs.first;
+        self.analysis.settle_with(run, is_analysed, &wake);
+        self.time.follow_passes(&self.runs.first);
         self.on(Which::First, |run, context| {
             run.want_hits(context);
             run.hits.settle();
         });
-        self.settle_thumbnails();
+        self.follow_scenes();
+        while self.scenes.thumbnails.wait() {
+            self.follow_scenes();
+        }
         let dark = self.appearance.look.is_dark();
         self.in_class(|class, context| class.settle_talk(dark, context));
         self.in_exports(|exports, _, _, context| exports.settle(context));
+    }
+
+    /// Draws the pictures of the scenes while their panel is open.
+    fn follow_scenes(&mut self) {
+        if self.window.shows(Panel::Scenes) {
+            let dark = self.appearance.look.is_dark();
+            let wake = &self.runs.jobs.wake;
+            self.scenes.follow_thumbnails(&self.runs.first, dark, wake);
+        }
+    }
+
+    /// Shows a session, with a notice if the CPU replaced the GPU or the GPU's run differs.
+    pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
+        let failure = session.failure.take();
+        let differs = session.kind() == SessionKind::Run
+            && session.has_stages()
+            && session.recording().is_none();
+        let engine = session.engine.clone();
+        let is_combination = session.combination.is_some();
+        self.show_in(which, session);
+        // A combination is shown with its seams.
+        if let Some(layers) = &mut self.appearance.chosen_layers
+            && is_combination
+            && !layers.has(Layer::Seams)
+        {
+            layers.toggle(Layer::Seams);
+        }
+
+        if differs {
+            let text = format!(
+                "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
+                 The passes of the GPU show where the two diverge."
+            );
+            self.tell_of(which, text, true);
+        }
+        if let Some(failure) = failure {
+            let text = self.gpu.failed(failure);
+            self.tell_of(which, text, true);
+        }
+    }
+
+    /// Returns the rows of the GPU's buffers to show on the canvas. `None` unless the panel of passes is visible,
+    /// passes are the clock, or the timeline is at the moment of the last command of the passes.
+    #[must_use]
+    pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
+        let passes = self.runs.first.passes.as_ref()?;
+        let is_seen = self.window.shows(Panel::Passes) && !self.appearance.look.is_projector();
+        let now = self.runs.first.moment();
+        let is_then = now.is_some() && passes.moment() == now;
+        let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
+        passes.on_canvas().filter(|_| is_meant)
     }
 
     /// Returns whether a layer is on that needs the triangulation of the moment.

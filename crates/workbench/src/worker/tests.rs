@@ -185,7 +185,7 @@ fn picture_of_a_scene(state: &mut State) -> String {
     let session = run.session.as_ref().expect("a session");
     let debugger = run.debugger.as_ref().expect("events");
     let scene = &debugger.scenes[0];
-    let picture = state.thumbnails().of(session, scene, true);
+    let picture = state.scenes().thumbnails.of(session, scene, true);
     format!("{:?}", picture.expect("a picture"))
 }
 

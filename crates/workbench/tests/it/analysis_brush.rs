@@ -113,7 +113,7 @@ fn pairs_equal_those_of_brute_force() {
             } else {
                 assert!(!expected.is_empty(), "conflicts in the middle of the run");
             }
-            let message = state.brush_text();
+            let message = state.analysis().brush_text(&state.runs().first);
             let count = tilescope_session::words::grouped(expected.len());
             assert!(message.starts_with(&format!("{count} pair")), "{message}");
         }
@@ -190,7 +190,10 @@ fn causes_follow_the_moment_and_end_with_the_brush_and_the_panel() {
         state.causes().is_none(),
         "causes of another moment are not shown"
     );
-    assert_eq!(state.brush_text(), "Searching\u{2026}");
+    assert_eq!(
+        state.analysis().brush_text(&state.runs().first),
+        "Searching\u{2026}"
+    );
     state.settle();
     assert_ne!(found_pairs(&state), first);
     assert!(state.subject().unwrap().causes.is_some());
@@ -212,19 +215,22 @@ fn impossible_searches_are_explained_and_empty_brushes_ignored() {
     for (field, text) in [(Field::Radius, "0.13"), (Field::Leaf, "6")] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
-    assert_eq!(state.run_refusal(), None);
+    assert_eq!(state.form().refusal(state.gpu()), None);
     state.apply(Command::Run);
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert!(state.runs().first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, BrushAxis::Distance, 1.0, 5.0);
     assert!(state.causes().is_none());
-    let message = state.brush_text();
+    let message = state.analysis().brush_text(&state.runs().first);
     assert!(message.contains("largest distance of a pair"), "{message}");
     brush(&mut state, BrushAxis::Distance, 1.0, 3.0);
     assert_eq!(found_pairs(&state), brute_force(&state, [1.0, 3.0]));
     brush(&mut state, BrushAxis::Frequency, 0.0, 0.01);
-    assert_eq!(state.brush_text(), "No frequency lies in the ring.");
+    assert_eq!(
+        state.analysis().brush_text(&state.runs().first),
+        "No frequency lies in the ring."
+    );
     assert_eq!(Brush::between(BrushAxis::Distance, 2.0, 2.0), None);
     assert_eq!(
         Brush::between(BrushAxis::Distance, f64::NAN, f64::NAN),

@@ -90,10 +90,24 @@ fn stages_of_a_combination_can_be_stepped_through() {
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes, and each refusal says so.
     assert!(state.runs().first.debugger.is_none());
-    let refusal = state.preset_refusal(ComparePreset::NextSeed).unwrap();
+    let refusal = state
+        .runs()
+        .preset_refusal(ComparePreset::NextSeed, state.form(), state.gpu())
+        .unwrap();
     assert!(refusal.contains("layout"), "{refusal}");
-    assert!(state.preset_refusal(ComparePreset::Typed).is_none());
-    assert!(state.passes_refusal().unwrap().contains("combination"));
+    assert!(
+        state
+            .runs()
+            .preset_refusal(ComparePreset::Typed, state.form(), state.gpu())
+            .is_none()
+    );
+    assert!(
+        state
+            .gpu()
+            .passes_refusal(&state.runs().first)
+            .unwrap()
+            .contains("combination")
+    );
     let refusal = state
         .export_source()
         .kind_refusal(ExportKind::Animation)
@@ -107,10 +121,10 @@ fn stages_of_a_combination_can_be_stepped_through() {
     state.settle();
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();
-    assert!(!state.shows_combination());
+    assert!(!state.runs().first.shows_combination());
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();
-    assert!(state.shows_combination());
+    assert!(state.runs().first.shows_combination());
     assert_eq!(state.form().draft.parameters, draft);
 }
 
@@ -197,13 +211,24 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     let path = folder.path().join("layout.json");
     let mut state = opened();
     drop_text(&mut state, &path, &layout.to_string());
-    assert!(state.shows_combination(), "{}", notice_text(&state));
+    assert!(
+        state.runs().first.shows_combination(),
+        "{}",
+        notice_text(&state)
+    );
     assert!(state.verdict().unwrap().report.valid());
     let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!((combination.files, combination.seams.len()), (2, 1));
     // A session would depend on files.
-    assert!(state.save_refusal().unwrap().contains("sets from files"));
+    assert!(
+        state
+            .runs()
+            .first
+            .save_refusal()
+            .unwrap()
+            .contains("sets from files")
+    );
     assert!(state.saved_combination().is_none());
     let out = folder.path().join("out.csv");
     write(&mut state, ExportKind::Result, &out, &[]);
@@ -246,7 +271,11 @@ fn a_piece_with_thousands_of_neighbours_is_glued() {
     let path = folder.path().join("layout.json");
     let mut state = opened();
     drop_text(&mut state, &path, &layout.to_string());
-    assert!(state.shows_combination(), "{}", notice_text(&state));
+    assert!(
+        state.runs().first.shows_combination(),
+        "{}",
+        notice_text(&state)
+    );
     assert!(state.verdict().unwrap().report.valid());
     let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();

@@ -34,7 +34,11 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
         } else {
             open(&mut other, Purpose::Open, &path);
         }
-        assert!(other.shows_combination(), "{}", notice_text(&other));
+        assert!(
+            other.runs().first.shows_combination(),
+            "{}",
+            notice_text(&other)
+        );
         assert_eq!(other.runs().first.stage, 1);
         assert_eq!(other.saved_combination(), state.saved_combination());
         assert!(other.verdict().unwrap().report.valid());
@@ -155,10 +159,10 @@ fn invalid_layouts_are_refused_with_a_reason() {
     assert!(notice_text(&state).contains("files are read only with a layout that is in a file"));
     state.apply(Command::Combine(CombineCommand::Text("[".to_owned())));
     assert!(notice_text(&state).contains("not a layout of pieces"));
-    assert!(!state.shows_combination() && state.verdict().is_some());
+    assert!(!state.runs().first.shows_combination() && state.verdict().is_some());
     // A valid layout is opened after all these refusals.
     drop_text(&mut state, &path, NINE);
-    assert!(state.shows_combination());
+    assert!(state.runs().first.shows_combination());
 }
 
 #[test]
@@ -207,7 +211,7 @@ fn a_combination_is_cancelled_while_it_is_made() {
     }
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    assert!(state.shows_combination());
+    assert!(state.runs().first.shows_combination());
 }
 
 #[test]

@@ -140,7 +140,11 @@ fn content_decides_and_not_the_name() {
     let layout = NamedBytes::new("sets", tilescope_session::combination::NINE.as_bytes());
     let mut other = opened();
     drop_bytes(&mut other, vec![layout]);
-    assert!(other.shows_combination(), "{}", notice_text(&other));
+    assert!(
+        other.runs().first.shows_combination(),
+        "{}",
+        notice_text(&other)
+    );
     let points = NamedBytes::new("points", fs::read(&set).unwrap());
     let certificate = fs::read(certificate_path(&set)).unwrap();
     let certificate = NamedBytes::new("points.certificate.json", certificate);
@@ -182,7 +186,11 @@ fn a_byte_order_mark_hides_no_session_and_no_layout() {
     let layout = marked("nine.json", tilescope_session::combination::NINE.as_bytes());
     let mut other = opened();
     drop_bytes(&mut other, vec![layout]);
-    assert!(other.shows_combination(), "{}", notice_text(&other));
+    assert!(
+        other.runs().first.shows_combination(),
+        "{}",
+        notice_text(&other)
+    );
 }
 
 #[test]
@@ -283,7 +291,12 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
     fs::copy(&set, &bare).unwrap();
     let mut by_path = opened();
     open_path(&mut by_path, Purpose::Against, &bare);
-    let expected = by_path.reference_file().unwrap().unwrap().clone();
+    let expected = by_path
+        .analysis()
+        .file_for(&by_path.runs().first)
+        .unwrap()
+        .unwrap()
+        .clone();
     let path = bare.to_string_lossy().into_owned();
     for from_path in [true, false] {
         let mut state = opened();
@@ -292,7 +305,12 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
         } else {
             drop_bytes(&mut state, vec![named(&bare)]);
         }
-        let file = state.reference_file().expect("a file").unwrap().clone();
+        let file = state
+            .analysis()
+            .file_for(&state.runs().first)
+            .expect("a file")
+            .unwrap()
+            .clone();
         assert_eq!(file.measured, expected.measured);
         assert!(state.form().own_pattern.is_none() && !is_error(&state));
         let message = notice_text(&state);
@@ -313,7 +331,7 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
         message.contains("own.csv.certificate.json is not true: digest: "),
         "{message}"
     );
-    assert!(state.reference_file().is_some());
+    assert!(state.analysis().file_for(&state.runs().first).is_some());
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, false_pair.clone());
     assert!(is_error(&state) && notice_text(&state).contains("is not true"));
@@ -323,10 +341,17 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, vec![named(&bare)]);
     assert!(is_error(&state) && notice_text(&state).contains("has no certificate"));
-    assert!(state.reference_file().is_none() && state.files().sheet.is_some());
+    assert!(
+        state.analysis().file_for(&state.runs().first).is_none() && state.files().sheet.is_some()
+    );
     choose(&mut state, Purpose::Against, vec![named(&bare)]);
     assert_eq!(
-        state.reference_file().unwrap().unwrap().measured,
+        state
+            .analysis()
+            .file_for(&state.runs().first)
+            .unwrap()
+            .unwrap()
+            .measured,
         expected.measured,
         "chosen"
     );

@@ -69,7 +69,10 @@ fn broken_files_are_refused_by_name() {
             "{text}"
         );
         assert_eq!(state.saved(), before, "{name}");
-        assert!(state.reference_file().is_none() && state.form().own_pattern.is_none());
+        assert!(
+            state.analysis().file_for(&state.runs().first).is_none()
+                && state.form().own_pattern.is_none()
+        );
     }
     // A certificate that cannot be read is left out, and the notice says why.
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
@@ -79,7 +82,10 @@ fn broken_files_are_refused_by_name() {
     ];
     let (text, is_error) = drop_files(&mut state, &files);
     assert!(!is_error && text.contains("format_version is 7"), "{text}");
-    assert!(state.reference_file().is_some() && state.form().own_pattern.is_none());
+    assert!(
+        state.analysis().file_for(&state.runs().first).is_some()
+            && state.form().own_pattern.is_none()
+    );
 }
 
 #[test]
@@ -88,7 +94,16 @@ fn one_of_several_files_is_opened_and_the_others_are_named() {
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
     let files = [("a.csv", &set[..]), ("b.csv", set), ("c.csv", set)];
     let (text, is_error) = drop_files(&mut state, &files);
-    assert!(!is_error && state.reference_file().unwrap().unwrap().path == "a.csv");
+    assert!(
+        !is_error
+            && state
+                .analysis()
+                .file_for(&state.runs().first)
+                .unwrap()
+                .unwrap()
+                .path
+                == "a.csv"
+    );
     assert!(
         text.starts_with("a.csv is compared with this run"),
         "{text}"

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 
 use serde_json::{Value, json};
 use tilescope_debugger::SavedBreakpoint;
+use tilescope_workbench::remote::to_json;
 use tilescope_workbench::script::{apply_all, read};
 use tilescope_workbench::{Command, State};
 
@@ -177,7 +178,7 @@ fn no_number_ends_the_program() {
             assert!(can_be_read(command), "{command}");
         }
         let (state, _) = after(&script);
-        let _ = state.to_json();
+        let _ = to_json(&state);
         assert_eq!(state.runs().first.hovered, None);
     }
 }

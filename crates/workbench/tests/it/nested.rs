@@ -37,7 +37,13 @@ fn made() -> State {
         FormCommand::Type(Field::Radius, "0.02".to_owned()),
     );
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
-    assert!(state.run_remark().unwrap().contains("nested levels"));
+    assert!(
+        state
+            .form()
+            .remark(&state.runs().first, state.gpu())
+            .unwrap()
+            .contains("nested levels")
+    );
     state.apply(Command::Run);
     state.settle();
     state
@@ -76,7 +82,7 @@ fn the_levels_of_the_window_are_those_of_the_core() {
         state.cursor(),
         Some((nested.points().len(), nested.points().len()))
     );
-    assert_eq!(state.run_remark(), None);
+    assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
 }
 
 #[test]
@@ -197,11 +203,11 @@ fn a_sample_of_a_finer_level_among_the_first_is_found() {
 fn exactly_so_many_samples_are_made_and_exported_as_promised() {
     let mut state = made();
     form(&mut state, FormCommand::Exactly("none".to_owned()));
-    let refusal = state.run_refusal().unwrap();
+    let refusal = state.form().refusal(state.gpu()).unwrap();
     assert!(refusal.contains("not a whole number"), "{refusal}");
     form(&mut state, FormCommand::Exactly("1,000".to_owned()));
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(1))));
-    let refusal = state.run_refusal().unwrap();
+    let refusal = state.form().refusal(state.gpu()).unwrap();
     assert!(refusal.contains("at least 2 levels"), "{refusal}");
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
     form(
@@ -210,7 +216,7 @@ fn exactly_so_many_samples_are_made_and_exported_as_promised() {
     );
     state.apply(Command::Run);
     state.settle();
-    assert_eq!(state.run_remark(), None);
+    assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
     assert_eq!(session(&state).summary.count, 1_000);
     let nesting = NestedRequest {
         levels: 4,
@@ -265,7 +271,13 @@ fn an_exported_prefix_keeps_its_order_and_opens_as_levels() {
         [ends_of(&original)[0], ends_of(&original)[1], count]
     );
     assert!(verdict(&state).valid());
-    assert!(state.run_remark().unwrap().contains("file"));
+    assert!(
+        state
+            .form()
+            .remark(&state.runs().first, state.gpu())
+            .unwrap()
+            .contains("file")
+    );
     let link = state.link();
     assert_eq!(link.left_out, ["the nested levels, which come from a file"]);
     assert!(!link.fragment.contains("at="), "{}", link.fragment);
@@ -407,9 +419,11 @@ fn undo_leads_back_to_the_run_and_redo_to_the_levels() {
 fn what_nested_levels_lack_is_refused_in_words() {
     let mut state = made();
     let refusals = [
-        state.passes_refusal(),
-        state.preset_refusal(ComparePreset::NextSeed),
-        state.save_refusal().map(str::to_owned),
+        state.gpu().passes_refusal(&state.runs().first),
+        state
+            .runs()
+            .preset_refusal(ComparePreset::NextSeed, state.form(), state.gpu()),
+        state.runs().first.save_refusal().map(str::to_owned),
         state
             .export_source()
             .kind_refusal(ExportKind::Animation)
@@ -422,11 +436,23 @@ fn what_nested_levels_lack_is_refused_in_words() {
     assert!(layers.has(Layer::Samples) && !layers.has(Layer::Gaps));
     // Too many levels for the domain, and a choice that nested levels do not have.
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(11))));
-    assert!(state.run_refusal().unwrap().contains("levels"));
+    assert!(
+        state
+            .form()
+            .refusal(state.gpu())
+            .unwrap()
+            .contains("levels")
+    );
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
     let uniform = Choice::Insertion(tilescope_core::Insertion::Uniform);
     form(&mut state, FormCommand::Choose(uniform));
-    assert!(state.run_refusal().unwrap().contains("insertion"));
+    assert!(
+        state
+            .form()
+            .refusal(state.gpu())
+            .unwrap()
+            .contains("insertion")
+    );
 }
 
 #[test]

@@ -216,7 +216,14 @@ fn radii(state: &State) -> (String, String, bool) {
         .parameters
         .radius;
     let typed = state.form().draft.text(Field::Radius).to_owned();
-    (typed, run.to_string(), state.run_remark().is_some())
+    (
+        typed,
+        run.to_string(),
+        state
+            .form()
+            .remark(&state.runs().first, state.gpu())
+            .is_some(),
+    )
 }
 
 fn agreed(radius: &str) -> (String, String, bool) {
@@ -244,7 +251,10 @@ fn undoing_a_run_restores_parameters_and_run_together() {
         &mut state,
         Command::Form(FormCommand::Choose(Choice::Order(Order::Index))),
     );
-    let remark = state.run_remark().unwrap();
+    let remark = state
+        .form()
+        .remark(&state.runs().first, state.gpu())
+        .unwrap();
     assert!(remark.contains("radius") && remark.contains("who wins") && !remark.contains("seed"));
     apply(&mut state, Command::Run);
     assert_eq!(radii(&state), agreed("0.04"));
@@ -344,7 +354,12 @@ fn undoing_a_combination_or_a_link_restores_the_run_before() {
     let mut state = opened();
     run_with(&mut state, Field::Radius, "0.03");
     apply(&mut state, Command::Combine(CombineCommand::Nine));
-    assert!(state.run_remark().is_some());
+    assert!(
+        state
+            .form()
+            .remark(&state.runs().first, state.gpu())
+            .is_some()
+    );
     apply(&mut state, Command::Undo);
     assert_eq!(radii(&state), agreed("0.03"));
     apply(

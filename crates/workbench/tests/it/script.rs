@@ -143,7 +143,7 @@ fn every_command_can_be_scripted() {
     assert!(odd.is_empty(), "not in both: {odd:?}");
     let text = text.replace("FOLDER", folder.path().to_str().unwrap());
     let Ok(state) = apply_all(read(&text).unwrap(), |_| Ok::<_, Infallible>(()));
-    assert!(state.shows_combination());
+    assert!(state.runs().first.shows_combination());
     for file in [
         "session.json",
         "set.csv",

@@ -232,7 +232,7 @@ impl Notes<'_> {
                 commands.push(Command::Talk(TalkCommand::Keep(is_kept)));
             }
         });
-        if self.state.links().base.is_none() {
+        if self.state.window().address.is_none() {
             ui.horizontal(|ui| {
                 self.muted(ui, ui.words("Address of the page for phones:"));
                 let mut address = self.state.talks().address.clone();

@@ -1,9 +1,13 @@
 //! Keeps the passes of a run on the GPU and the timeline in step.
 
 use tilescope_session::incoming::NamedBytes;
+use tilescope_session::words::sentence;
 
 use super::RunView;
-use crate::passes::PassCommand;
+use crate::clock::Clock;
+use crate::layout::Panel;
+use crate::passes::{PassCommand, Passes};
+use crate::state::GpuState;
 use crate::state::effects::{Context, Effect};
 
 impl RunView {
@@ -30,6 +34,7 @@ impl RunView {
             return;
         };
         let before = passes.selected();
+        let shows_canvas = command == PassCommand::ShowCanvas;
         passes.apply(command);
         if let Some((name, bytes)) = passes.take_download() {
             context.ask(Effect::Download(NamedBytes { name, bytes }));
@@ -47,6 +52,33 @@ impl RunView {
         let moment = self.moment();
         if let Some(passes) = &mut self.passes {
             passes.note_moment(moment);
+        }
+        if shows_canvas {
+            self.show_buffers(context);
+        }
+    }
+
+    /// Opens the canvas, chooses passes as the clock, and flies to the selected row, if there is one.
+    fn show_buffers(&mut self, context: &mut Context) {
+        context.ask(Effect::Clock(Clock::Pass));
+        context.ask(Effect::OpenPanel(Panel::Canvas));
+        let position = self.passes.as_ref().and_then(Passes::picked_position);
+        if let Some(position) = position {
+            self.fly_to(position, 12.0, context);
+        }
+    }
+
+    /// Runs the passes of the session's parameters on a GPU, to inspect them.
+    pub(in crate::state) fn open_passes(&mut self, gpu: &GpuState, context: &mut Context) {
+        if gpu.passes_refusal(self).is_some() {
+            return;
+        }
+        let (Some(gpu), Some(session)) = (gpu.device.ready(), &self.session) else {
+            return;
+        };
+        match Passes::new(gpu, &session.run().parameters, &context.wake) {
+            Ok(passes) => self.passes = Some(passes),
+            Err(refusal) => context.tell(sentence(&refusal), true),
         }
     }
 }

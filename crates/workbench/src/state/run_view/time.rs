@@ -227,7 +227,7 @@ pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> 
 }
 
 /// Returns the message for a target that does not occur after, or before, the moment.
-pub(in crate::state) fn none_there(target: Target, direction: Direction) -> String {
+pub(crate) fn none_there(target: Target, direction: Direction) -> String {
     let side = match direction {
         Direction::Forwards => "after",
         Direction::Backwards => "before",

@@ -59,6 +59,16 @@ impl RunView {
         }
     }
 
+    /// Becomes a run that was set aside. Breakpoints, watches and scenes stay, and the canvas keeps its size.
+    pub(in crate::state) fn put_back(&mut self, run: Self, context: &mut Context) {
+        let (stops, viewport) = (self.take_stops(), self.viewport);
+        *self = run;
+        // The window may have another size now.
+        self.follow_viewport(viewport);
+        drop(self.take_stops());
+        self.put_stops(stops, context);
+    }
+
     /// Returns whether a session is of the same run as the one shown.
     pub(in crate::state) fn is_same_run(&self, session: &Session) -> bool {
         self.session.as_ref().is_some_and(|old| {

@@ -327,11 +327,11 @@ fn told(state: &State) -> String {
     let recording = debugger.recording();
     let events = (0..recording.len()).map(|event| tilescope_debugger::sentence(recording, event));
     // The JSON for pages, without the parameters of the run.
-    let mut sent = state.to_json();
+    let mut sent = crate::remote::to_json(state);
     sent["parameters"] = serde_json::Value::Null;
     format!(
         "{sent} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
-        state.announcement(),
+        state.messages.announcement(),
         state.link(),
         session.summary,
         session.stages,
@@ -540,7 +540,7 @@ fn a_form_takes_one_answer_to_each_question_and_says_nothing_about_it() {
     assert_eq!(scores[..4], [1.0, 0.0, 0.0, 0.0]);
 
     // Neither the steps nor a card at the end tell which answers were right.
-    let told = state.ask(r#"{"do": "lesson", "go": "back"}"#);
+    let told = crate::remote::ask(&mut state, r#"{"do": "lesson", "go": "back"}"#);
     assert!(told.contains("\"ok\":true"), "{told}");
     assert!(!told.contains("\"score\":1"), "{told}");
     assert_eq!(state.classroom.lessons.outcome(), None);
@@ -568,7 +568,10 @@ fn layers_that_the_question_hides_cannot_be_shown_until_it_is_answered() {
     assert_eq!(shown(&state), of_step);
 
     // A page asks for layers by name, and a scene of the user's own has others: only those of the step are shown.
-    let answer = state.ask(r#"{"do": "view", "layers": ["gaps", "samples"]}"#);
+    let answer = crate::remote::ask(
+        &mut state,
+        r#"{"do": "view", "layers": ["gaps", "samples"]}"#,
+    );
     assert_eq!(
         shown(&state).iter().collect::<Vec<_>>(),
         [Layer::Samples],
@@ -648,7 +651,7 @@ fn links_name_the_moment_of_the_question_at_most() {
     let mut state = asked();
     let (cursor, _) = state.cursor().unwrap();
     state.apply(Command::Link(LinkCommand::Copy));
-    let link = state.links.copied.clone().unwrap();
+    let link = state.window.copied.clone().unwrap();
     let names_run = |link: &str| {
         ["at=", "seed=", "radius=", "leaf="]
             .iter()
@@ -658,7 +661,7 @@ fn links_name_the_moment_of_the_question_at_most() {
     lesson(&mut state, LessonCommand::Leave);
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
     state.apply(Command::Link(LinkCommand::Copy));
-    let link = state.links.copied.clone().unwrap();
+    let link = state.window.copied.clone().unwrap();
     assert!(names_run(&link), "{link}");
 }
 

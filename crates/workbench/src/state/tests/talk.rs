@@ -176,7 +176,7 @@ fn scenes_are_presented_and_the_session_comes_back() {
     ] {
         state.apply(Command::Time(TimeCommand::Jump(event)));
         state.apply(Command::Scene(SceneCommand::Add));
-        let last = state.scenes(SceneList::Own).len() - 1;
+        let last = SceneList::Own.scenes(&state.runs.first).len() - 1;
         state.apply(Command::Scene(SceneCommand::Caption(
             last,
             caption.to_owned(),
@@ -199,7 +199,7 @@ fn scenes_are_presented_and_the_session_comes_back() {
     talk(&mut state, TalkCommand::End);
     assert!(state.classroom.lessons.open.is_none());
     assert_eq!((state.cursor(), state.runs.first.camera), before);
-    assert_eq!(state.scenes(SceneList::Own).len(), 2);
+    assert_eq!(SceneList::Own.scenes(&state.runs.first).len(), 2);
     assert!(state.verdict().is_some());
 }
 
@@ -223,7 +223,7 @@ fn a_code_is_gone_when_the_answer_comes_and_a_frame_presents_nothing() {
     assert_eq!(open(&state).cover, None);
     talk(&mut state, TalkCommand::End);
     state.window.embedding = Some(crate::embedding::Embedding::Player);
-    let answer = state.ask(r#"{"do": "lesson", "act": "present"}"#);
+    let answer = crate::remote::ask(&mut state, r#"{"do": "lesson", "act": "present"}"#);
     assert!(answer.contains("presents nothing"), "{answer}");
     assert!(state.classroom.talks.open.is_none());
 }
@@ -283,7 +283,7 @@ fn what_pages_are_told_holds_no_note_and_no_answer() {
     let told = state.talk_json();
     assert!(told["notes"].to_string().contains(&words.join(" ")));
     assert_eq!(told["answer"], answer);
-    let state_told = state.to_json();
+    let state_told = crate::remote::to_json(&state);
     assert_eq!(state_told["lesson"], serde_json::Value::Null);
     assert!(!state_told.to_string().contains(&words.join(" ")));
     assert!(state.link().fragment.contains("lesson=survivors"));
@@ -354,7 +354,13 @@ fn another_window_shows_what_was_revealed_as_it_was_looked_at() {
     let text = serde_json::to_string(&broken).unwrap();
     talk(&mut other, TalkCommand::Restore(text));
     assert!(other.runs.first.camera.scale > 0.0);
-    assert_eq!(other.classroom.kept_of_talk().camera, None);
+    assert_eq!(
+        other
+            .classroom
+            .kept_of_talk(&other.runs.first.canvas_view())
+            .camera,
+        None
+    );
 }
 
 #[test]

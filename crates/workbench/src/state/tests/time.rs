@@ -133,7 +133,7 @@ fn small() -> Vec<State> {
             ] {
                 state.apply(Command::Form(FormCommand::Choose(choice)));
             }
-            assert_eq!(state.run_refusal(), None);
+            assert_eq!(state.form.refusal(&state.gpu), None);
             state.apply(Command::Run);
             state.settle();
             assert!(state.cursor().is_some());

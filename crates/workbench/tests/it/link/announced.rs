@@ -9,29 +9,39 @@ use super::support::{settle, state};
 fn news_is_announced_once() {
     let mut state = state();
     settle(&mut state);
-    let first = state.announcement().expect("something to say");
+    let first = state.messages().announcement().expect("something to say");
     assert!(
         first.contains("Finish: ") || first.contains("Verified"),
         "{first}"
     );
     state.advance(0.0);
-    assert_eq!(state.announcement(), Some(first.clone()), "nothing is new");
+    assert_eq!(
+        state.messages().announcement(),
+        Some(first.clone()),
+        "nothing is new"
+    );
     state.apply(Command::Time(TimeCommand::Jump(1_000)));
     state.advance(0.0);
-    let moment = state.announcement().unwrap();
+    let moment = state.messages().announcement().unwrap();
     assert!(moment != first && !moment.contains("Verified"), "{moment}");
     state.apply(Command::Link(LinkCommand::Copy));
     state.advance(0.0);
-    let copied = state.announcement().unwrap();
+    let copied = state.messages().announcement().unwrap();
     assert!(copied.starts_with("The link is copied"), "{copied}");
     state.apply(Command::DismissNotice);
     state.advance(0.0);
-    assert_eq!(state.announcement(), Some(copied));
+    assert_eq!(state.messages().announcement(), Some(copied));
     // The same notice, shown again, is announced again.
     state.apply(Command::Time(TimeCommand::StepBack));
     state.apply(Command::Link(LinkCommand::Copy));
     state.advance(0.0);
-    assert!(state.announcement().unwrap().contains("The link is copied"));
+    assert!(
+        state
+            .messages()
+            .announcement()
+            .unwrap()
+            .contains("The link is copied")
+    );
 }
 
 #[test]
@@ -40,13 +50,13 @@ fn errors_and_verdicts_are_announced() {
     settle(&mut state);
     state.open_link("v=1&radius=0.03&search=two-radii&seed=5&boundary=bounded");
     settle(&mut state);
-    let verdict = state.announcement().unwrap();
+    let verdict = state.messages().announcement().unwrap();
     assert!(verdict.contains("erifie"), "{verdict}");
     let text = "{".to_owned();
     let layout = tilescope_session::combination::CombineCommand::Text(text);
     state.apply(Command::Combine(layout));
     state.advance(0.0);
-    let error = state.announcement().unwrap();
+    let error = state.messages().announcement().unwrap();
     assert!(error.starts_with("Error: "), "{error}");
 }
 
@@ -63,7 +73,7 @@ fn during_playback_only_stages_are_announced() {
     let mut heard = std::collections::HashSet::new();
     for _ in 0..200 {
         state.advance(0.02);
-        heard.insert(state.announcement().unwrap());
+        heard.insert(state.messages().announcement().unwrap());
     }
     assert!(
         heard.iter().any(|text| text.starts_with("Playing: ")),

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use tilescope_workbench::clock::Clock;
+use tilescope_workbench::remote::{self, to_json};
 use tilescope_workbench::{Command, State};
 
 use super::support::{settle, state};
@@ -11,7 +12,7 @@ fn ask(state: &mut State, request: &Value) -> Value {
 }
 
 fn answer(state: &mut State, request: &str) -> Value {
-    serde_json::from_str(&state.ask(request)).expect("an answer in JSON")
+    serde_json::from_str(&remote::ask(state, request)).expect("an answer in JSON")
 }
 
 fn small() -> State {
@@ -60,7 +61,7 @@ fn the_state_is_described() {
     );
     assert_eq!(answer["notice"], json!(null));
     // Before there is a session there is an answer, too.
-    let early = State::new(std::sync::Arc::new(|| {})).to_json();
+    let early = to_json(&State::new(std::sync::Arc::new(|| {})));
     assert_eq!(
         (&early["ready"], &early["digest"]),
         (&json!(false), &json!(null))
@@ -95,17 +96,17 @@ fn a_page_moves_through_time() {
         ask(&mut state, &json!({"do": "seek", "stage": "eliminate"})),
         done
     );
-    assert_eq!(state.to_json()["stage"], json!("eliminate"));
+    assert_eq!(to_json(&state)["stage"], json!("eliminate"));
     assert_eq!(
         ask(&mut state, &json!({"do": "step", "by": 1, "unit": "stage"})),
         done
     );
-    assert_eq!(state.to_json()["stage"], json!("iterate-1"));
+    assert_eq!(to_json(&state)["stage"], json!("iterate-1"));
     assert_eq!(ask(&mut state, &json!({"do": "seek", "part": 0.5})), done);
     let (at, len) = state.cursor().unwrap();
     assert!(at.abs_diff(len / 2) <= 1);
     assert_eq!(ask(&mut state, &json!({"do": "play", "speed": 2})), done);
-    assert!(state.time().playback.is_playing() && state.to_json()["playing"] == json!(true));
+    assert!(state.time().playback.is_playing() && to_json(&state)["playing"] == json!(true));
     assert_eq!(ask(&mut state, &json!({"do": "play"})), done);
     assert!(state.time().playback.is_playing(), "it goes on");
     assert_eq!(ask(&mut state, &json!({"do": "pause"})), done);
@@ -154,7 +155,7 @@ fn a_page_seeks_events() {
 #[test]
 fn a_page_sets_the_view() {
     let mut state = small();
-    let before = state.to_json()["view"].clone();
+    let before = to_json(&state)["view"].clone();
     assert_eq!(
         (&before["camera"], &before["look"]),
         (&json!("whole"), &json!("dark"))
@@ -165,7 +166,7 @@ fn a_page_sets_the_view() {
     let mut request = wanted.clone();
     request["do"] = json!("view");
     assert_eq!(ask(&mut state, &request), json!({"ok": true}));
-    let answer = state.to_json()["view"].clone();
+    let answer = to_json(&state)["view"].clone();
     assert_eq!(answer["layers"], json!(["kd-tree", "disks"]));
     for field in ["camera", "colouring", "look"] {
         assert_eq!(answer[field], wanted[field], "{field}");
@@ -175,7 +176,7 @@ fn a_page_sets_the_view() {
         ask(&mut state, &json!({"do": "view", "camera": "whole"}))["ok"],
         json!(true)
     );
-    let whole = state.to_json()["view"].clone();
+    let whole = to_json(&state)["view"].clone();
     assert_eq!(
         (&whole["camera"], &whole["look"]),
         (&json!("whole"), &json!("light"))
@@ -192,7 +193,7 @@ fn links_are_loaded_and_dropped_parts_are_named() {
     let dropped = answer["dropped"].as_array().unwrap();
     assert_eq!(dropped.len(), 2, "{answer}");
     settle(&mut state);
-    assert_eq!(state.to_json()["cursor"], json!(50));
+    assert_eq!(to_json(&state)["cursor"], json!(50));
 }
 
 #[test]
@@ -202,7 +203,7 @@ fn seeds_that_numbers_would_round_are_text() {
     let answer = ask(&mut state, &json!({"do": "load", "parameters": seeds}));
     assert_eq!(answer, json!({"ok": true, "dropped": []}));
     settle(&mut state);
-    let answer = state.to_json();
+    let answer = to_json(&state);
     assert_eq!(answer["seed"], json!(u64::MAX.to_string()));
     assert_eq!(answer["parameters"]["seed"], answer["seed"]);
     assert_eq!(
@@ -238,7 +239,7 @@ fn seeking_is_refused_while_a_run_is_made() {
         ask(&mut state, &json!({"do": "seek", "part": 0}))["ok"],
         json!(true)
     );
-    assert_eq!(state.to_json()["cursor"], json!(0));
+    assert_eq!(to_json(&state)["cursor"], json!(0));
 }
 
 const REFUSED: &[(&str, &str)] = &[
@@ -354,7 +355,7 @@ const REFUSED: &[(&str, &str)] = &[
 #[test]
 fn invalid_requests_are_refused_by_name() {
     let mut state = small();
-    let before = state.to_json();
+    let before = to_json(&state);
     let long = format!("{{\"do\":\"state\",\"x\":\"{}\"}}", "x".repeat(70_000));
     let deep = "[".repeat(60_000);
     let made = [(&*deep, "not a JSON object"), (&*long, "at most 65536")];
@@ -365,7 +366,7 @@ fn invalid_requests_are_refused_by_name() {
         assert!(error.contains(part), "{request:.60}: {error}");
         assert!(error.len() < 400, "{error}");
     }
-    assert_eq!(state.to_json(), before, "the state is unchanged");
+    assert_eq!(to_json(&state), before, "the state is unchanged");
     let mut early = State::new(std::sync::Arc::new(|| {}));
     for request in [
         json!({"do": "step"}),
@@ -392,12 +393,12 @@ fn stages_are_sought_in_a_run_without_events() {
         ask(&mut state, &json!({"do": "seek", "part": 0}))["ok"],
         json!(true)
     );
-    assert_eq!(state.to_json()["stage"], json!("blocks"));
+    assert_eq!(to_json(&state)["stage"], json!("blocks"));
     assert_eq!(
         ask(&mut state, &json!({"do": "step", "unit": "stage"}))["ok"],
         json!(true)
     );
-    assert_eq!(state.to_json()["stage"], json!("tile"));
+    assert_eq!(to_json(&state)["stage"], json!("tile"));
 }
 
 #[test]

@@ -1,0 +1,295 @@
+//! Answers the requests of a page that embeds the window, and describes the state for it. A page changes the state as a user
+//! does, by commands, but for views and runs that no command has.
+
+use serde_json::{Value, json};
+use tilescope_core::Parameters;
+use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::layers::{Layers, SessionKind};
+use tilescope_session::sentence::happened;
+use tilescope_session::verification::Verdict;
+use tilescope_session::words::{grouped, stage_name};
+
+use super::{self as remote, LessonRequest, Request, RequestError, Wanted, read};
+use crate::classroom::Classroom;
+use crate::clock::Clock;
+use crate::command::{Command, TimeCommand};
+use crate::lessons::LessonCommand;
+use crate::link::{choice_name, layer_name, quoted, slug};
+use crate::scenes::SceneCommand;
+use crate::state::run_view::none_there;
+use crate::state::{NO_LESSON, State};
+use crate::talk::TalkCommand;
+use crate::view::AUTOMATIC;
+use tilescope_drawing::camera::Camera;
+
+const QUESTION_OPEN: &str = "a question of the lesson is open; answer it, or close the lesson";
+const NO_EVENTS: &str = "this session has no events; seek a stage";
+
+/// Answers a request of a page, as described in `web/README.md`. The answer is JSON, too: `{"ok":true,
+/// ...}`, or `{"ok":false,"error":...}` with a sentence that names the value and the limit.
+pub fn ask(state: &mut State, request: &str) -> String {
+    let answer = read(request).and_then(|request| answer(state, request));
+    let answer = answer.unwrap_or_else(|error| {
+        let text = tilescope_session::words::sentence(&error.to_string());
+        json!({"ok": false, "error": text})
+    });
+    answer.to_string()
+}
+
+fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
+    let mut dropped = None;
+    let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
+    if is_other_run && state.lessons().veil().is_some() {
+        return refused(QUESTION_OPEN);
+    }
+    match request {
+        Request::Lesson(request) => {
+            let lesson = answer_of_lesson(state, request)?;
+            return Ok(json!({"ok": true, "lesson": lesson}));
+        }
+        Request::State => return Ok(json!({"ok": true, "state": to_json(state)})),
+        Request::Link(link) => {
+            let (content, warnings) = crate::link::read(&link);
+            dropped = Some(warnings.sentences());
+            state.open_content(content, warnings);
+        }
+        Request::Parameters(parameters) => {
+            dropped = Some(Vec::new());
+            state.load(*parameters);
+        }
+        Request::Step { forwards, unit } => step_by(state, forwards, unit)?,
+        Request::SeekEvent(event) => seek_event(state, event)?,
+        Request::SeekStage(stage) => seek_stage(state, &stage)?,
+        Request::SeekPart(part) => seek_part(state, part)?,
+        Request::SeekTarget(target, direction) => seek_target(state, target, direction)?,
+        Request::View(wanted) => look_as_wanted(state, &wanted),
+        Request::Play(speed) => play_at(state, speed)?,
+        Request::Pause => state.pause(),
+    }
+    Ok(match dropped {
+        Some(dropped) => json!({"ok": true, "dropped": dropped}),
+        None => json!({"ok": true}),
+    })
+}
+
+/// Carries out a request about lessons; returns the lesson.
+fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, RequestError> {
+    let lessons = &state.lessons();
+    let has_lesson = lessons.open.is_some();
+    match request {
+        LessonRequest::Open(wanted) => {
+            if let Some(why) = lessons.name_refusal(&wanted.name) {
+                return refused(why);
+            }
+            state.in_class(|class, context| class.open_wanted(wanted, context));
+            state.follow();
+        }
+        LessonRequest::Tour => {
+            state.in_class(|class, _| class.lessons.lists = false);
+            state.apply(Command::Scene(SceneCommand::Tour));
+        }
+        LessonRequest::Present | LessonRequest::Answer(_) if !has_lesson => {
+            return refused(NO_LESSON);
+        }
+        LessonRequest::Present if state.window().embedding.is_some() => {
+            return refused("a player in a frame presents nothing");
+        }
+        LessonRequest::Present => {
+            state.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
+            // The stage tells nothing of the lesson to the page.
+            return Ok(Value::Null);
+        }
+        LessonRequest::Answer(value) => {
+            let Some(drafted) = lessons.draft_of(&value) else {
+                return refused("no question is open");
+            };
+            let drafted = drafted.map_err(|wanted| RequestError::Value {
+                field: "value".to_owned(),
+                found: quoted(&value.to_string()),
+                wanted,
+            })?;
+            for command in drafted {
+                state.apply(Command::Lesson(LessonCommand::Draft(command)));
+            }
+            state.apply(Command::Lesson(LessonCommand::Answer));
+        }
+        LessonRequest::Command(command) => match lessons.refusal(&command) {
+            Some(why) => return refused(why),
+            None => state.apply(Command::Lesson(command)),
+        },
+    }
+    Ok(state.lessons().to_json())
+}
+
+/// Returns the session, or an error if there is none or a new one is being made.
+fn need_session(state: &State) -> Result<&tilescope_session::session::Session, RequestError> {
+    let why = match state.runs().first.session.as_deref() {
+        Some(session) if state.runs().first.sampling.is_none() => return Ok(session),
+        Some(_) => "a run is being made; wait until \"ready\" is true in the state",
+        None => "there is no session yet; wait until \"ready\" is true in the state",
+    };
+    refused(why)
+}
+
+fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), RequestError> {
+    need_session(state)?;
+    if let Some(why) = state.runs().first.clock_refusal(unit) {
+        return refused(why);
+    }
+    let step = if forwards {
+        TimeCommand::StepForward
+    } else {
+        TimeCommand::StepBack
+    };
+    state.apply_by(unit, step);
+    Ok(())
+}
+
+fn seek_event(state: &mut State, event: usize) -> Result<(), RequestError> {
+    need_session(state)?;
+    let Some((_, len)) = state.cursor() else {
+        return refused(NO_EVENTS);
+    };
+    if event > len {
+        let len = grouped(len);
+        return refused(format!(
+            "event {event} is beyond the last one; there are {len}"
+        ));
+    }
+    state.apply(Command::Time(TimeCommand::Jump(event)));
+    Ok(())
+}
+
+fn seek_stage(state: &mut State, stage: &str) -> Result<(), RequestError> {
+    let stages = need_session(state)?.stages.iter();
+    let names: Vec<String> = stages.map(|&stage| slug(&stage_name(stage))).collect();
+    let Some(index) = state.runs().first.stage_named(stage) else {
+        let (stage, names) = (crate::link::quoted(stage), names.join(", "));
+        return refused(format!("there is no stage \"{stage}\"; there are {names}"));
+    };
+    state.apply(Command::Time(TimeCommand::ShowStage(index)));
+    Ok(())
+}
+
+fn seek_part(state: &mut State, part: f64) -> Result<(), RequestError> {
+    let last = need_session(state)?.stages.len() - 1;
+    let of = |all: usize| (part * all as f64).round() as usize;
+    state.apply(Command::Time(match state.cursor() {
+        Some((_, len)) => TimeCommand::Jump(of(len)),
+        None => TimeCommand::ShowStage(of(last)),
+    }));
+    Ok(())
+}
+
+fn seek_target(
+    state: &mut State,
+    target: Target,
+    direction: Direction,
+) -> Result<(), RequestError> {
+    need_session(state)?;
+    let Some(debugger) = &state.runs().first.debugger else {
+        return refused(NO_EVENTS);
+    };
+    let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+    if moves::arrive(recording, cursor, target, direction).is_none() {
+        return refused(none_there(target, direction));
+    }
+    state.apply(Command::Time(TimeCommand::RunTo(target, direction)));
+    Ok(())
+}
+
+fn look_as_wanted(state: &mut State, wanted: &Wanted) {
+    if wanted.whole || wanted.camera.is_some() {
+        state.set_camera(wanted.camera);
+    }
+    let mut appearance = state.appearance().clone();
+    appearance.chosen_layers = wanted.layers.unwrap_or(appearance.chosen_layers);
+    appearance.colouring = wanted.colouring.unwrap_or(appearance.colouring);
+    appearance.choose_look(wanted.look.unwrap_or(appearance.look));
+    state.set_appearance(appearance);
+}
+
+/// Returns the view, in the form of the request that changes it.
+fn view_json(state: &State) -> Value {
+    let camera = state.view().camera;
+    let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
+    let names = |layers: Layers| json!(layers.iter().map(layer_name).collect::<Vec<_>>());
+    let layers = state.appearance().chosen_layers.map(names);
+    json!({
+        "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
+        "layers": layers.unwrap_or_else(|| json!(AUTOMATIC)),
+        "colouring": choice_name(&state.appearance().colouring),
+        "look": choice_name(&state.appearance().look),
+    })
+}
+
+fn play_at(state: &mut State, speed: Option<f32>) -> Result<(), RequestError> {
+    need_session(state)?;
+    if let Some(speed) = speed {
+        state.apply(Command::Time(TimeCommand::Speed(speed)));
+    }
+    if !state.time().playback.is_playing() {
+        state.apply(Command::Time(TimeCommand::TogglePlay));
+    }
+    Ok(())
+}
+
+/// Returns the state as JSON, for pages that embed the window. The digest is computed once for each session.
+#[must_use]
+pub fn to_json(state: &State) -> Value {
+    let session = state.runs().first.session.as_deref();
+    let made = session.filter(|session| session.kind() == SessionKind::Run);
+    let parameters = made.map_or(state.form().draft.parameters, |made| made.run().parameters);
+    // A verdict on another prefix of nested levels is not that of the samples shown.
+    let is_known = state.runs().first.prefix_at_work().is_none();
+    let verdict = state.verdict().filter(|_| is_known);
+    let (cursor, events) = state.cursor().unwrap_or((0, 0));
+    let stage = state.current_stage().map(|stage| slug(&stage_name(stage)));
+    let Classroom { lessons, talks } = state.classroom();
+    json!({
+        "seed": seed(parameters.seed),
+        "parameters": with_seeds(&parameters),
+        "ready": session.is_some() && state.runs().first.sampling.is_none(),
+        "samples": session.map_or(0, |session| session.summary.count),
+        "events": events,
+        "cursor": cursor,
+        "stage": stage,
+        "sentence": happened(state.shown().as_ref()),
+        "caption": state.scenes().caption(&state.runs().first),
+        "playing": state.time().playback.is_playing(),
+        "verified": verdict.map(Verdict::valid),
+        "digest": session.map(tilescope_session::session::Session::digest),
+        "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
+        "engine": session.map(|session| session.engine.as_str()),
+        "gpu": state.gpu().device.word(),
+        "chosen": state.gpu().chosen(state.form().draft.parameters.variant),
+        "notice": state.messages().notice.as_ref().map(|notice| notice.text.as_str()),
+        "view": view_json(state),
+        "lesson": talks.open.is_none().then(|| lessons.to_json()),
+        "answered": lessons.last,
+        "link": state.link().fragment,
+    })
+}
+
+/// The largest number up to which the numbers of JavaScript, 64-bit floats, represent all whole numbers.
+const MAX_EXACT: u64 = 1 << 53;
+
+fn refused<T>(why: impl Into<String>) -> Result<T, RequestError> {
+    Err(RequestError::Refused(why.into()))
+}
+
+/// Returns a seed as JSON: as text if a number would be rounded.
+fn seed(seed: u64) -> Value {
+    if seed <= MAX_EXACT {
+        json!(seed)
+    } else {
+        json!(seed.to_string())
+    }
+}
+
+fn with_seeds(parameters: &Parameters) -> Value {
+    let mut value = json!(parameters);
+    value["seed"] = seed(parameters.seed);
+    value["pattern"]["seed"] = seed(parameters.pattern.seed);
+    value
+}
