@@ -50,239 +50,141 @@ pub fn number(key: &str) -> Option<&'static SetNumber> {
     CATALOGUE.iter().find(|number| number.key == key)
 }
 
-/// All numbers, in the sequence of tables.
-pub static CATALOGUE: &[SetNumber] = &[
-    SetNumber {
-        key: "samples",
-        name: "samples N",
-        short: Some("Samples"),
-        unit: "",
-        decimals: 0,
+/// A number with the fields that most numbers share.
+const PLAIN: SetNumber = SetNumber {
+    key: "",
+    name: "",
+    short: None,
+    unit: "",
+    decimals: 0,
+    meaning: "",
+    needs: None,
+    value: |_| None,
+};
+
+/// Makes the catalogue of its rows, each with some fields of [`SetNumber`].
+macro_rules! catalogue {
+    ($({ $($field:ident: $value:expr),* $(,)? })*) => {
+        /// All numbers, in the sequence of tables.
+        #[allow(clippy::needless_update, reason = "some rows have every field, others share those of a plain one")]
+        pub static CATALOGUE: &[SetNumber] = &[$(SetNumber { $($field: $value,)* ..PLAIN }),*];
+    };
+}
+
+catalogue! {
+    {
+        key: "samples", name: "samples N", short: Some("Samples"), decimals: 0,
+        needs: None, value: |set| Some(set.samples as f64),
         meaning: "The samples of the set. At a moment of a run these are the samples kept: tiled or inserted, and not eliminated.",
-        needs: None,
-        value: |set| Some(set.samples as f64),
-    },
-    SetNumber {
-        key: "radius",
-        name: "radius r",
-        short: None,
-        unit: "user units",
-        decimals: 8,
+    }
+    {
+        key: "radius", name: "radius r", unit: "user units", decimals: 8,
+        needs: None, value: MeasuredSet::r,
         meaning: "The radius r, or the smallest distance between two samples if no radius is known.",
-        needs: None,
-        value: MeasuredSet::r,
-    },
-    SetNumber {
-        key: "density",
-        name: "density",
-        short: Some("Density N r\u{b2}/A"),
-        unit: "N r\u{b2} / area",
-        decimals: 4,
+    }
+    {
+        key: "density", name: "density", short: Some("Density N r\u{b2}/A"), unit: "N r\u{b2} / area", decimals: 4,
+        needs: None, value: |set| Some(set.samples as f64 * set.r()?.powi(2) / set.region.area()),
         meaning: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
-        needs: None,
-        value: |set| Some(set.samples as f64 * set.r()?.powi(2) / set.region.area()),
-    },
-    SetNumber {
-        key: "packing",
-        name: "packing",
-        short: None,
-        unit: "of hexagonal",
-        decimals: 4,
+    }
+    {
+        key: "packing", name: "packing", unit: "of hexagonal", decimals: 4,
+        needs: None, value: |set| Some(set.samples as f64 * 3f64.sqrt() / 2.0 / set.region.area() * set.r()?.powi(2)),
         meaning: "The samples, as a share of the most that disks of this radius allow: those of the hexagonal packing.",
-        needs: None,
-        value: |set| {
-            let most = set.samples as f64 * 3f64.sqrt() / 2.0 / set.region.area();
-            Some(most * set.r()?.powi(2))
-        },
-    },
-    SetNumber {
-        key: "min_distance_r",
-        name: "smallest distance",
-        short: Some("Smallest distance, r"),
-        unit: "r",
-        decimals: 6,
+    }
+    {
+        key: "min_distance_r", name: "smallest distance", short: Some("Smallest distance, r"), unit: "r", decimals: 6,
+        needs: Some(Part::Report), value: |set| Some(set.verdict()?.min_distance / set.r()?),
         meaning: "The smallest distance between two samples.",
-        needs: Some(Part::Report),
-        value: |set| Some(set.verdict()?.min_distance / set.r()?),
-    },
-    SetNumber {
-        key: "covering_radius_r",
-        name: "covering radius",
-        short: None,
-        unit: "r",
-        decimals: 6,
+    }
+    {
+        key: "covering_radius_r", name: "covering radius", unit: "r", decimals: 6,
+        needs: Some(Part::Report), value: |set| Some(set.verdict()?.covering_radius / set.r()?),
         meaning: "The largest distance from any place of the domain to its nearest sample. A set counts as maximal up to (1 + 2^-15) r, since its positions are rounded to a lattice.",
-        needs: Some(Part::Report),
-        value: |set| Some(set.verdict()?.covering_radius / set.r()?),
-    },
-    SetNumber {
-        key: "conflicts",
-        name: "conflicts",
-        short: Some("Conflicts"),
-        unit: "pairs",
-        decimals: 0,
+    }
+    {
+        key: "conflicts", name: "conflicts", short: Some("Conflicts"), unit: "pairs", decimals: 0,
+        needs: Some(Part::Report), value: |set| Some(set.judged()?.conflicts as f64),
         meaning: "Pairs of samples closer than r.",
-        needs: Some(Part::Report),
-        value: |set| Some(set.judged()?.conflicts as f64),
-    },
-    SetNumber {
-        key: "gaps",
-        name: "gaps",
-        short: Some("Open places"),
-        unit: "places",
-        decimals: 0,
+    }
+    {
+        key: "gaps", name: "gaps", short: Some("Open places"), unit: "places", decimals: 0,
+        needs: Some(Part::Report), value: |set| Some(set.judged()?.gaps as f64),
         meaning: "The centres of empty circles larger than r: a gap has one or more.",
-        needs: Some(Part::Report),
-        value: |set| Some(set.judged()?.gaps as f64),
-    },
-    SetNumber {
-        key: "relative_radius",
-        name: "relative radius",
-        short: Some("Relative radius"),
-        unit: "r_max",
-        decimals: 4,
+    }
+    {
+        key: "relative_radius", name: "relative radius", short: Some("Relative radius"), unit: "r_max", decimals: 4,
+        needs: Some(Part::Report), value: |set| Some(set.verdict()?.relative_radius),
         meaning: "The smallest distance, divided by that of the densest packing of as many samples.",
-        needs: Some(Part::Report),
-        value: |set| Some(set.verdict()?.relative_radius),
-    },
-    SetNumber {
-        key: "mean_nearest_distance",
-        name: "mean nearest distance",
-        short: None,
-        unit: "r_max",
-        decimals: 4,
+    }
+    {
+        key: "mean_nearest_distance", name: "mean nearest distance", unit: "r_max", decimals: 4,
+        needs: Some(Part::Distances), value: |set| (set.distances.as_deref()).map(NearestDistances::mean_relative_distance),
         meaning: "The mean distance from a sample to its nearest neighbour, divided by that of the densest packing of as many samples.",
-        needs: Some(Part::Distances),
-        value: |set| (set.distances.as_deref()).map(NearestDistances::mean_relative_distance),
-    },
-    SetNumber {
-        key: "effective_nyquist",
-        name: "effective Nyquist frequency",
-        short: Some("Eff. Nyquist \u{3bd}"),
-        unit: "nu",
-        decimals: 3,
+    }
+    {
+        key: "effective_nyquist", name: "effective Nyquist frequency", short: Some("Eff. Nyquist \u{3bd}"), unit: "nu", decimals: 3,
+        needs: Some(Part::Smooth), value: |set| set.curve.as_ref()?.effective_nyquist(),
         meaning: "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r). That is smooth, so that a square lattice, whose first peak is at 1, has 0.92.",
-        needs: Some(Part::Smooth),
-        value: |set| set.curve.as_ref()?.effective_nyquist(),
-    },
-    SetNumber {
-        key: "effective_nyquist_psa",
-        name: "Nyquist frequency by psa",
-        short: None,
-        unit: "nu",
-        decimals: 3,
+    }
+    {
+        key: "effective_nyquist_psa", name: "Nyquist frequency by psa", unit: "nu", decimals: 3,
+        needs: Some(Part::Smooth), value: |set| set.curve.as_ref()?.effective_nyquist_psa(),
         meaning: "The effective Nyquist frequency as the program psa has it: from the rise of the mean power back to where it is last under 0.1.",
-        needs: Some(Part::Smooth),
-        value: |set| set.curve.as_ref()?.effective_nyquist_psa(),
-    },
-    SetNumber {
-        key: "oscillation",
-        name: "oscillation of power",
-        short: Some("Oscillation"),
-        unit: "",
-        decimals: 3,
+    }
+    {
+        key: "oscillation", name: "oscillation of power", short: Some("Oscillation"), decimals: 3,
+        needs: Some(Part::Smooth), value: |set| set.curve.as_ref()?.oscillation(),
         meaning: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.",
-        needs: Some(Part::Smooth),
-        value: |set| set.curve.as_ref()?.oscillation(),
-    },
-    SetNumber {
-        key: "peak",
-        name: "frequency of most power",
-        short: None,
-        unit: "1/r",
-        decimals: 3,
+    }
+    {
+        key: "peak", name: "frequency of most power", unit: "1/r", decimals: 3,
+        needs: Some(Part::Spectrum), value: rings::peak,
         meaning: "The frequency at which the radial mean of the power is highest.",
-        needs: Some(Part::Spectrum),
-        value: rings::peak,
-    },
-    SetNumber {
-        key: "low_power",
-        name: "power below 0.3 / r",
-        short: None,
-        unit: "",
-        decimals: 4,
+    }
+    {
+        key: "low_power", name: "power below 0.3 / r", decimals: 4,
+        needs: Some(Part::Spectrum), value: rings::low_power,
         meaning: "The mean power of the frequencies below 0.3 / r: 1 for independent random samples.",
-        needs: Some(Part::Spectrum),
-        value: rings::low_power,
-    },
-    SetNumber {
-        key: "anisotropy",
-        name: "largest anisotropy",
-        short: None,
-        unit: "dB",
-        decimals: 2,
+    }
+    {
+        key: "anisotropy", name: "largest anisotropy", unit: "dB", decimals: 2,
+        needs: Some(Part::Spectrum), value: rings::anisotropy,
         meaning: "The largest anisotropy of a ring of frequencies from 0.3 / r on: about 0 dB without a preferred direction, but for the scatter of the ring.",
-        needs: Some(Part::Spectrum),
-        value: rings::anisotropy,
-    },
-    SetNumber {
-        key: "area_deviation",
-        name: "deviation of cell areas",
-        short: None,
-        unit: "mean area",
-        decimals: 4,
+    }
+    {
+        key: "area_deviation", name: "deviation of cell areas", unit: "mean area", decimals: 4,
+        needs: Some(Part::Cells), value: |set| Some(set.order.as_ref()?.relative_areas.deviation),
         meaning: "The standard deviation of the areas of the Voronoi cells, in mean areas.",
-        needs: Some(Part::Cells),
-        value: |set| Some(set.order.as_ref()?.relative_areas.deviation),
-    },
-    SetNumber {
-        key: "six_sided",
-        name: "cells with six sides",
-        short: None,
-        unit: "share",
-        decimals: 4,
+    }
+    {
+        key: "six_sided", name: "cells with six sides", unit: "share", decimals: 4,
+        needs: Some(Part::Cells), value: |set| set.order.as_deref().map(Order::six_sided),
         meaning: "The share of the Voronoi cells that have six sides.",
-        needs: Some(Part::Cells),
-        value: |set| set.order.as_deref().map(Order::six_sided),
-    },
-    SetNumber {
-        key: "mean_sides",
-        name: "mean sides of a cell",
-        short: None,
-        unit: "",
-        decimals: 3,
+    }
+    {
+        key: "mean_sides", name: "mean sides of a cell", decimals: 3,
+        needs: Some(Part::Cells), value: |set| Some(set.order.as_ref()?.mean_sides),
         meaning: "The mean number of sides of a Voronoi cell: 6 for every periodic set in general position.",
-        needs: Some(Part::Cells),
-        value: |set| Some(set.order.as_ref()?.mean_sides),
-    },
-    SetNumber {
-        key: "bond_order",
-        name: "bond order, local",
-        short: None,
-        unit: "",
-        decimals: 4,
+    }
+    {
+        key: "bond_order", name: "bond order, local", decimals: 4,
+        needs: Some(Part::Cells), value: |set| Some(set.order.as_ref()?.bond_order),
         meaning: "How nearly the neighbours of a sample are the corners of a regular hexagon, in the mean: 1 for the hexagonal lattice, 0 for the square one.",
-        needs: Some(Part::Cells),
-        value: |set| Some(set.order.as_ref()?.bond_order),
-    },
-    SetNumber {
-        key: "global_bond_order",
-        name: "bond order, global",
-        short: None,
-        unit: "",
-        decimals: 4,
+    }
+    {
+        key: "global_bond_order", name: "bond order, global", decimals: 4,
+        needs: Some(Part::Cells), value: |set| Some(set.order.as_ref()?.global_bond_order),
         meaning: "The bond order of all samples together: near 0 also where the hexagons of neighbours have no common direction.",
-        needs: Some(Part::Cells),
-        value: |set| Some(set.order.as_ref()?.global_bond_order),
-    },
-    SetNumber {
-        key: "star_discrepancy",
-        name: "L2 star discrepancy",
-        short: None,
-        unit: "",
-        decimals: 6,
+    }
+    {
+        key: "star_discrepancy", name: "L2 star discrepancy", decimals: 6,
+        needs: Some(Part::Discrepancy), value: |set| Some(set.discrepancy?.star),
         meaning: "How far the share of samples in boxes from the lower left corner is from the area of the boxes, in quadratic mean. It is measured of up to 100,000 samples.",
-        needs: Some(Part::Discrepancy),
-        value: |set| Some(set.discrepancy?.star),
-    },
-    SetNumber {
-        key: "centered_discrepancy",
-        name: "L2 centred discrepancy",
-        short: None,
-        unit: "",
-        decimals: 6,
+    }
+    {
+        key: "centered_discrepancy", name: "L2 centred discrepancy", decimals: 6,
+        needs: Some(Part::Discrepancy), value: |set| Some(set.discrepancy?.centered),
         meaning: "The same deviation for boxes from the nearest corner, together with the projections onto the axes. It is measured of up to 100,000 samples.",
-        needs: Some(Part::Discrepancy),
-        value: |set| Some(set.discrepancy?.centered),
-    },
-];
+    }
+}

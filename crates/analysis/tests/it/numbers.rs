@@ -136,7 +136,8 @@ fn the_smallest_distance_is_that_of_the_nearest_neighbours_or_of_an_image() {
         for count in [3, 50, 999] {
             let points = random.points(count, region);
             let nearest = NearestDistances::of(&points, region, &go_on).unwrap();
-            let set = measured(&points, region, Some(0.01));
+            let mut set = MeasuredSet::new(count, region, Some(0.01));
+            set.measure(Part::Report, &points, &go_on).unwrap();
 
             let side = region.width.min(region.height);
             let image = if region.is_periodic() {
