@@ -3,6 +3,7 @@
 //! those that only read a spectrum are in the modules below this one.
 
 mod rings;
+mod slope;
 
 use super::distances::NearestDistances;
 use super::measured::{MeasuredSet, Part};
@@ -151,6 +152,11 @@ catalogue! {
         key: "anisotropy", name: "largest anisotropy", unit: "dB", decimals: 2,
         needs: Some(Part::Spectrum), value: rings::anisotropy,
         meaning: "The largest anisotropy of a ring of frequencies from 0.3 / r on: about 0 dB without a preferred direction, but for the scatter of the ring.",
+    }
+    {
+        key: "spectral_slope", name: "spectral slope", short: Some("Spectral slope"), decimals: 2,
+        needs: Some(Part::Spectrum), value: |set| slope::slope(&set.spectrum.as_ref()?.profile),
+        meaning: "The exponent b of a power law P = c \u{3bd}^b through the radial mean of the power below \u{3bd} = 0.5: 0 for independent random samples, 2 for a jittered grid. Sets of fewer than about 300 samples have none.",
     }
     {
         key: "area_deviation", name: "deviation of cell areas", unit: "mean area", decimals: 4,
