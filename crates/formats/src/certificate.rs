@@ -330,6 +330,7 @@ impl Certificate {
             (None, _) if version >= WITH_PARTS => {
                 format!("version {version} needs an origin, or another part that version 1 lacks")
             }
+            // Passed over, the part would be lost from the next certificate of these points.
             (_, Some(part)) => parts::beyond_judging(part),
             _ => return Ok(()),
         };

@@ -432,6 +432,7 @@ pub(crate) fn certificate(
         method: context.method.clone(),
         parameters: context.parameters.clone(),
         region: report.region,
+        // Positions that are stored as they are need no part, and keep the version that older programs read.
         origin: Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
         depth: None,
         shape: None,
