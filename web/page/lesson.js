@@ -103,12 +103,6 @@ function decimals(number, digits) {
   return number.toLocaleString(element("lesson").lang, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
 }
 
-/** Returns a place, in r. Coordinates with decimal commas are divided by a semicolon. @param {[number, number]} place */
-function coordinates(place) {
-  const [x, y] = place.map((at) => decimals(at, 2));
-  return `(${x} r${x.includes(",") ? ";" : ","} ${y} r)`;
-}
-
 /** Gives up to nine elements the keys 1 to 9. @param {HTMLElement[]} elements */
 function keyed(elements) {
   elements.slice(0, 9).forEach((made, index) => made.setAttribute("data-key", String(index + 1)));
@@ -116,44 +110,38 @@ function keyed(elements) {
 }
 
 const draft = (/** @type {object} */ change) => send({ do: "answer", draft: change });
-const choose = (/** @type {number} */ index) => draft({ choose: index });
 
-/** The elements with which a learner answers, by the type of the question. @param {any} question @returns {(HTMLElement | SVGElement)[]} */
-function answers(question) {
+/** The elements of a control with which a learner answers. @param {any} control @param {any} question @returns {Node[]} */
+function answers(control, question) {
   const disabled = !question.open;
-  const muted = (/** @type {string} */ text) => make("p", { class: "small" }, text);
-  const pressed = (/** @type {boolean} */ is) => ({ disabled, "aria-pressed": String(is) });
-  switch (question.type) {
-    case "choice":
-    case "trace": {
-      const options = question.options.map((/** @type {Spans} */ option, /** @type {number} */ index) =>
-        button(`lesson-option-${index}`, [make("b", {}, `${String.fromCharCode(65 + index)} `), ...set(option)], () => choose(index), {
-          class: "option",
-          ...pressed(question.chosen === index),
-        }),
-      );
-      keyed(options);
-      const curves = question.curves ?? [];
-      return options.flatMap((/** @type {HTMLElement} */ option, /** @type {number} */ index) => (curves[index] ? [option, plot([curves[index]])] : [option]));
+  const choice = (/** @type {any} */ { id, chosen, change }, /** @type {string | Node[]} */ name, /** @type {string} */ look) =>
+    button(`lesson-${id}`, name, () => draft(change), { class: look, disabled, "aria-pressed": String(chosen) });
+  switch (control.control) {
+    case "line":
+      return [make("p", { class: "small" }, control.text)];
+    case "list": {
+      const items = control.items.map((/** @type {any} */ item) => {
+        const mark = item.mark === null ? [] : [make("b", {}, `${item.mark} `)];
+        return choice(item, [...mark, ...set(item.text)], "option");
+      });
+      keyed(items);
+      return items.flatMap((/** @type {HTMLElement} */ made, /** @type {number} */ index) => {
+        const { curve } = control.items[index];
+        return curve ? [made, plot([curve])] : [made];
+      });
     }
-    case "pick": {
-      const samples = question.samples.map((/** @type {number} */ sample, /** @type {number} */ index) =>
-        button(`lesson-sample-${sample}`, String(sample), () => choose(index), { class: "chip", ...pressed(question.chosen.includes(sample)) }),
-      );
-      return [muted(question.several ? words.pick_several : words.pick_one), make("div", { class: "chips" }, ...keyed(samples))];
+    case "chips": {
+      const items = control.items.map((/** @type {any} */ item) => choice(item, set(item.text), "chip"));
+      return [make("div", { class: "chips" }, ...keyed(items))];
     }
-    case "place": {
-      const is = (/** @type {[number, number]} */ place) => question.chosen !== null && place.every((x, k) => Math.abs(x - question.chosen[k]) < 1e-9);
-      const places = question.letters.map((/** @type {string} */ letter, /** @type {number} */ index) =>
-        button(`lesson-place-${index}`, letter, () => choose(index), { class: "chip", ...pressed(is(question.places[index])) }),
-      );
-      const made = [muted(words.place), make("div", { class: "chips" }, ...keyed(places))];
-      if (question.chosen) {
-        made.push(muted(`${words.your_point} ${coordinates(question.chosen)}`));
-      }
-      return made;
-    }
-    case "number": {
+    case "rows":
+      return control.rows.map((/** @type {any} */ row) => {
+        const made = row.words.map((/** @type {any} */ word) => choice(word, word.text, "chip"));
+        return row.name === null
+          ? make("div", { class: "chips" }, ...made)
+          : make("div", { class: "row", role: "group", "aria-label": row.name }, make("span", { class: "band" }, row.name), ...made);
+      });
+    case "field": {
       const field = make("input", {
         id: "lesson-number",
         type: "text",
@@ -161,47 +149,16 @@ function answers(question) {
         autocomplete: "off",
         maxlength: 40,
         disabled,
-        "aria-label": question.unit ? `${words.number} (${question.unit})` : words.number,
+        "aria-label": control.unit ? `${control.label} (${control.unit})` : control.label,
         oninput: (/** @type {any} */ event) => draft({ type: event.target.value }),
         onkeydown: (/** @type {KeyboardEvent} */ event) => event.key === "Enter" && send({ do: "answer" }),
       });
-      /** @type {HTMLInputElement} */ (field).value = question.text;
-      const curves = question.curves.length > 0 ? [plot(question.curves)] : [];
-      return [make("div", { class: "row" }, field, make("span", {}, question.unit)), ...curves];
+      const typed = question.draft.find((/** @type {any} */ change) => "type" in change);
+      /** @type {HTMLInputElement} */ (field).value = typed?.type ?? "";
+      return [make("div", { class: "row" }, field, make("span", {}, control.unit))];
     }
-    case "order": {
-      const items = question.items.map((/** @type {Spans} */ item, /** @type {number} */ index) => {
-        const place = question.order.indexOf(index);
-        const mark = make("b", {}, place < 0 ? "\u2013 " : `${place + 1} `);
-        return button(`lesson-item-${index}`, [mark, ...set(item)], () => choose(index), { class: "option", ...pressed(place >= 0) });
-      });
-      return [muted(words.order), ...keyed(items)];
-    }
-    case "cut": {
-      const names = { x: words.vertical, y: words.horizontal };
-      const axes = /** @type {const} */ (["x", "y"]).map((axis) =>
-        button(`lesson-axis-${axis}`, names[axis], () => draft({ axis }), { class: "chip", ...pressed(question.axis === axis) }),
-      );
-      const cuts = question.cuts.map((/** @type {any} */ { axis, at }, /** @type {number} */ index) => {
-        const where = question.place?.[axis === "x" ? 0 : 1];
-        const is = question.axis === axis && Math.abs(where - at) < 1e-9;
-        return button(`lesson-cut-${index}`, `${names[axis]}, ${axis} = ${decimals(at, 1)} r`, () => choose(index), { class: "option", ...pressed(is) });
-      });
-      return [muted(words.cut), make("div", { class: "chips" }, ...axes), ...keyed(cuts)];
-    }
-    case "bands": {
-      const rows = question.bands.map((/** @type {[number, number]} */ [low, high], /** @type {number} */ band) => {
-        const changes = /** @type {const} */ (["up", "same", "down"]).map((change) =>
-          button(`lesson-band-${band}-${change}`, words[change], () => draft({ band: [band, change] }), {
-            class: "chip",
-            ...pressed(question.changes[band] === change),
-          }),
-        );
-        const name = `${decimals(low, 2)} \u2013 ${decimals(high, 2)} / r`;
-        return make("div", { class: "row", role: "group", "aria-label": name }, make("span", { class: "band" }, name), ...changes);
-      });
-      return [plot(question.curves), muted(words.bands), ...rows];
-    }
+    case "plot":
+      return [plot(control.curves)];
     default:
       return [];
   }
@@ -292,30 +249,6 @@ function renew(part, value, content) {
 /** The key of the answer that is being put together, in the store of this tab. */
 const DRAFT = "draft";
 
-/** The changes that put together the answer to a question as it is. @param {any} question @returns {object[]} */
-function changes(question) {
-  const ofChoices = (/** @type {number[]} */ all) => all.map((choose) => ({ choose }));
-  switch (question.type) {
-    case "choice":
-    case "trace":
-      return question.chosen === null ? [] : ofChoices([question.chosen]);
-    case "pick":
-      return ofChoices(question.chosen.map((/** @type {number} */ sample) => question.samples.indexOf(sample)));
-    case "place":
-      return question.chosen === null ? [] : [{ place: question.chosen }];
-    case "number":
-      return question.text === "" ? [] : [{ type: question.text }];
-    case "order":
-      return ofChoices(question.order);
-    case "cut":
-      return [...(question.axis ? [{ axis: question.axis }] : []), ...(question.place ? [{ place: question.place }] : [])];
-    case "bands":
-      return question.changes.flatMap((/** @type {string | null} */ change, /** @type {number} */ band) => (change ? [{ band: [band, change] }] : []));
-    default:
-      return [];
-  }
-}
-
 /** The question of a lesson's step. @param {any} lesson */
 const questionOf = ({ lesson, step, practice, question }) => JSON.stringify([lesson, step, practice, question.at]);
 
@@ -336,7 +269,7 @@ function keepDraft(lesson) {
     return;
   }
   try {
-    sessionStorage.setItem(DRAFT, JSON.stringify({ of, made: changes(lesson.question) }));
+    sessionStorage.setItem(DRAFT, JSON.stringify({ of, made: lesson.question.draft }));
   } catch {
     // The browser denies the store; the answer is then kept nowhere.
   }
@@ -367,10 +300,11 @@ export function showLesson(lesson) {
   renew("head", list ? 0 : lesson.title, () => head(lesson));
   renew("steps", [lesson.steps, lesson.index], () => (list ? [] : steps(lesson)));
   renew("text", list ? [list] : [lesson.heading, lesson.text, lesson.fault, lesson.waits], () => (list ? listed(list) : text(lesson)));
-  const { text: _, ...asked } = question ?? {};
+  // What is typed stands in the field already, which would lose its cursor if it were made again.
+  const { draft: _, ...asked } = question ?? {};
   renew("question", [lesson.step, list ? 0 : question && asked], () => (list || !question ? [] : asks(question)));
   renew("feedback", [lesson.lacking, lesson.verdict, lesson.sentence, lesson.answers, list ? 0 : 1], () => (list ? [] : feedback(lesson)));
-  const { tries: __, chosen: ___, ...state } = asked;
+  const { tries: __, controls: ___, ...state } = asked;
   renew("actions", [lesson.step, lesson.hint, lesson.asked_to_give_up, lesson.after, list ? 0 : state], () => (list || !question ? [] : actions(lesson)));
   renew("walk", [lesson.index, lesson.may_go_on, list ? 0 : 1], () => (list ? [] : walk(lesson)));
   keepDraft(lesson);
@@ -422,9 +356,10 @@ function text(lesson) {
 
 /** @param {any} question */
 function asks(question) {
-  const at = question.type === "trace" ? [make("p", { class: "small" }, `${words.step} ${question.at} ${words.of} ${question.steps}`)] : [];
+  const at = question.steps ? [make("p", { class: "small" }, `${words.step} ${question.at} ${words.of} ${question.steps}`)] : [];
   const asked = make("h3", { id: "lesson-ask" }, ...set(question.ask));
-  const group = make("div", { role: "group", "aria-labelledby": "lesson-ask" }, ...answers(question));
+  const controls = question.controls.flatMap((/** @type {any} */ control) => answers(control, question));
+  const group = make("div", { role: "group", "aria-labelledby": "lesson-ask" }, ...controls);
 
   // Above the feedback, whose coming and going would else move the button from under the pointer.
   const answer = question.open ? [button("lesson-answer", words.answer, () => send({ do: "answer" }), { class: "whole" })] : [];

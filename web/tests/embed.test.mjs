@@ -139,9 +139,10 @@ test("a page of another origin opens a lesson, answers, and is told of the answe
   const { page, frame, origin, told, done } = await reused(t);
   await done({ do: "lesson", open: "survivors", step: "one-of-two" });
   const asked = await told((state) => state.lesson?.question);
-  assert.equal(asked.lesson.question.options.length, 3);
+  const [{ items }] = asked.lesson.question.controls;
+  assert.equal(items.length, 3);
   // Two of the shuffled options name a sample; the larger number is eliminated.
-  const named = asked.lesson.question.options.map((option) => Number(option.at(-1).text.match(/\d+$/)?.[0]));
+  const named = items.map((item) => Number(item.text.at(-1).text.match(/\d+$/)?.[0]));
   const present = named.filter((number) => !Number.isNaN(number));
   assert.equal(present.length, 2);
   const [smaller, larger] = [named.indexOf(Math.min(...present)), named.indexOf(Math.max(...present))];

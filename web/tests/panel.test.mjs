@@ -37,15 +37,24 @@ export async function start(canvas, options, hooks) {
 function lesson(language = "en", changes = {}) {
   const labels = LABELS[language];
   const text = (words) => [{ text: words, style: "plain" }];
+  const options = ["Sample 118, which has the smaller number of the two", "Sample 374"];
+  const items = options.map((words, at) => ({ id: `option-${at + 1}`, mark: "AB"[at], text: text(words), curve: null, chosen: false, change: { choose: at } }));
   const question = {
-    type: "choice", open: true, ask: text("Which of the two samples is eliminated?"), chosen: null, hint: true, practice: true, reasons: [],
-    options: [text("Sample 118, which has the smaller number of the two"), text("Sample 374")],
+    type: "choice", open: true, ask: text("Which of the two samples is eliminated?"), draft: [], hint: true, practice: true, reasons: [],
+    controls: [{ control: "list", items }],
   };
   return {
     lesson: "survivors", title: "Elimination and who survives it", language, step: "chain", index: 1, heading: "A chain of conflicts",
     steps: ["Too close", "A chain of conflicts", "Six turns", "One", "Two", "Three", "Four"].map((title, at) => ({ name: `step-${at}`, title, score: at === 0 ? 1 : null })),
     text: [text("Three samples are joined.")], waits: false, practice: null, question, answers: 0, may_go_on: false, reasons: [], labels, ...changes,
   };
+}
+
+/** The question of that step with a chosen option. */
+function chosen(index) {
+  const { question } = lesson();
+  const items = question.controls[0].items.map((item, at) => ({ ...item, chosen: at === index }));
+  return { ...question, draft: [{ choose: index }], controls: [{ control: "list", items }] };
 }
 
 /** The list of lessons with results. */
@@ -180,12 +189,10 @@ test("the title of tab and bookmark is the lesson's", async (t) => {
 });
 
 test("in forced colours the chosen answer differs from the others", async (t) => {
-  const chosen = lesson();
-  chosen.question.chosen = 1;
-  const page = await shown(t, chosen, { forcedColors: "active" });
+  const page = await shown(t, lesson("en", { question: chosen(1) }), { forcedColors: "active" });
   const look = (id) => page.locator(id).evaluate((one) => ["backgroundColor", "color", "borderColor"].map((name) => getComputedStyle(one)[name]).join());
-  const other = await look("#lesson-option-0");
-  assert.notEqual(await look("#lesson-option-1"), other);
+  const other = await look("#lesson-option-1");
+  assert.notEqual(await look("#lesson-option-2"), other);
   assert.notEqual(await look("#lesson-step-1"), await look("#lesson-step-2"));
 });
 
@@ -210,9 +217,8 @@ test("on paper the lesson is dark on white, whole, below the picture", async (t)
 });
 
 test("an answer that is put together stays when the page is reloaded", async (t) => {
-  const chosen = lesson();
-  chosen.question.chosen = 1;
-  const page = await shown(t, chosen);
+  const answered = lesson("en", { question: chosen(1) });
+  const page = await shown(t, answered);
   const drafts = () => page.evaluate(() => window.calls.filter((call) => call.draft).map((call) => call.draft));
   assert.deepEqual(await drafts(), []);
   await page.reload();
@@ -223,7 +229,7 @@ test("an answer that is put together stays when the page is reloaded", async (t)
   await page.waitForFunction(() => window.calls.some((call) => call.draft));
   assert.deepEqual(await drafts(), [{ choose: 1 }]);
   // Another question does not get it.
-  await show(page, chosen);
+  await show(page, answered);
   await page.reload();
   await page.waitForFunction(() => "show" in window);
   await show(page, lesson("en", { step: "other" }));
@@ -358,20 +364,13 @@ test("the notes of a talk speak the language of the talk", async (t) => {
   assert.ok(german.includes("Erste Abstimmung: A 3, B 4"), german.join("; "));
 });
 
-test("numbers of a lesson have the decimal sign of its language", async (t) => {
-  const cut = { type: "cut", cuts: [{ axis: "x", at: 3.25 }], axis: null, place: null };
-  const band = { type: "bands", bands: [[0.5, 1]], curves: [[[0, 1]]], changes: [null] };
-  const place = { type: "place", letters: ["A"], places: [[1, 2]], chosen: [1.5, 2.25] };
-  for (const [language, expected] of [["en", ["x = 3.3 r", "0.50 \u2013 1.00 / r", "(1.50 r, 2.25 r)", "2.5 / r"]], ["de", ["x = 3,3 r", "0,50 \u2013 1,00 / r", "(1,50 r; 2,25 r)", "2,5 / r"]]]) {
-    let said = "";
-    for (const kind of [cut, band, place]) {
-      const state = lesson(language, { step: kind.type });
-      const page = await shown(t, { ...state, question: { ...state.question, ...kind } });
-      said += await page.textContent("#lesson-question");
-    }
-    for (const number of expected) {
-      assert.ok(said.includes(number), `${language}: ${number} in ${said}`);
-    }
+test("numbers of a plot have the decimal sign of the lesson's language", async (t) => {
+  const controls = [{ control: "plot", curves: [[[0, 1]]] }];
+  for (const [language, expected] of [["en", "2.5 / r"], ["de", "2,5 / r"]]) {
+    const state = lesson(language);
+    const page = await shown(t, { ...state, question: { ...state.question, controls } });
+    const said = await page.textContent("#lesson-question");
+    assert.ok(said.includes(expected), `${language}: ${expected} in ${said}`);
   }
 });
 
@@ -445,10 +444,10 @@ test("in the list no line breaks within the minutes, and lines begin at one edge
 
 for (const [name, settings] of [["beside the canvas", {}], ["on a phone", { viewport: PHONE, hasTouch: true, isMobile: true }]]) {
   test(`a wrong answer puts no other button under the pointer, ${name}`, async (t) => {
-    const chosen = { ...lesson().question, chosen: 0 };
-    const wrong = lesson("en", { verdict: LABELS.en.wrong, sentence: [{ text: "The other one has the larger number. ".repeat(4), style: "plain" }], answers: 1, question: { ...chosen, tries: 1 } });
+    const question = chosen(0);
+    const wrong = lesson("en", { verdict: LABELS.en.wrong, sentence: [{ text: "The other one has the larger number. ".repeat(4), style: "plain" }], answers: 1, question: { ...question, tries: 1 } });
     const last = { index: 6, step: "step-6" };
-    const page = await shown(t, lesson("en", { question: chosen, ...last }), settings);
+    const page = await shown(t, lesson("en", { question, ...last }), settings);
     const answer = page.locator("#lesson-answer");
     await answer.scrollIntoViewIfNeeded();
     const { x, y, width, height } = await answer.boundingBox();
@@ -461,7 +460,7 @@ for (const [name, settings] of [["beside the canvas", {}], ["on a phone", { view
     assert.ok(["", "lesson-answer"].includes(await under()), await under());
     // The verdict goes when another answer is chosen; the button stays where it is.
     const before = await page.evaluate(() => document.getElementById("lesson-answer").offsetTop);
-    await show(page, lesson("en", { question: { ...chosen, chosen: 1 }, ...last }));
+    await show(page, lesson("en", { question: chosen(1), ...last }));
     assert.equal(await page.textContent("#lesson-feedback"), "");
     assert.equal(await page.evaluate(() => document.getElementById("lesson-answer").offsetTop), before);
     // Negative control: a verdict above the button moves it.

@@ -421,7 +421,7 @@ fn faults_of_translation(
 ) -> Vec<String> {
     let (missing, wrong) = match translation {
         Err(error) => (Vec::new(), vec![error]),
-        Ok(translation) => translation.compared(lesson),
+        Ok(translation) => translation.compared(&lesson.texts()),
     };
     // A text that is missing has no line.
     let missing = missing
@@ -555,8 +555,10 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     } else {
         Translation::default()
     };
-    let (missing, stale) = old.compared(&lesson);
-    write(&target, &old.renewed(&lesson))?;
+
+    let texts = lesson.texts();
+    let (missing, stale) = old.compared(&texts);
+    write(&target, &old.renewed(&texts))?;
     output::emit(&format!(
         "{}: {} texts to be translated (marked TODO), {} that the lesson no longer has are left out\n",
         named(&target),

@@ -9,9 +9,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use serde_json::json;
 use tilescope_core::combine::file::Set;
-use tilescope_core::{
-    Boundary, MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, radius_estimate,
-};
+use tilescope_core::{MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, radius_estimate};
 use tilescope_formats::Hint;
 use tilescope_sets::{GivenDomain, GivenPattern, Recipe, Settled, named_by_content};
 

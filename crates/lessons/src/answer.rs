@@ -1,5 +1,4 @@
-//! Answers of learners, and keys: the right answers. Both are plain data, as answers come from windows, pages and files,
-//! and the keys of shipped lessons are kept in files.
+//! Answers of learners. They are plain data, as they come from windows and pages, and their texts are kept in results.
 
 use std::fmt;
 
@@ -7,8 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// An answer of a learner. Positions and lengths are in r; options, items and bands are numbered from 0 in the order in
 /// which they are shown.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
     /// The samples, by id.
     Pick(Vec<u32>),
@@ -86,42 +84,13 @@ impl fmt::Display for Change {
     }
 }
 
-/// The right answer to a question, computed from the recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Key {
-    /// All samples that are right. A question for one sample accepts any of them.
-    Pick(Vec<u32>),
-    /// Right places.
-    Place(Vec<[f64; 2]>),
-    /// The number.
-    Number(f64),
-    /// The option.
-    Choice(usize),
-    /// The number by which each item is sorted.
-    Order(Vec<f64>),
-    /// The axis, and the interval of legal cuts.
-    Cut {
-        /// The axis.
-        axis: CutAxis,
-        /// The lowest and the highest coordinate.
-        legal: [f64; 2],
-    },
-    /// The changes.
-    Bands(Vec<Change>),
-    /// The option of each event.
-    Trace(Vec<usize>),
-}
-
-/// Writes numbers without needless digits, separated by spaces.
-fn list<T: fmt::Display>(
-    f: &mut fmt::Formatter<'_>,
+/// Returns the texts of values, joined.
+pub(crate) fn joined<T: fmt::Display>(
     values: impl IntoIterator<Item = T>,
-) -> fmt::Result {
-    for (index, value) in values.into_iter().enumerate() {
-        write!(f, "{}{value}", if index > 0 { " " } else { "" })?;
-    }
-    Ok(())
+    between: &str,
+) -> String {
+    let texts = values.into_iter().map(|value| value.to_string());
+    texts.collect::<Vec<_>>().join(between)
 }
 
 /// Returns the indices of numbers, the smallest number first.
@@ -136,24 +105,6 @@ pub(crate) fn short(number: f64) -> f64 {
     (number * 1e4).round() / 1e4
 }
 
-impl fmt::Display for Key {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Pick(samples) => list(f, samples),
-            Self::Place(places) => list(f, places.iter().map(|at| Answer::Place(*at))),
-            Self::Number(number) => write!(f, "{}", short(*number)),
-            Self::Choice(option) => write!(f, "{}", letter(*option)),
-            Self::Order(ranks) => list(f, sorted(ranks).into_iter().map(letter)),
-            Self::Cut {
-                axis,
-                legal: [low, high],
-            } => write!(f, "{axis:?} {}..{}", short(*low), short(*high)),
-            Self::Bands(changes) => list(f, changes),
-            Self::Trace(options) => list(f, options.iter().copied().map(letter)),
-        }
-    }
-}
-
 /// Returns the letter of an option.
 #[must_use]
 pub fn letter(option: usize) -> char {
@@ -163,13 +114,13 @@ pub fn letter(option: usize) -> char {
 impl fmt::Display for Answer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Pick(samples) => list(f, samples),
+            Self::Pick(samples) => f.write_str(&joined(samples, " ")),
             Self::Place([x, y]) => write!(f, "({} {})", short(*x), short(*y)),
             Self::Number(number) => write!(f, "{}", short(*number)),
             Self::Choice(option) => write!(f, "{}", letter(*option)),
-            Self::Order(items) => list(f, items.iter().copied().map(letter)),
+            Self::Order(items) => f.write_str(&joined(items.iter().copied().map(letter), " ")),
             Self::Cut { axis, at } => write!(f, "{axis:?} {}", short(*at)),
-            Self::Bands(changes) => list(f, changes),
+            Self::Bands(changes) => f.write_str(&joined(changes, " ")),
         }
     }
 }

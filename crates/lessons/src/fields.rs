@@ -2,7 +2,11 @@
 //! it. `read.rs` says which fields there are.
 
 use crate::error::{LessonError, shortened};
-use crate::lesson::Text;
+use crate::moment::Moment;
+use crate::text::{ChoiceOption, Text};
+
+/// The most options, items or candidates of a question.
+pub const MAX_OPTIONS: usize = 8;
 
 /// A line of a directive.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,6 +96,61 @@ impl Fields {
         Ok(field)
     }
 
+    /// Returns the expression of a key, which may also use the names `more`.
+    pub fn need_expression(&self, key: &str, more: &[&str]) -> Result<Text, LessonError> {
+        self.need(key)?.expression(more)
+    }
+
+    /// Returns the number of a key; `otherwise` if there is none.
+    pub fn number_or(
+        &self,
+        key: &str,
+        otherwise: f64,
+        limits: [f64; 2],
+    ) -> Result<f64, LessonError> {
+        let read = self.optional(key, |field| field.number(limits))?;
+        Ok(read.unwrap_or(otherwise))
+    }
+
+    /// Returns the options `TEXT when: EXPRESSION => SENTENCE`; the sentence may be missing.
+    pub fn options(&self) -> Result<Vec<ChoiceOption>, LessonError> {
+        let option = |field: &Field| {
+            let text = |text: &str| Text::new(text.trim(), field.line);
+            let (shown, Some(rest)) = field.split(" when: ") else {
+                let message = "an option is of the form \"option: TEXT when: EXPRESSION => SENTENCE\"; the sentence may be left out";
+                return Err(field.wrong(message));
+            };
+            let (when, said) = match rest.split_once("=>") {
+                Some((when, said)) => (when, Some(text(said).sentence()?)),
+                None => (rest, None),
+            };
+
+            Ok(ChoiceOption {
+                text: text(shown).paragraph()?,
+                when: text(when).expression(&[])?,
+                sentence: said,
+            })
+        };
+        self.limited("option", 2, option)
+    }
+
+    /// Reads the fields of a key, at least `least` and at most [`MAX_OPTIONS`].
+    pub fn limited<T>(
+        &self,
+        key: &str,
+        least: usize,
+        read: impl Fn(&Field) -> Result<T, LessonError>,
+    ) -> Result<Vec<T>, LessonError> {
+        let items: Vec<T> = self.many(key).map(read).collect::<Result<_, _>>()?;
+        let (of, count) = (&self.of, items.len());
+        if count < least || count > MAX_OPTIONS {
+            let message =
+                format!("{of} has from {least} to {MAX_OPTIONS} of \"{key}\", not {count}");
+            return Err(LessonError::new(self.line, message));
+        }
+        Ok(items)
+    }
+
     /// Returns the fields of a key that may occur several times.
     pub fn many(&self, key: &str) -> impl Iterator<Item = &Field> {
         self.all.iter().filter(move |field| field.key == key)
@@ -124,6 +183,29 @@ impl Field {
     /// Returns the value as a text.
     pub fn text(&self) -> Text {
         Text::new(self.value.as_str(), self.line)
+    }
+
+    /// Returns the value as an expression, which may also use the names `more`.
+    pub fn expression(&self, more: &[&str]) -> Result<Text, LessonError> {
+        self.text().expression(more)
+    }
+
+    /// Returns the value as a query.
+    pub fn query(&self) -> Result<Text, LessonError> {
+        // One with values of the moment is read when they are known.
+        if !self.value.contains('{') {
+            Moment::read(&format!("after {}", self.value), self.line)?;
+        }
+        self.text().sentence()
+    }
+
+    /// Returns whether the value is yes.
+    pub fn yes_or_no(&self) -> Result<bool, LessonError> {
+        match self.value.as_str() {
+            "yes" => Ok(true),
+            "no" => Ok(false),
+            _ => Err(self.wrong(format!("\"{}\" is yes or no", self.key))),
+        }
     }
 
     /// Returns a fault of this field.

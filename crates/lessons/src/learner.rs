@@ -7,13 +7,17 @@ use std::sync::Arc;
 use tilescope_core::Parameters;
 use tilescope_debugger::Recording;
 
-use crate::answer::{Answer, Key, letter, short, sorted};
+use crate::answer::Answer;
+use crate::control::Control;
+use crate::draft::Draft;
 use crate::error::LessonError;
-use crate::lesson::{Lesson, Step, Text};
-use crate::question::{Form, Question};
+use crate::kinds::View;
+use crate::lesson::{Lesson, Step};
+use crate::question::Question;
 use crate::results::Entry;
 use crate::scene::Scene;
 use crate::seen::unseen;
+use crate::text::Text;
 use crate::translation::Translation;
 
 /// A learner in a lesson.
@@ -267,8 +271,8 @@ impl Learner {
         Some(match &self.question {
             Some(question) if !self.is_open() => question.decided,
             Some(question) => {
-                let traced = question.traced.get(self.attempt.traced.0);
-                traced.copied().unwrap_or(question.cursor)
+                let event = question.interaction.events().get(self.attempt.traced.0);
+                event.map_or(question.cursor, |event| event.cursor)
             }
             None => scene.cursor(),
         })
@@ -281,11 +285,11 @@ impl Learner {
         let scene = self.scene.as_ref()?;
         let camera = &self.step().scene.camera;
         let seen = |scene: &Scene| scene.camera(camera).ok().flatten();
-        let traced = self.question.as_ref().map(|question| &question.traced[..]);
-        let traced = traced.unwrap_or_default();
+        let question = self.question.as_ref();
+        let events = question.map_or(&[][..], |question| question.interaction.events());
         // After the last event it stays where that was.
-        let cursor = traced.get(self.attempt.traced.0).or(traced.last());
-        let there = cursor.and_then(|&cursor| seen(&Scene::at(scene.recording(), cursor)));
+        let event = events.get(self.attempt.traced.0).or(events.last());
+        let there = event.and_then(|event| seen(&Scene::at(scene.recording(), event.cursor)));
         there.or_else(|| seen(scene))
     }
 
@@ -315,15 +319,15 @@ impl Learner {
         let grade = question.grade(answer, attempt.traced.0, scene)?;
         attempt.tries += 1;
         attempt.asked_to_give_up = false;
-        if let Key::Trace(events) = question.key() {
+        if let Some(events) = question.traced() {
             if grade.is_right() {
                 attempt.traced.0 += 1;
                 attempt.traced.1 += usize::from(!attempt.missed);
                 attempt.missed = false;
-                if attempt.traced.0 == events.len() {
-                    let share = attempt.traced.1 as f64 / events.len() as f64;
-                    attempt.first =
-                        Some((format!("{} of {}", attempt.traced.1, events.len()), share));
+                if attempt.traced.0 == events {
+                    let right = attempt.traced.1;
+                    let share = right as f64 / events as f64;
+                    attempt.first = Some((format!("{right} of {events}"), share));
                     attempt.state = Progress::Right;
                 }
             } else {
@@ -424,74 +428,29 @@ impl Learner {
         std::mem::take(&mut self.entries)
     }
 
-    /// Returns the right answer in words, for a learner who gave up.
+    /// Returns the right answer in words, for a learner who gave up; `word` translates a text of the program.
     #[must_use]
-    pub fn right_answer(&self) -> Option<String> {
+    pub fn right_answer(&self, word: &dyn Fn(&str) -> String) -> Option<String> {
         let question = self.question.as_ref()?;
-        Some(match (question.key(), &question.form) {
-            (Key::Choice(option), Form::Choice { options, .. }) => {
-                format!("{}. {}", letter(*option), options.get(*option)?)
-            }
-            (Key::Place(places), _) => {
-                let places = places.iter().map(|place| self.translation.place(*place));
-                places.collect::<Vec<_>>().join(", ")
-            }
-            (
-                Key::Cut {
-                    axis,
-                    legal: [low, high],
-                },
-                _,
-            ) => {
-                let legal = within([*low, *high]);
-                let [low, high] = legal.map(|end| self.translation.number(end.to_string()));
-                format!("{} = {low} \u{2013} {high} r", axis.name())
-            }
-            (Key::Pick(samples), _) => {
-                let samples = samples.iter().map(u32::to_string);
-                samples.collect::<Vec<_>>().join(", ")
-            }
-            (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, "; "),
-            (Key::Order(ranks), Form::Order { items }) => texts(items, &sorted(ranks), "; "),
-            (Key::Number(number), Form::Number { unit, .. }) => {
-                let number = told(*number, question.tolerance);
-                let number = self.translation.number(number.to_string());
-                format!("{number} {unit}").trim().to_owned()
-            }
-            (key, _) => key.to_string(),
+        Some(question.interaction.right_words(&self.translation, word))
+    }
+
+    /// Returns the controls with which the learner answers, as they are with the answer so far; `word` translates a text of
+    /// the program. Before the question's run is there, there are none.
+    #[must_use]
+    pub fn controls(&self, draft: &Draft, word: &dyn Fn(&str) -> String) -> Vec<Control> {
+        let Some(question) = &self.question else {
+            return Vec::new();
+        };
+        let (_, event) = self.tries();
+        question.interaction.controls(&View {
+            draft,
+            is_open: self.is_open(),
+            event,
+            translation: &self.translation,
+            word,
         })
     }
-}
-
-/// Returns a right number as learners are told it: with three significant digits and every digit before the decimal sign;
-/// with more decimals where an answer that is so rounded would be wrong.
-fn told(number: f64, tolerance: f64) -> f64 {
-    // Of smaller numbers, the digits are counted as of a thousandth.
-    let before = number.abs().max(1e-3).log10().floor() as i32 + 1;
-    let scale = 10_f64.powi((3 - before).max(0));
-    let rounded = (number * scale).round() / scale;
-    if (rounded - number).abs() <= tolerance {
-        rounded
-    } else {
-        short(number)
-    }
-}
-
-/// Returns an interval of cuts as learners are told it: to a tenth, rounded inwards, so that every cut of it is legal.
-fn within([low, high]: [f64; 2]) -> [f64; 2] {
-    let tenths = [(low * 10.0).ceil() / 10.0, (high * 10.0).floor() / 10.0];
-    // A very short interval may hold no tenth.
-    if tenths[0] <= tenths[1] {
-        tenths
-    } else {
-        [low, high].map(short)
-    }
-}
-
-/// Returns the texts of these indices, joined.
-fn texts(texts: &[String], indices: &[usize], between: &str) -> String {
-    let chosen = indices.iter().filter_map(|&index| texts.get(index));
-    chosen.map(String::as_str).collect::<Vec<_>>().join(between)
 }
 
 #[cfg(test)]
@@ -513,7 +472,7 @@ mod tests {
         let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).expect("a pattern");
         let run = record(&parameters, &pattern, &mut Unobserved).expect("a run");
         assert_eq!(learner.arrive(&run, 0.0), Ok(Arrival::Here));
-        learner.right_answer().expect("an answer")
+        learner.right_answer(&str::to_owned).expect("an answer")
     }
 
     #[test]
@@ -554,14 +513,5 @@ mod tests {
     fn samples_are_told_apart() {
         let gate = "type: pick\nseveral: yes\nask: Which?\ncandidates: s < 3\nanswer: s < 2\n";
         assert_eq!(told_at(gate, '.'), "0, 1");
-    }
-
-    #[test]
-    fn an_interval_of_cuts_is_told_to_a_tenth_that_is_legal() {
-        let said = |legal: [f64; 2]| within(legal).map(|end| end.to_string());
-        assert_eq!(said([6.0, 23.4117]), ["6", "23.4"]);
-        assert_eq!(said([5.91, 23.49]), ["6", "23.4"]);
-        // No tenth lies within.
-        assert_eq!(said([6.041_21, 6.081_23]), ["6.0412", "6.0812"]);
     }
 }

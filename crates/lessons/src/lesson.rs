@@ -2,38 +2,15 @@
 //! computed from a run.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
-use tilescope_core::Parameters;
-
-use crate::error::LessonError;
 use crate::inventory::{Concept, TestForm};
-use crate::moment::Moment;
-
-/// The most bytes of a lesson file.
-pub const MAX_BYTES: usize = 200_000;
-
-/// The names of the layers of the canvas, as lessons name them.
-pub const LAYERS: [&str; 16] = [
-    "pattern",
-    "blocks",
-    "kd-tree",
-    "seams",
-    "samples",
-    "disks",
-    "conflicts",
-    "eliminated",
-    "gaps",
-    "detectors",
-    "candidates",
-    "inserted",
-    "delaunay",
-    "voronoi",
-    "circumcircles",
-    "covered-circles",
-];
+use crate::kinds::GateKind;
+use crate::scene_spec::SceneSpec;
+use crate::text::{Text, Wrong};
 
 /// A lesson.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Lesson {
     /// Its name: that of its file, without `.md`.
     pub name: String,
@@ -52,7 +29,7 @@ pub struct Lesson {
 }
 
 /// A step of a lesson.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Step {
     /// The name in links: the gate's, or one made from the title.
     pub name: String,
@@ -72,69 +49,17 @@ pub struct Step {
     pub line: usize,
 }
 
-/// The run, the moment and the view of a step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSpec {
-    /// The parameters of the run.
-    pub parameters: Parameters,
-    /// The moment.
-    pub moment: Moment,
-    /// What must hold there, if anything must.
-    pub condition: Option<Text>,
-    /// The layers of the canvas; those of the stage, if none are named.
-    pub layers: Option<Vec<String>>,
-    /// The camera.
-    pub camera: Camera,
-    /// General claims of the lesson that are tested at this moment, in the runs of many seeds.
-    pub claims: Vec<Claim>,
-    /// The line of the directive, or of the title.
-    pub line: usize,
-}
-
-/// A general claim of a lesson. `check` tests it in the runs of many seeds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Claim {
-    /// True in each run.
-    Each(Text),
-    /// The mean over the runs is on one side of a bound.
-    Mean {
-        /// The expression of the number whose mean is taken.
-        of: Text,
-        /// Whether the mean is above the bound, not below it.
-        is_above: bool,
-        /// The bound.
-        bound: f64,
-    },
-}
-
-/// What the camera shows.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Camera {
-    /// The whole domain.
-    #[default]
-    Fit,
-    /// The sample or place that an expression gives, with so many r around it.
-    At(Text, f64),
-}
-
-/// A text of the file with its line: a paragraph or an expression.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Text {
-    /// The text.
-    pub text: String,
-    /// The line.
-    pub line: usize,
-}
-
 /// A question.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Gate {
     /// Its name, unique in the lesson.
     pub name: String,
     /// What it asks.
     pub ask: Text,
+    /// The type of the question: one of [`kind_names`](crate::kind_names).
+    pub kind_name: &'static str,
     /// What the learner does.
-    pub kind: GateKind,
+    pub kind: Arc<dyn GateKind>,
     /// Known wrong answers, each with the sentence that the learner then reads.
     pub wrong: Vec<Wrong>,
     /// A hint.
@@ -162,128 +87,6 @@ pub struct Gate {
     pub practice: Option<RangeInclusive<u64>>,
     /// The line of the directive.
     pub line: usize,
-}
-
-/// A known wrong answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wrong {
-    /// The expression of the answer, of the same kind as the key's.
-    pub answer: Text,
-    /// The sentence that the learner then reads.
-    pub sentence: Text,
-}
-
-/// A choice: a text and when it is right.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChoiceOption {
-    /// The text.
-    pub text: Text,
-    /// An expression that is true if the option is right.
-    pub when: Text,
-    /// The sentence for a learner who chose it although it is wrong.
-    pub sentence: Option<Text>,
-}
-
-/// What the learner does, and where the key comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GateKind {
-    /// Selects samples.
-    Pick {
-        /// Which samples are right: true for a sample `s`.
-        answer: Text,
-        /// Which samples are in the list: true for a sample `s`.
-        candidates: Text,
-        /// Whether several may be selected.
-        several: bool,
-    },
-    /// Puts a point.
-    Place {
-        /// A right place, or several.
-        right: Text,
-        /// Which places are right, if they are more than those: true for a place `x`, `y`.
-        answer: Option<Text>,
-        /// How far from a right place is right, in r.
-        within: f64,
-        /// Further places of the numbered list.
-        candidates: Vec<Text>,
-    },
-    /// Types a number.
-    Number {
-        /// The number.
-        answer: Text,
-        /// How far off it may be.
-        tolerance: f64,
-        /// Its unit.
-        unit: String,
-        /// The point set whose spectrum appears after the answer.
-        curve: Option<Text>,
-    },
-    /// Chooses one option.
-    Choice {
-        /// The options.
-        options: Vec<ChoiceOption>,
-        /// The point sets whose spectra are drawn beside the options, one each.
-        curves: Vec<Text>,
-    },
-    /// Sorts items.
-    Order {
-        /// The items, each with the expression of the number that it is sorted by.
-        items: Vec<(Text, Text)>,
-    },
-    /// Draws a cut that the algorithm may make of the node that is cut next.
-    Cut,
-    /// Says for bands of a spectrum whether its power goes up, down, or stays.
-    Bands {
-        /// The set before.
-        from: Text,
-        /// The set after.
-        to: Text,
-        /// The bands, in 1/r.
-        bands: Vec<[f64; 2]>,
-    },
-    /// Does the next steps of the algorithm by hand.
-    Trace {
-        /// The query of the events that are predicted.
-        events: Text,
-        /// How many of them.
-        steps: usize,
-        /// What may happen, each with the expression that is true if it does.
-        options: Vec<ChoiceOption>,
-    },
-}
-
-impl Text {
-    pub(crate) fn new(text: impl Into<String>, line: usize) -> Self {
-        let text = text.into();
-        Self { text, line }
-    }
-
-    /// Returns a fault of this text.
-    pub(crate) fn wrong(&self, message: impl Into<String>) -> LessonError {
-        LessonError::new(self.line, message)
-    }
-}
-
-impl GateKind {
-    /// The names of all kinds.
-    pub const NAMES: [&str; 8] = [
-        "pick", "place", "number", "choice", "order", "cut", "bands", "trace",
-    ];
-
-    /// Returns the name in files.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Pick { .. } => "pick",
-            Self::Place { .. } => "place",
-            Self::Number { .. } => "number",
-            Self::Choice { .. } => "choice",
-            Self::Order { .. } => "order",
-            Self::Cut => "cut",
-            Self::Bands { .. } => "bands",
-            Self::Trace { .. } => "trace",
-        }
-    }
 }
 
 impl Lesson {
@@ -337,24 +140,7 @@ impl Lesson {
 impl Gate {
     fn texts(&self) -> Vec<&str> {
         let mut texts = vec![self.ask.text.as_str()];
-        match &self.kind {
-            GateKind::Choice { options, .. } | GateKind::Trace { options, .. } => {
-                for option in options {
-                    texts.push(&option.text.text);
-                    texts.extend(
-                        option
-                            .sentence
-                            .as_ref()
-                            .map(|sentence| sentence.text.as_str()),
-                    );
-                }
-            }
-            GateKind::Order { items } => {
-                texts.extend(items.iter().map(|(text, _)| text.text.as_str()));
-            }
-            GateKind::Number { unit, .. } => texts.push(unit),
-            _ => {}
-        }
+        texts.extend(self.kind.texts());
         texts.extend(self.wrong.iter().map(|wrong| wrong.sentence.text.as_str()));
         let more = [&self.otherwise, &self.hint].into_iter().flatten();
         texts.extend(more.map(|text| text.text.as_str()));

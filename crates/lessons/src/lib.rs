@@ -2,8 +2,9 @@
 //! key is computed from the recording.
 //!
 //! Begin with [`Lesson::read`], which reads a file; [`Scene::find`] finds the moment of a step in a recording, and
-//! [`Question::of`] computes the question and its key there. A window or a page controls a [`Learner`]. For authors
-//! `assets/lessons/README.md` describes the format.
+//! [`Question::of`] computes the question and its key there. A window or a page controls a [`Learner`], and shows the
+//! [`Control`]s of its question. The types of questions are in `kinds/`. For authors `assets/lessons/README.md` describes the
+//! format.
 //!
 //! This crate opens no window, reads no files and asks no clock: callers pass texts, runs and times.
 //!
@@ -35,17 +36,21 @@
 //! let scene = Scene::find(&recording, &step.scene)?.expect("a sample is lost");
 //! let question = Question::of(step.gate.as_ref().expect("a question"), &scene)?;
 //! let lost = recording.event(question.cursor).expect("an event").samples()[0];
-//! assert_eq!(question.key().to_string(), lost.to_string());
+//! assert_eq!(question.key(), lost.to_string());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ~~~
 
 mod answer;
 mod check;
+mod control;
+mod draft;
+mod draws;
 mod error;
 mod fields;
 mod functions;
 pub mod gain;
 mod inventory;
+mod kinds;
 mod learner;
 mod lesson;
 mod moment;
@@ -56,28 +61,36 @@ mod question;
 mod read;
 pub mod results;
 mod scene;
+mod scene_spec;
 mod seen;
 mod sets;
 pub mod shipped;
 mod syntax;
+mod text;
 mod translation;
 mod votes;
 
-pub use answer::{Answer, Change, CutAxis, Key, letter};
+pub use answer::{Answer, Change, CutAxis, letter};
 pub use check::{Checked, Runs, check, leak};
-pub use error::{LessonError, nearest};
-pub use inventory::{Concept, TestForm};
-pub use learner::{Arrival, Feedback, Learner, Progress};
-pub use lesson::{
-    Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,
-    Wrong,
+pub use control::{
+    Control, Curve, GradedItem, Item, Lines, ListedMark, Mark, MarkKind, Row, RowWord, Segment,
+    Spot,
 };
+pub use draft::{Draft, DraftCommand};
+pub use error::{LessonError, nearest};
+pub use fields::MAX_OPTIONS;
+pub use inventory::{Concept, TestForm};
+pub use kinds::{GateKind, Interaction, MAX_CANDIDATES, kind_names};
+pub use learner::{Arrival, Feedback, Learner, Progress};
+pub use lesson::{Gate, Lesson, Step};
 pub use moment::Moment;
 pub use names::{PROPERTIES, functions};
 pub use parameters::MAX_SAMPLES;
 pub use prose::{Span, Style, plain, spans, words};
-pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};
-pub use read::{MAX_OPTIONS, MAX_STEPS, PARAMETERS, step_name};
+pub use question::{Grade, Question, WrongAnswer};
+pub use read::{MAX_STEPS, PARAMETERS, step_name};
 pub use scene::{Scene, record};
+pub use scene_spec::{Camera, Claim, LAYERS, SceneSpec};
+pub use text::{ChoiceOption, MAX_BYTES, Text, Wrong};
 pub use translation::{Translation, is_language};
 pub use votes::{Advice, MAX_VOTES, RightShare, Vote, advice};

@@ -9,21 +9,16 @@ use unicode_segmentation::UnicodeSegmentation;
 use crate::error::{LessonError, nearest};
 use crate::fields::{Field, Fields};
 use crate::inventory::{Concept, TestForm};
-use crate::lesson::{
-    Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,
-    Wrong,
-};
+use crate::kinds::{KINDS, KindRow};
+use crate::lesson::{Gate, Lesson, Step};
 use crate::moment::Moment;
 use crate::parameters::{MAX_SAMPLES, with_parameter};
-use crate::prose;
+use crate::scene_spec::{Camera, Claim, LAYERS, SceneSpec};
 use crate::syntax;
+use crate::text::{MAX_BYTES, Text, Wrong};
 
 /// The most steps of a lesson.
 pub const MAX_STEPS: usize = 40;
-/// The most options, items or candidates of a question.
-pub const MAX_OPTIONS: usize = 8;
-/// The most steps of a `trace`.
-const MAX_TRACED: usize = 12;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
@@ -135,7 +130,7 @@ fn check_form(lesson: &Lesson) -> Result<(), LessonError> {
             let message = format!("the question of line {line} is about \"{name}\" already");
             return Err(wrong(message));
         }
-        if matches!(gate.kind, GateKind::Trace { .. }) {
+        if gate.kind.is_trace() {
             let message = "a form has no trace, which shows the right answer at each event";
             return Err(wrong(message.to_owned()));
         }
@@ -351,7 +346,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
-    scene.condition = fields.optional("where", |field| expression(&field.text(), &[]))?;
+    scene.condition = fields.optional("where", |field| field.expression(&[]))?;
     if let Some(field) = fields.get("layers") {
         scene.layers = match field.value.as_str() {
             "automatic" => None,
@@ -363,7 +358,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
             ("fit", None) => Camera::Fit,
             (place, Some(radii)) => {
                 let radii = field.part(radii).number([2.0, 1_000.0])?;
-                Camera::At(expression(&Text::new(place, field.line), &[])?, radii)
+                Camera::At(Text::new(place, field.line).expression(&[])?, radii)
             }
             _ => {
                 let message = "the camera is \"fit\" or of the form \"EXPRESSION radii 12\", where the expression gives a \
@@ -388,7 +383,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
 fn claims(fields: &Fields) -> Result<Vec<Claim>, LessonError> {
     let all = fields.all.iter();
     let claims = all.filter_map(|field| match field.key.as_str() {
-        "claim" => Some(expression(&field.text(), &[]).map(Claim::Each)),
+        "claim" => Some(field.expression(&[]).map(Claim::Each)),
         "claim-mean" => Some(claim_of_mean(field)),
         _ => None,
     });
@@ -406,7 +401,7 @@ fn claim_of_mean(field: &Field) -> Result<Claim, LessonError> {
 
     let is_above = field.value[of.len()..].starts_with('>');
     Ok(Claim::Mean {
-        of: expression(&Text::new(of.trim(), field.line), &[])?,
+        of: Text::new(of.trim(), field.line).expression(&[])?,
         is_above,
         bound: field.part(bound.trim()).number(BOUNDS)?,
     })
@@ -422,34 +417,6 @@ fn layers(field: &Field) -> Result<Vec<String>, LessonError> {
         known.ok_or_else(|| LessonError::unknown(field.line, "layer", name, &LAYERS))
     };
     names.map(read).collect()
-}
-
-/// Returns an expression that parses and uses only known names, and `more`.
-fn expression(text: &Text, more: &[&str]) -> Result<Text, LessonError> {
-    syntax::check(&text.text, text.line, more)?;
-    Ok(text.clone())
-}
-
-fn paragraph(text: &Text) -> Result<Text, LessonError> {
-    let checked = sentence(text)?;
-    if prose::plain(&text.text).trim().is_empty() {
-        return Err(text.wrong("the text is empty"));
-    }
-    Ok(checked)
-}
-
-/// Returns a text whose expressions in braces parse.
-fn sentence(text: &Text) -> Result<Text, LessonError> {
-    syntax::check_text(&text.text, text.line)?;
-    Ok(text.clone())
-}
-
-/// Returns a query; one with values of the moment is read when they are known.
-fn query(field: &Field) -> Result<Text, LessonError> {
-    if !field.value.contains('{') {
-        Moment::read(&format!("after {}", field.value), field.line)?;
-    }
-    sentence(&field.text())
 }
 
 /// The fields that every gate may have.
@@ -469,35 +436,19 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         return Err(LessonError::unknown(line, what, &field.key, &["type"]));
     }
     let named = fields.need("type")?;
-    let (name_line, named) = (named.line, named.value.clone());
-    if !GateKind::NAMES.contains(&named.as_str()) {
-        let (what, names) = ("type of gate", &GateKind::NAMES);
-        return Err(LessonError::unknown(name_line, what, &named, names));
-    }
-    fields.of = format!("a {named} gate");
-    let (once, many): (&[&str], &[&str]) = match named.as_str() {
-        "pick" => (
-            &["answer", "candidates", "several", "otherwise"],
-            &["wrong"],
-        ),
-        "place" => (
-            &["right", "answer", "within", "otherwise"],
-            &["wrong", "candidate"],
-        ),
-        "number" => (
-            &["answer", "tolerance", "unit", "otherwise", "curve"],
-            &["wrong"],
-        ),
-        "choice" => (&[], &["option", "curve"]),
-        "order" => (&["otherwise"], &["item"]),
-        "bands" => (&["from", "to", "otherwise"], &["band"]),
-        "trace" => (&["events", "steps"], &["option"]),
-        _ => (&["otherwise"], &[]),
+    let of_name = |kind: &&KindRow| kind.name == named.value;
+    let Some(row) = KINDS.iter().find(of_name) else {
+        let names = KINDS.map(|kind| kind.name);
+        let (line, what) = (named.line, "type of gate");
+        return Err(LessonError::unknown(line, what, &named.value, &names));
     };
-    let once: Vec<&str> = OF_GATE.iter().chain(once).copied().collect();
-    fields.only(&once, many)?;
-    let kind = kind(&named, &fields)?;
-    let said = |field: &Field| paragraph(&field.text());
+
+    fields.of = format!("a {} gate", row.name);
+    let once: Vec<&str> = OF_GATE.iter().chain(row.once).copied().collect();
+    fields.only(&once, row.many)?;
+    let kind = (row.read)(&fields)?;
+
+    let said = |field: &Field| field.text().paragraph();
     let practice = match fields.get("practice") {
         None => Some(1..=40),
         Some(field) if field.value == "none" => None,
@@ -505,17 +456,18 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     };
     Ok(Gate {
         name,
-        ask: paragraph(&fields.need("ask")?.text())?,
-        wrong: wrongs(&named, &fields)?,
+        ask: fields.need("ask")?.text().paragraph()?,
+        wrong: wrongs(row.wrong_names, &fields)?,
+        kind_name: row.name,
         kind,
         hint: fields.optional("hint", said)?,
         otherwise: fields.optional("otherwise", said)?,
         because: fields.optional("because", said)?,
-        is_reading: fields.optional("read", yes_or_no)?.unwrap_or(false),
-        mark: fields.optional("mark", |field| expression(&field.text(), &[]))?,
+        is_reading: fields.optional("read", Field::yes_or_no)?.unwrap_or(false),
+        mark: fields.optional("mark", |field| field.expression(&[]))?,
         circle: fields.optional("circle", |field| field.number(CIRCLES))?,
         strip: fields.optional("strip", |field| field.number(CIRCLES))?,
-        decided: fields.optional("decided", query)?,
+        decided: fields.optional("decided", Field::query)?,
         shows: fields.optional("shows", layers)?.unwrap_or_default(),
         concept: fields.optional("concept", |field| Concept::named(&field.value, field.line))?,
         practice,
@@ -523,137 +475,19 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     })
 }
 
-fn wrongs(kind: &str, fields: &Fields) -> Result<Vec<Wrong>, LessonError> {
-    let more: &[&str] = if kind == "pick" { &["s"] } else { &[] };
+/// Returns the known wrong answers, whose expressions may also use the names `more`.
+fn wrongs(more: &[&str], fields: &Fields) -> Result<Vec<Wrong>, LessonError> {
     let wrongs = fields.many("wrong").map(|field| {
         let (answer, Some(said)) = field.split("=>") else {
             let message = "a wrong answer is of the form \"wrong: EXPRESSION => SENTENCE\"";
             return Err(field.wrong(message));
         };
         Ok(Wrong {
-            sentence: sentence(&Text::new(said, field.line))?,
-            answer: expression(&Text::new(answer, field.line), more)?,
+            sentence: Text::new(said, field.line).sentence()?,
+            answer: Text::new(answer, field.line).expression(more)?,
         })
     });
     wrongs.collect()
-}
-
-fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
-    let need = |key: &str, more: &[&str]| expression(&fields.need(key)?.text(), more);
-    let number = |key: &str, otherwise: f64, limits: [f64; 2]| {
-        let read = fields.optional(key, |field| field.number(limits))?;
-        Ok(read.unwrap_or(otherwise))
-    };
-    let plain = |field: &Field| expression(&field.text(), &[]);
-    Ok(match named {
-        "pick" => GateKind::Pick {
-            answer: need("answer", &["s"])?,
-            candidates: need("candidates", &["s"])?,
-            several: fields.optional("several", yes_or_no)?.unwrap_or(false),
-        },
-        "place" => GateKind::Place {
-            right: need("right", &[])?,
-            answer: fields.optional("answer", |field| expression(&field.text(), &["x", "y"]))?,
-            within: number("within", 0.25, [0.0, 2.0])?,
-            candidates: limited("candidate", plain, 0, fields)?,
-        },
-        "number" => GateKind::Number {
-            answer: need("answer", &[])?,
-            tolerance: number("tolerance", 0.0, [0.0, 1e9])?,
-            unit: fields
-                .get("unit")
-                .map_or(String::new(), |field| field.value.clone()),
-            curve: fields.optional("curve", |field| expression(&field.text(), &[]))?,
-        },
-        "choice" => {
-            let (options, curves) = (options(fields)?, limited("curve", plain, 0, fields)?);
-            let [drawn, wanted] = [curves.len(), options.len()];
-            if drawn != 0 && drawn != wanted {
-                let message = format!(
-                    "there are {drawn} curves and {wanted} options; each option has one curve"
-                );
-                return Err(LessonError::new(fields.line, message));
-            }
-            GateKind::Choice { options, curves }
-        }
-        "order" => {
-            let item = |field: &Field| {
-                let (text, Some(by)) = field.split(" by: ") else {
-                    let message = "an item is of the form \"item: TEXT by: EXPRESSION\"";
-                    return Err(field.wrong(message));
-                };
-                let [text, by] = [text, by].map(|part| Text::new(part, field.line));
-                Ok((paragraph(&text)?, expression(&by, &[])?))
-            };
-            GateKind::Order {
-                items: limited("item", item, 3, fields)?,
-            }
-        }
-        "bands" => GateKind::Bands {
-            from: need("from", &[])?,
-            to: need("to", &[])?,
-            bands: limited("band", band, 2, fields)?,
-        },
-        "trace" => GateKind::Trace {
-            events: query(fields.need("events")?)?,
-            steps: number("steps", 6.0, [1.0, MAX_TRACED as f64])? as usize,
-            options: options(fields)?,
-        },
-        _ => GateKind::Cut,
-    })
-}
-
-fn yes_or_no(field: &Field) -> Result<bool, LessonError> {
-    match field.value.as_str() {
-        "yes" => Ok(true),
-        "no" => Ok(false),
-        _ => Err(field.wrong(format!("\"{}\" is yes or no", field.key))),
-    }
-}
-
-fn band(field: &Field) -> Result<[f64; 2], LessonError> {
-    let (low, Some(high)) = field.split("..") else {
-        return Err(field.wrong("a band is of the form \"band: 0.2..0.5\", in 1/r"));
-    };
-    let end = |text: &str| field.part(text).number([0.0, 3.0]);
-    Ok([end(low)?, end(high)?])
-}
-
-/// Returns the options `TEXT when: EXPRESSION => SENTENCE`; the sentence may be missing.
-fn options(fields: &Fields) -> Result<Vec<ChoiceOption>, LessonError> {
-    let option = |field: &Field| {
-        let text = |text: &str| Text::new(text.trim(), field.line);
-        let (shown, Some(rest)) = field.split(" when: ") else {
-            let message = "an option is of the form \"option: TEXT when: EXPRESSION => SENTENCE\"; the sentence may be left out";
-            return Err(field.wrong(message));
-        };
-        let (when, said) = match rest.split_once("=>") {
-            Some((when, said)) => (when, Some(sentence(&text(said))?)),
-            None => (rest, None),
-        };
-        Ok(ChoiceOption {
-            text: paragraph(&text(shown))?,
-            when: expression(&text(when), &[])?,
-            sentence: said,
-        })
-    };
-    limited("option", option, 2, fields)
-}
-
-/// Reads the fields of a key, at least `least` and at most [`MAX_OPTIONS`].
-fn limited<T>(
-    key: &str,
-    read: impl Fn(&Field) -> Result<T, LessonError>,
-    least: usize,
-    fields: &Fields,
-) -> Result<Vec<T>, LessonError> {
-    let items: Vec<T> = fields.many(key).map(read).collect::<Result<_, _>>()?;
-    let (of, count) = (&fields.of, items.len());
-    if count < least || count > MAX_OPTIONS {
-        let message = format!("{of} has from {least} to {MAX_OPTIONS} of \"{key}\", not {count}");
-        return Err(LessonError::new(fields.line, message));
-    }
-    Ok(items)
 }
 
 #[cfg(test)]

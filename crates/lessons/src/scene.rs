@@ -9,9 +9,10 @@ use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
 
 use crate::error::LessonError;
 use crate::functions::{self, Now, number_of, place_of};
-use crate::lesson::{Camera, SceneSpec, Text};
 use crate::prose;
+use crate::scene_spec::{Camera, SceneSpec};
 use crate::sets::{PointSet, position};
+use crate::text::Text;
 use crate::translation::Translation;
 
 /// A moment of a run with its evaluator.
@@ -72,6 +73,15 @@ impl Scene {
             return Ok(Some(scene));
         }
         Ok(None)
+    }
+
+    /// Returns a query with its values, and the events from the moment on that match it.
+    pub(crate) fn coming(&self, text: &Text) -> Result<(String, Vec<usize>), LessonError> {
+        let query = self.fill(text)?;
+        let found = self.now.events(&query);
+        let found = found.map_err(|error| text.wrong(error.to_string()))?;
+        let from = found.partition_point(|&event| event < self.cursor());
+        Ok((query, found[from..].to_vec()))
     }
 
     /// Moves to another moment of the run.

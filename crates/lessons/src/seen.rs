@@ -1,12 +1,15 @@
 //! Whether a learner sees what a question is about: on a canvas as large as in a window, and on one as on a telephone.
 //! Begin with [`unseen`].
 
-use crate::answer::Key;
+use crate::control::{MarkKind, Spot};
+use crate::draft::Draft;
 use crate::error::LessonError;
-use crate::lesson::{Gate, GateKind, SceneSpec, Text};
-use crate::question::{Form, Question};
+use crate::lesson::Gate;
+use crate::question::Question;
 use crate::scene::Scene;
+use crate::scene_spec::SceneSpec;
 use crate::sets::{PointSet, position, radii};
+use crate::text::Text;
 
 /// The canvases, in pixels: beside a lesson in a window, and above one on a telephone.
 const CANVASES: [[f64; 2]; 2] = [[800.0, 500.0], [390.0, 300.0]];
@@ -38,7 +41,7 @@ pub(crate) fn unseen(
         return Ok(Some(hidden));
     }
     // A trace follows the algorithm, which takes samples wherever they are; its camera follows too.
-    if matches!(gate.kind, GateKind::Trace { .. }) {
+    if gate.kind.is_trace() {
         return Ok(None);
     }
 
@@ -109,30 +112,22 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
         is_chosen,
     };
 
-    let mut named: Vec<Named> = Vec::new();
-    match (&question.form, question.key()) {
-        (Form::Pick { candidates, .. }, _) => {
-            named.extend(candidates.iter().map(|&sample| of_sample(sample, true)));
-        }
-        (Form::Place { candidates }, Key::Place(right)) => {
-            named.extend(
-                candidates
-                    .iter()
-                    .map(|&at| of_place("a place of the list", at, true)),
-            );
-            named.extend(right.iter().map(|&at| of_place("a right place", at, false)));
-        }
-        _ => {}
-    }
+    // Of the answered question, so that the right ones are among them.
+    let marks = question
+        .interaction
+        .marks(&Draft::default(), true)
+        .into_iter();
+    let listed = marks.map(|mark| match (mark.at, mark.kind) {
+        (Spot::Sample(sample), _) => of_sample(sample, true),
+        (Spot::Place(at), MarkKind::Right) => of_place("a right place", at, false),
+        (Spot::Place(at), _) => of_place("a place of the list", at, true),
+    });
+    let mut named: Vec<Named> = listed.collect();
     let marked = question.marked.iter();
     named.extend(marked.map(|&at| of_place("the mark", at, false)));
 
     let mut texts: Vec<&Text> = vec![&gate.ask];
-    match &gate.kind {
-        GateKind::Choice { options, .. } => texts.extend(options.iter().map(|option| &option.text)),
-        GateKind::Order { items } => texts.extend(items.iter().map(|(text, _)| text)),
-        _ => {}
-    }
+    texts.extend(gate.kind.shown());
     for text in texts {
         let samples = scene.samples_in(text)?;
         named.extend(samples.into_iter().map(|sample| of_sample(sample, false)));

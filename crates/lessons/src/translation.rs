@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::mem::take;
 
 use crate::error::{LessonError, shortened};
-use crate::lesson::{Lesson, MAX_BYTES};
 use crate::prose;
+use crate::text::MAX_BYTES;
 
 /// A translation of a lesson's texts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -126,8 +126,7 @@ impl Translation {
 
     /// Returns the texts of a lesson that are not translated, and the lines of translations of texts that it does not have.
     #[must_use]
-    pub fn compared(&self, lesson: &Lesson) -> (Vec<String>, Vec<LessonError>) {
-        let texts = lesson.texts();
+    pub fn compared(&self, texts: &[&str]) -> (Vec<String>, Vec<LessonError>) {
         let missing = texts.iter().filter(|text| !self.texts.contains_key(**text));
         let missing = missing.map(|text| (*text).to_owned()).collect();
         let stale = self.texts.iter();
@@ -146,10 +145,10 @@ impl Translation {
     /// Returns a translation file to be filled in: every text of a lesson that this one does not have, quoted, and every
     /// one that it has with its translation.
     #[must_use]
-    pub fn renewed(&self, lesson: &Lesson) -> String {
+    pub fn renewed(&self, texts: &[&str]) -> String {
         let mut seen: Vec<&str> = Vec::new();
         let mut file = String::new();
-        for text in lesson.texts() {
+        for &text in texts {
             if !seen.contains(&text) {
                 seen.push(text);
                 let translated = self.texts.get(text);

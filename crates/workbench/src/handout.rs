@@ -6,9 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_figures::{escape, to_svg};
-use tilescope_lessons::{
-    Change, Curve, CutAxis, Form, Lesson, Question, Style, Translation, letter, spans,
-};
+use tilescope_lessons::{Control, Curve, Item, Lesson, Row, Style, Translation, spans};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::language::Language;
 use tilescope_session::task::Task;
@@ -127,10 +125,10 @@ impl HandoutTask {
         }
         html.push_str("</div>\n</div>\n");
         if let Some(question) = open.learner.question() {
-            ask(html, question, labels);
+            ask(html, question.ask(0), &open.controls(&self.language.0));
             if self.answers {
                 open.learner.reveal();
-                let answer = open.right_answer(labels).unwrap_or_default();
+                let answer = open.right_answer(&self.language.0).unwrap_or_default();
                 let _ = write!(
                     html,
                     "<div class=\"answer\"><p><strong>{}</strong> {}</p>",
@@ -156,57 +154,67 @@ impl HandoutTask {
     }
 }
 
-/// Writes a question with the options, items or bands to choose from.
-fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
-    let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(question.ask(0)));
-    let choices = |html: &mut String, names: Vec<String>| {
-        let names = names.join(" &#160; ");
-        let _ = writeln!(html, "<p class=\"choices\">{names}</p>");
-    };
-    let list = |html: &mut String, items: &mut dyn Iterator<Item = String>| {
-        html.push_str("<ol class=\"options\" type=\"A\">\n");
-        for item in items {
-            let _ = writeln!(html, "<li>{item}</li>");
-        }
-        html.push_str("</ol>\n");
-    };
-    match &question.form {
-        Form::Choice { options, curves } => {
-            let plots = curves.iter().map(|curve| plot(&[curve]));
-            let plots = plots.chain(std::iter::repeat(String::new()));
-            let mut options = options
-                .iter()
-                .zip(plots)
-                .map(|(text, plot)| inline(text) + plot.as_str());
-            list(html, &mut options);
-        }
-        Form::Trace { options, .. } => list(html, &mut options.iter().map(|text| inline(text))),
-        Form::Order { items } => list(html, &mut items.iter().map(|text| inline(text))),
-        Form::Pick { candidates, .. } => {
-            choices(html, candidates.iter().map(u32::to_string).collect());
-        }
-        Form::Place { candidates } => {
-            let letters = (0..candidates.len()).map(letter);
-            choices(html, letters.map(String::from).collect());
-        }
-        Form::Number { unit, .. } => choices(html, vec![format!("_______ {}", escape(unit))]),
-        Form::Cut { candidates, .. } => {
-            let cuts = candidates.iter().map(|(axis, at)| match axis {
-                CutAxis::X => format!("{}, x = {at:.1} r", labels.vertical),
-                CutAxis::Y => format!("{}, y = {at:.1} r", labels.horizontal),
-            });
-            list(html, &mut { cuts });
-        }
-        Form::Bands { bands, curves } => {
-            html.push_str(&plot(&[&curves[0]]));
-            let _ = writeln!(html, "<p>{}</p>", escape(labels.bands));
-            let rows = bands.iter().map(|[low, high]| {
-                let changes = Change::ALL.map(|change| labels.change(change));
-                format!("{low:.2} \u{2013} {high:.2} / r: {}", changes.join(" / "))
-            });
-            list(html, &mut { rows });
+/// Writes a question with the controls that paper has.
+fn ask(html: &mut String, ask: &str, controls: &[Control]) {
+    let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(ask));
+
+    for control in controls {
+        match control {
+            Control::Line {
+                text,
+                is_printed: true,
+            } => {
+                let _ = writeln!(html, "<p>{}</p>", escape(text));
+            }
+            Control::Line { .. } => {}
+            Control::List { items } => list(html, items.iter().map(item)),
+            Control::Chips { items } => {
+                let names: Vec<String> = items.iter().map(item).collect();
+                choices(html, &names.join(" &#160; "));
+            }
+            Control::Rows { rows } => {
+                // A row without a name chooses a part of what the list has whole.
+                let named = rows
+                    .iter()
+                    .filter_map(|row| Some((row.name.as_ref()?, row)));
+                let lines: Vec<String> = named.map(|(name, row)| line(name, row)).collect();
+                if !lines.is_empty() {
+                    list(html, lines.into_iter());
+                }
+            }
+            Control::Field { unit, .. } => choices(html, &format!("_______ {}", escape(unit))),
+            Control::Plot { curves } => {
+                let curves: Vec<&Curve> = curves.iter().collect();
+                html.push_str(&plot(&curves));
+            }
         }
     }
+}
+
+/// Writes a list with letters.
+fn list(html: &mut String, items: impl Iterator<Item = String>) {
+    html.push_str("<ol class=\"options\" type=\"A\">\n");
+    for item in items {
+        let _ = writeln!(html, "<li>{item}</li>");
+    }
+    html.push_str("</ol>\n");
+}
+
+/// Writes what is chosen from in one line.
+fn choices(html: &mut String, choices: &str) {
+    let _ = writeln!(html, "<p class=\"choices\">{choices}</p>");
+}
+
+/// Returns an item with the spectrum beside it.
+fn item(item: &Item) -> String {
+    let plot = item.curve.as_ref().map(|curve| plot(&[curve]));
+    inline(&item.text) + plot.as_deref().unwrap_or("")
+}
+
+/// Returns a row of words, one of which is to be marked.
+fn line(name: &str, row: &Row) -> String {
+    let words: Vec<&str> = row.words.iter().map(|word| word.text.as_str()).collect();
+    format!("{name}: {}", words.join(" / "))
 }
 
 /// Returns a plot of spectra: power by frequency in 1/r.

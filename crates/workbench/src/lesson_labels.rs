@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use tilescope_lessons::Change;
 use tilescope_session::language::Language;
 
 /// The names of controls, hints and verdicts, for the window's panel and for the page's.
@@ -56,19 +55,6 @@ pub struct LessonLabels {
     pub clear: &'static str,
     pub clear_all: &'static str,
     pub keep: &'static str,
-    pub number: &'static str,
-    pub pick_several: &'static str,
-    pub pick_one: &'static str,
-    pub place: &'static str,
-    pub your_point: &'static str,
-    pub order: &'static str,
-    pub cut: &'static str,
-    pub vertical: &'static str,
-    pub horizontal: &'static str,
-    pub bands: &'static str,
-    pub up: &'static str,
-    pub same: &'static str,
-    pub down: &'static str,
     pub step: &'static str,
     pub of: &'static str,
     pub present: &'static str,
@@ -80,18 +66,6 @@ pub struct LessonLabels {
     pub half_right: &'static str,
     pub most_right: &'static str,
     pub no_address: &'static str,
-}
-
-impl LessonLabels {
-    /// Returns the word for a change of a spectrum in a band.
-    #[must_use]
-    pub const fn change(&self, change: Change) -> &'static str {
-        match change {
-            Change::Up => self.up,
-            Change::Same => self.same,
-            Change::Down => self.down,
-        }
-    }
 }
 
 static ENGLISH: LazyLock<LessonLabels> = LazyLock::new(|| labels(None));

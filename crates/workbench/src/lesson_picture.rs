@@ -13,7 +13,7 @@ use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 use tilescope_drawing::picture::{MomentView, PictureView, at as on_picture, color, thumbnail};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
-use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
+use tilescope_lessons::{Arrival, Learner, Lesson, MarkKind, Translation, record};
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Moment;
@@ -21,7 +21,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::task::Task;
 
-use crate::lessons::{LessonSource, MarkKind, OpenLesson};
+use crate::lessons::{LessonSource, OpenLesson};
 use crate::link::layer_name;
 use crate::pen::PenStroke;
 use crate::thumbnails::Thumbnail;
@@ -132,8 +132,8 @@ fn marks(
     place: impl Fn(DVec2) -> DVec2,
 ) -> Group {
     let mut marks = Group::new("marks");
-    if let Some(([low, high], _)) = open.cut() {
-        let [low, high] = [low, high].map(&place);
+    if let Some(lines) = open.lines() {
+        let [low, high] = lines.outline.map(|corner| place(corner.into()));
         let corners = [low, low.with_x(high.x), high, high.with_x(low.x), low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
         let sides = corners.windows(2);

@@ -10,8 +10,8 @@ use tilescope_debugger::{Direction, Recording};
 use tilescope_drawing::camera::Camera;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::{
-    Answer, Change, CutAxis, Feedback, Form, Key, Learner, Lesson, LessonError, Question, letter,
-    shipped,
+    Control, Draft, DraftCommand, Feedback, Learner, Lesson, LessonError, Lines, MarkKind,
+    Question, Spot, shipped,
 };
 use tilescope_session::language::Language;
 use tilescope_session::units::position;
@@ -62,154 +62,6 @@ pub enum LessonCommand {
     Name(String),
 }
 
-/// A change of the answer that is being put together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DraftCommand {
-    /// Begins anew.
-    Clear,
-    /// Selects the option, sample, place or cut of this index in the list; of several samples, adds or removes it. Of items
-    /// to be sorted, appends it to the order or removes it.
-    Choose(usize),
-    /// Selects a sample on the canvas.
-    Pick(u32),
-    /// Puts a point, in r.
-    Place([f64; 2]),
-    /// Types a number.
-    Type(String),
-    /// Chooses the axis of a cut.
-    Axis(CutAxis),
-    /// Chooses how a band changes.
-    Band(usize, Change),
-}
-
-/// An answer that is being put together.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AnswerDraft {
-    /// The selected samples.
-    pub samples: Vec<u32>,
-    /// The place.
-    pub place: Option<[f64; 2]>,
-    /// The text of a number.
-    pub text: String,
-    /// The chosen option.
-    pub option: Option<usize>,
-    /// The items in the order so far.
-    pub order: Vec<usize>,
-    /// The axis of a cut.
-    pub axis: Option<CutAxis>,
-    /// The changes of the bands so far.
-    pub bands: Vec<Option<Change>>,
-}
-
-impl AnswerDraft {
-    pub(crate) fn apply(&mut self, command: DraftCommand, question: &Question) {
-        match (command, &question.form) {
-            (DraftCommand::Clear, _) => *self = Self::default(),
-            (DraftCommand::Choose(index), Form::Pick { candidates, .. }) => {
-                if let Some(&sample) = candidates.get(index) {
-                    self.toggle(sample, question);
-                }
-            }
-            (DraftCommand::Pick(sample), Form::Pick { candidates, .. })
-                if candidates.contains(&sample) =>
-            {
-                self.toggle(sample, question);
-            }
-            (DraftCommand::Choose(index), Form::Place { candidates }) => {
-                self.place = candidates.get(index).copied().or(self.place);
-            }
-            (DraftCommand::Choose(index), Form::Cut { candidates, .. }) => {
-                if let Some(&(axis, at)) = candidates.get(index) {
-                    self.axis = Some(axis);
-                    self.place = Some([at, at]);
-                }
-            }
-            (DraftCommand::Place(place), Form::Place { .. } | Form::Cut { .. }) => {
-                self.place = Some(place);
-            }
-            (DraftCommand::Axis(axis), Form::Cut { .. }) => self.axis = Some(axis),
-            (
-                DraftCommand::Choose(index),
-                Form::Choice { options, .. } | Form::Trace { options, .. },
-            ) if index < options.len() => {
-                self.option = Some(index);
-            }
-            (DraftCommand::Choose(index), Form::Order { items }) => {
-                if let Some(at) = self.order.iter().position(|&item| item == index) {
-                    self.order.remove(at);
-                } else if index < items.len() {
-                    self.order.push(index);
-                }
-            }
-            (DraftCommand::Type(text), Form::Number { .. }) => {
-                self.text = text.chars().take(40).collect();
-            }
-            (DraftCommand::Band(index, change), Form::Bands { bands, .. }) => {
-                self.bands.resize(bands.len(), None);
-                if let Some(band) = self.bands.get_mut(index) {
-                    *band = Some(change);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn toggle(&mut self, sample: u32, question: &Question) {
-        let several = matches!(question.form, Form::Pick { several: true, .. });
-        if let Some(at) = self.samples.iter().position(|&other| other == sample) {
-            self.samples.remove(at);
-        } else {
-            if !several {
-                self.samples.clear();
-            }
-            self.samples.push(sample);
-        }
-    }
-
-    /// Returns the answer; or, as a sentence, what is missing.
-    pub fn answer(&self, question: &Question) -> Result<Answer, &'static str> {
-        match &question.form {
-            Form::Pick { .. } if self.samples.is_empty() => {
-                Err("Select a sample: on the canvas, or by its number.")
-            }
-            Form::Pick { .. } => Ok(Answer::Pick(self.samples.clone())),
-            Form::Place { .. } => {
-                let place = self.place.map(Answer::Place);
-                place.ok_or("Put a point: on the canvas, or by its letter.")
-            }
-            Form::Number { .. } => {
-                let number = self.text.trim().replace(',', ".").parse().ok();
-                let number = number.filter(|number: &f64| number.is_finite());
-                number
-                    .map(Answer::Number)
-                    .ok_or("Type a number, such as 12 or 0.5.")
-            }
-            Form::Choice { .. } | Form::Trace { .. } => {
-                self.option.map(Answer::Choice).ok_or("Choose an option.")
-            }
-            Form::Order { items } if self.order.len() < items.len() => {
-                Err("Sort all items: choose the first one, then the next.")
-            }
-            Form::Order { .. } => Ok(Answer::Order(self.order.clone())),
-            Form::Cut { .. } => {
-                let axis = self.axis;
-                let axis = axis.ok_or("Choose whether the cut is vertical or horizontal.")?;
-                let place = self.place;
-                let place = place.ok_or("Click where the cut goes, or choose one of the list.")?;
-                let at = place[axis as usize];
-                Ok(Answer::Cut { axis, at })
-            }
-            Form::Bands { bands, .. } => {
-                let all: Option<Vec<Change>> = self.bands.iter().copied().collect();
-                let all = all.filter(|all| all.len() == bands.len());
-                all.map(Answer::Bands)
-                    .ok_or("Say for each band whether it goes up, down, or stays.")
-            }
-        }
-    }
-}
-
 /// Where a lesson comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LessonSource {
@@ -230,7 +82,7 @@ pub struct OpenLesson {
     /// Its text.
     pub(crate) text: String,
     /// The answer that is being put together.
-    pub draft: AnswerDraft,
+    pub draft: Draft,
     /// The response to the last answer.
     pub feedback: Option<Feedback>,
     /// Why no answer could be given: what is missing, or a fault of the lesson.
@@ -476,28 +328,13 @@ pub struct Mark {
     pub kind: MarkKind,
 }
 
-/// The meaning of a mark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MarkKind {
-    /// A sample that the question names.
-    Named,
-    /// A sample or place of the list.
-    Listed,
-    /// A sample or place that is selected.
-    Chosen,
-    /// A right sample or place, after the answer.
-    Right,
-}
-
-/// A line or a box of a lesson on the canvas, by two corners in r.
+/// A box of a lesson on the canvas, by two corners in r.
 pub type MarkedBox = [DVec2; 2];
 
-/// Returns the line that cuts a box across an axis.
-const fn across([low, high]: MarkedBox, axis: CutAxis, at: f64) -> MarkedBox {
-    match axis {
-        CutAxis::X => [DVec2::new(at, low.y), DVec2::new(at, high.y)],
-        CutAxis::Y => [DVec2::new(low.x, at), DVec2::new(high.x, at)],
-    }
+/// Returns what translates a text of the program into a language.
+pub(crate) fn in_language(language: &str) -> impl Fn(&str) -> String {
+    let language = Language::of(language);
+    move |english| language.map_or_else(|| english.to_owned(), |own| own.text(english))
 }
 
 impl OpenLesson {
@@ -507,7 +344,7 @@ impl OpenLesson {
             learner,
             source,
             text: String::new(),
-            draft: AnswerDraft::default(),
+            draft: Draft::default(),
             feedback: None,
             lacking: None,
             fault: None,
@@ -547,33 +384,16 @@ impl OpenLesson {
         let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
         let is_done = !self.learner.is_open();
         let (_, step) = self.learner.tries();
-        let mut marks = Vec::new();
-        match &question.form {
-            Form::Pick { candidates, .. } => {
-                for &sample in candidates {
-                    let kind = match question.key() {
-                        Key::Pick(right) if is_done && right.contains(&sample) => MarkKind::Right,
-                        _ if self.draft.samples.contains(&sample) => MarkKind::Chosen,
-                        _ => MarkKind::Listed,
-                    };
-                    marks.push(mark(position(sample), sample.to_string(), kind));
-                }
-            }
-            Form::Place { candidates } => {
-                for (index, &at) in candidates.iter().enumerate() {
-                    marks.push(mark(at.into(), letter(index).to_string(), MarkKind::Listed));
-                }
-                // The learner's own point stays beside the right one.
-                let chosen = self.draft.place;
-                let chosen = chosen.map(|at| mark(at.into(), String::new(), MarkKind::Chosen));
-                marks.extend(chosen);
-                if let (Key::Place(right), true) = (question.key(), is_done) {
-                    let right = right.iter();
-                    marks.extend(right.map(|&at| mark(at.into(), String::new(), MarkKind::Right)));
-                }
-            }
-            _ => {}
-        }
+
+        let listed = question.interaction.marks(&self.draft, is_done).into_iter();
+        let listed = listed.map(|listed| {
+            let at = match listed.at {
+                Spot::Sample(sample) => position(sample),
+                Spot::Place(at) => at.into(),
+            };
+            mark(at, listed.label, listed.kind)
+        });
+        let mut marks: Vec<Mark> = listed.collect();
         // A place that the question is about has neither a letter nor a number: it is none of the list.
         let places = question.marked.iter();
         marks.extend(places.map(|&at| mark(at.into(), String::new(), MarkKind::Named)));
@@ -627,24 +447,18 @@ impl OpenLesson {
         Some((inner.collect(), width))
     }
 
-    /// Returns the box that is to be cut, and the cut that is chosen.
+    /// Returns the lines of the question on the canvas, if it has some.
     #[must_use]
-    pub fn cut(&self) -> Option<(MarkedBox, Option<MarkedBox>)> {
-        let Form::Cut { min, max, .. } = &self.learner.question()?.form else {
-            return None;
-        };
-        let (low, high) = (DVec2::from(*min), DVec2::from(*max));
-        let line = self.draft.place.zip(self.draft.axis);
-        let line = line.map(|(place, axis)| across([low, high], axis, place[axis as usize]));
-        Some(([low, high], line))
+    pub fn lines(&self) -> Option<Lines> {
+        let is_done = !self.learner.is_open();
+        let question = self.learner.question()?;
+        question.interaction.lines(&self.draft, is_done)
     }
 
-    /// Returns the first and the last of the legal cuts, once the question is closed.
+    /// Returns the controls with which the learner answers, in a language.
     #[must_use]
-    pub fn outer_cuts(&self) -> Option<[MarkedBox; 2]> {
-        let (cut, _) = self.cut()?;
-        let (axis, legal) = self.legal_cuts()?;
-        Some(legal.map(|at| across(cut, axis, at)))
+    pub fn controls(&self, language: &str) -> Vec<Control> {
+        self.learner.controls(&self.draft, &in_language(language))
     }
 
     /// Returns the reasons for the right answer, in words: the deciding event and its causes, the nearest first. Empty while

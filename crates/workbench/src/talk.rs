@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use tilescope_lessons::{Advice, Key, Lesson, Vote, advice};
+use tilescope_lessons::{Advice, Lesson, Vote, advice};
 
 use tilescope_drawing::camera::Camera;
 use tilescope_session::jobs::Job;
@@ -293,13 +293,9 @@ pub fn code(text: &str) -> Option<Vec<Vec<bool>>> {
     Some((0..code.size).map(row).collect())
 }
 
-/// Returns the advice by the last vote; `key` is that of the question.
+/// Returns the advice by the last vote; `right` is the option of the question that is right, if it is one.
 #[must_use]
-pub fn advised(votes: &[Vote], key: Option<&Key>) -> Option<Advice> {
-    let right = match key {
-        Some(Key::Choice(option)) => Some(*option),
-        _ => None,
-    };
+pub fn advised(votes: &[Vote], right: Option<usize>) -> Option<Advice> {
     Some(advice(votes.last()?.right_share(right)?))
 }
 

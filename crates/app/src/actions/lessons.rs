@@ -3,9 +3,9 @@
 
 use egui::{Key, KeyboardShortcut};
 use tilescope_debugger::Direction;
-use tilescope_lessons::Form;
+use tilescope_lessons::{Control, DraftCommand};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
+use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::state::State;
 
 use super::{Action, List, Menu, NONE};
@@ -60,14 +60,8 @@ pub(super) fn add(list: &mut List, state: &State) {
         own(list, "Hint", LessonCommand::Hint)
             .refused(no_hint.then_some("The question has no hint."));
         own(list, "Give up", LessonCommand::GiveUp);
-        let count = match &question.form {
-            Form::Pick { candidates, .. } => candidates.len(),
-            Form::Place { candidates } => candidates.len(),
-            Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
-            Form::Order { items } => items.len(),
-            Form::Cut { candidates, .. } => candidates.len(),
-            Form::Number { .. } | Form::Bands { .. } => 0,
-        };
+        let controls = open.controls(&state.lessons().language);
+        let count = controls.iter().flat_map(Control::items).count();
         for (index, key) in DIGITS.into_iter().enumerate().take(count) {
             let choose = LessonCommand::Draft(DraftCommand::Choose(index));
             own(list, &format!("Choose answer {}", index + 1), choose).on_key(key);

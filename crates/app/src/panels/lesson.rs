@@ -1,7 +1,7 @@
 //! The panel of a lesson: the text of a step, its question, the answer, and the feedback on it; or the list of lessons.
 //! It stands beside the canvas, in a narrow window below it. Begin with [`show`] and `LessonPanel::show`.
 //!
-//! The files beside have the parts: [`answers`] for each type of question, [`list`] of lessons, [`marks`] over the
+//! The files beside have the parts: [`answers`] for the controls of questions, [`list`] of lessons, [`marks`] over the
 //! canvas, [`text`] for paragraphs. [`stage`] and [`notes`] are the two windows of a talk; `app/stage.rs` opens them.
 //! What a lesson is and how answers are graded is in `tilescope_lessons`.
 
@@ -21,7 +21,7 @@ use egui::{
 };
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Form, Question, letter};
+use tilescope_lessons::{Question, letter};
 use tilescope_ui::focus;
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
@@ -35,6 +35,7 @@ use tilescope_workbench::talk::TalkCommand;
 
 use super::common::{divide, read_out};
 use super::embedded;
+use answers::Answers;
 pub use marks::show as show_marks;
 
 /// Width of the panel beside the canvas, in screen points.
@@ -251,8 +252,8 @@ impl LessonPanel<'_> {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
         let (_, traced) = learner.tries();
-        if let Form::Trace { steps, .. } = &question.form {
-            let number = (traced + 1).min(*steps);
+        if let Some(steps) = question.traced() {
+            let number = (traced + 1).min(steps);
             let text = format!("{} {number} {} {steps}", labels.step, labels.of);
             ui.label(self.muted(text)).known_as("lesson-traced");
         }
@@ -260,9 +261,15 @@ impl LessonPanel<'_> {
         read_out(ui, &ask);
         ask.known_as("lesson-ask");
         ui.add_space(6.0);
-        let sizes = [self.size, PLOT];
-        let asked = (question, labels);
-        answers::show(ui, open, asked, sizes, self.palette, self.commands);
+        let answers = Answers {
+            open,
+            labels,
+            language: &self.state.lessons().language,
+            size: self.size,
+            plot: PLOT,
+            palette: self.palette,
+        };
+        answers.show(ui, self.commands);
         let top = ui.cursor().top();
         if !learner.is_open() {
             self.feedback(ui);
@@ -363,7 +370,7 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        if let Some(answer) = self.open.told_answer(self.labels) {
+        if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
                 .known_as("lesson-key");

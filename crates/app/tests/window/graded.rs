@@ -4,11 +4,11 @@
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_debugger::Direction;
-use tilescope_lessons::Key;
+use tilescope_lessons::DraftCommand;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::AppearanceCommand;
-use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
+use tilescope_workbench::lessons::LessonCommand;
 
 use crate::support::{find, node, opened_at, settle, text};
 
@@ -35,9 +35,8 @@ fn asked(size: [f32; 2]) -> Harness<'static, App> {
 /// Returns the indices of the right option, and of the two others.
 fn options(harness: &Harness<'_, App>) -> [usize; 3] {
     let question = harness.state().state.lessons().open_question();
-    let Key::Choice(right) = *question.expect("a question").key() else {
-        panic!("a choice");
-    };
+    let question = question.expect("a question");
+    let right = question.right_option().expect("a choice");
     [right, (right + 1) % 3, (right + 2) % 3]
 }
 
@@ -265,9 +264,8 @@ fn the_verdict_is_seen_though_the_options_fill_the_panel() {
     assert!(answer.top() > 720.0, "{answer:?}");
 
     let question = harness.state().state.lessons().open_question();
-    let Key::Choice(right) = *question.expect("a question").key() else {
-        panic!("a choice");
-    };
+    let question = question.expect("a question");
+    let right = question.right_option().expect("a choice");
     let choose = LessonCommand::Draft(DraftCommand::Choose(right));
     lesson(&mut harness, choose);
     lesson(&mut harness, LessonCommand::Answer);

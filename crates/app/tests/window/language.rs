@@ -7,8 +7,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
 use tilescope_debugger::{Direction, Listings};
+use tilescope_lessons::DraftCommand;
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
+use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::talk::TalkCommand;
 
 use crate::lesson::drafts;

@@ -5,9 +5,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
 use tilescope_debugger::Direction;
-use tilescope_lessons::{Answer, Form};
+use tilescope_lessons::{Answer, Control, DraftCommand};
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
+use tilescope_workbench::lessons::LessonCommand;
 
 use crate::support::{opened, settle};
 
@@ -45,14 +45,16 @@ fn right(harness: &Harness<'_, App>) -> Vec<usize> {
         .as_ref()
         .expect("a lesson");
     let (_, traced) = open.learner.tries();
-    match (question.right_answer(traced), &question.form) {
-        (Answer::Choice(option), _) => vec![option],
-        (Answer::Pick(samples), Form::Pick { candidates, .. }) => {
-            let place = |sample: &u32| candidates.iter().position(|other| other == sample);
-            samples.iter().filter_map(place).collect()
-        }
-        (answer, _) => panic!("{answer:?}"),
-    }
+    let samples = match question.right_answer(traced) {
+        Answer::Choice(option) => return vec![option],
+        Answer::Pick(samples) => samples,
+        answer => panic!("{answer:?}"),
+    };
+    let controls = open.controls("en");
+    let items = controls.iter().flat_map(Control::items).enumerate();
+    let is_right = |text: &str| samples.iter().any(|sample| sample.to_string() == text);
+    let right = items.filter(|(_, item)| is_right(&item.text));
+    right.map(|(index, _)| index).collect()
 }
 
 #[test]

@@ -3,15 +3,17 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Key as DrawKey, Stream, below};
+use tilescope_core::{Key, Stream};
 use tilescope_debugger::Recording;
 
-use crate::answer::{Answer, Change, CutAxis, Key};
+use crate::answer::Answer;
+use crate::draws::Dice;
 use crate::error::LessonError;
 use crate::learner::{Arrival, Learner};
-use crate::lesson::{Gate, GateKind, Lesson, Text};
-use crate::question::{Form, Question};
+use crate::lesson::{Gate, Lesson};
+use crate::question::Question;
 use crate::seen::unseen;
+use crate::text::Text;
 
 /// The most answers that a learner gives to a question, of which a trace takes several.
 const MAX_TRIES: u32 = 100;
@@ -66,13 +68,14 @@ pub(super) fn ask(
         ),
         None => (0.0, None),
     };
-    let draws = DrawKey::from_seed(seed).derive(Stream::Throw, index as u32);
+    let draws = Key::from_seed(seed).derive(Stream::Throw, index as u32);
     let scores = [
         score(&mut learner, &question, &|traced, _| {
             Some(question.right_answer(traced))
         })?,
         score(&mut learner, &question, &|_, attempt| {
-            Some(guess(&question, draws, attempt))
+            let dice = Dice::new(draws, attempt);
+            Some(question.interaction.guess(&dice))
         })?,
         score(&mut learner, &question, &|_, attempt| {
             let believed = (attempt == 0).then(|| misconception(gate, &question));
@@ -102,7 +105,7 @@ fn score(
         };
         let feedback = learner.answer(&answer, 1.0)?;
         // Only a trace takes several answers; of other questions the first answer counts.
-        if feedback.is_done || !matches!(question.key(), Key::Trace(_)) {
+        if feedback.is_done || question.traced().is_none() {
             break;
         }
     }
@@ -117,84 +120,17 @@ fn score(
 /// Returns the answer of a learner with the first known misconception, if there is one.
 fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
     if let Some(wrong) = question.wrong.first() {
-        return Some(match (&wrong.answer, &question.form) {
-            (Answer::Pick(samples), Form::Pick { several: false, .. }) => {
-                let Key::Pick(right) = question.key() else {
-                    return None;
-                };
-                Answer::Pick(vec![*samples.iter().find(|s| !right.contains(s))?])
-            }
-            (answer, _) => answer.clone(),
-        });
+        return question.interaction.believed(&wrong.answer);
     }
-    let (GateKind::Choice { options, .. }, Key::Choice(right)) = (&gate.kind, question.key())
-    else {
-        return None;
-    };
+    let (options, right) = (question.interaction.options()?, question.right_option()?);
+    let in_file = gate.kind.options();
     let is_believed = |shown: &usize| {
-        let option = options.get(question.in_file(*shown));
-        shown != right && option.is_some_and(|option| option.sentence.is_some())
+        let option = in_file.get(options.in_file(*shown));
+        *shown != right && option.is_some_and(|option| option.sentence.is_some())
     };
     // Authors list the misconception that they know best first.
-    let wrong = (0..options.len()).filter(is_believed);
+    let wrong = (0..in_file.len()).filter(is_believed);
     wrong
-        .min_by_key(|&shown| question.in_file(shown))
+        .min_by_key(|&shown| options.in_file(shown))
         .map(Answer::Choice)
-}
-
-/// Returns a random answer.
-fn guess(question: &Question, key: DrawKey, attempt: u32) -> Answer {
-    let draw = |index: u32, n: usize| {
-        below(
-            key.draw(Stream::Order, 64 * attempt + index)[0],
-            n.max(1) as u32,
-        ) as usize
-    };
-    let share =
-        |index: u32| f64::from(key.draw(Stream::Order, 64 * attempt + index)[1]) / 4_294_967_296.0;
-    match &question.form {
-        Form::Pick {
-            candidates,
-            several: false,
-        } => Answer::Pick(vec![candidates[draw(0, candidates.len())]]),
-        Form::Pick { candidates, .. } => {
-            let mut some: Vec<u32> = (0..)
-                .zip(candidates)
-                .filter(|(k, _)| share(*k) < 0.5)
-                .map(|(_, s)| *s)
-                .collect();
-            if some.is_empty() {
-                some.push(candidates[draw(60, candidates.len())]);
-            }
-            Answer::Pick(some)
-        }
-        Form::Place { candidates } => Answer::Place(candidates[draw(0, candidates.len())]),
-        Form::Number { .. } => Answer::Number((100.0 * share(0)).round()),
-        Form::Choice { options, .. } | Form::Trace { options, .. } => {
-            Answer::Choice(draw(0, options.len()))
-        }
-        Form::Order { items } => {
-            let mut order: Vec<usize> = (0..items.len()).collect();
-            for last in (1..order.len()).rev() {
-                order.swap(last, draw(last as u32, last + 1));
-            }
-            Answer::Order(order)
-        }
-        Form::Cut { min, max, .. } => {
-            let (axis, of) = if draw(0, 2) == 0 {
-                (CutAxis::X, 0)
-            } else {
-                (CutAxis::Y, 1)
-            };
-            Answer::Cut {
-                axis,
-                at: min[of] + share(1) * (max[of] - min[of]),
-            }
-        }
-        Form::Bands { bands, .. } => Answer::Bands(
-            (0..bands.len())
-                .map(|k| Change::ALL[draw(k as u32, 3)])
-                .collect(),
-        ),
-    }
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use tilescope_debugger::Recording;
 
 use crate::error::LessonError;
-use crate::lesson::{Claim, SceneSpec};
 use crate::scene::Scene;
+use crate::scene_spec::{Claim, SceneSpec};
 
 /// By how many standard errors a claimed mean must be beyond its bound: chance alone gets there once in 740 times.
 const ERRORS_BEYOND: f64 = 3.0;

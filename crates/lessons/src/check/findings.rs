@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 
 use super::asked::Asked;
 use super::claims::Claimed;
-use crate::answer::Key;
 use crate::error::LessonError;
-use crate::lesson::{ChoiceOption, Gate, GateKind, Text};
-use crate::question::{Form, Question};
+use crate::kinds::Novelty;
+use crate::lesson::Gate;
+use crate::question::Question;
 
 /// A run of a step: whether it is practised, and its seed.
 type OfRun = (bool, u64);
@@ -60,7 +60,7 @@ impl Findings {
             })) => {
                 let run = (is_practised, seed);
                 self.unseen = self.unseen.take().or(unseen);
-                self.keys.insert(run, question.key().to_string());
+                self.keys.insert(run, question.key());
                 self.cursors.insert(run, question.cursor);
                 self.chances.push(chance);
                 self.misconceived.extend(misconceived);
@@ -80,28 +80,24 @@ impl Findings {
 
     /// Adds which options are right and wrong.
     fn add_options(&mut self, question: &Question) {
-        let (Form::Choice { options, .. } | Form::Trace { options, .. }) = &question.form else {
+        let Some(options) = question.interaction.options() else {
             return;
         };
-        let rights = match question.key() {
-            Key::Choice(right) => std::slice::from_ref(right),
-            Key::Trace(rights) => rights.as_slice(),
-            _ => return,
-        };
-        for &right in rights {
-            self.right.insert(question.in_file(right));
-            let others = (0..options.len()).filter(|&shown| shown != right);
+        for &right in question.interaction.right_options() {
+            self.right.insert(options.in_file(right));
+            let others = (0..options.texts.len()).filter(|&shown| shown != right);
             self.wrong
-                .extend(others.map(|shown| question.in_file(shown)));
+                .extend(others.map(|shown| options.in_file(shown)));
         }
     }
 
     /// Adds what is counted over the practised runs.
     fn add_practised(&mut self, gate: Option<&Gate>, question: &Question) {
         self.fitting += 1;
-        if let Key::Choice(shown) = question.key() {
-            *self.places.entry(*shown).or_default() += 1;
-            let option = question.in_file(*shown);
+        let options = question.interaction.options();
+        if let Some((options, shown)) = options.zip(question.right_option()) {
+            *self.places.entry(shown).or_default() += 1;
+            let option = options.in_file(shown);
             *self.options.entry(option).or_default() += 1;
         }
         let instance = gate.and_then(|gate| instance(gate, question));
@@ -109,22 +105,22 @@ impl Findings {
     }
 }
 
-/// Returns what "again" should change: the key of a number or of a pick, the samples and numbers that a choice names; none
-/// of other questions and of a choice that names nothing.
+/// Returns what "again" should change: the key, or the samples and numbers that the texts name; none of questions that are
+/// new in every run, and of texts that name nothing.
 fn instance(gate: &Gate, question: &Question) -> Option<String> {
-    let has_value = |text: &Text| text.text.contains('{');
-    match (&gate.kind, &question.form) {
-        (GateKind::Number { .. } | GateKind::Pick { .. }, _) => Some(question.key().to_string()),
-        (GateKind::Choice { options, .. }, Form::Choice { options: shown, .. }) => {
-            let names = |option: &ChoiceOption| has_value(&option.text);
-            if !has_value(&gate.ask) && !options.iter().any(names) {
+    match gate.kind.novelty() {
+        Novelty::Key => Some(question.key()),
+        Novelty::Texts => {
+            let mut texts = gate.kind.shown();
+            texts.push(&gate.ask);
+            if !texts.iter().any(|text| text.has_value()) {
                 return None;
             }
             // The order in which options are shown makes no new question.
-            let mut shown = shown.clone();
+            let mut shown = question.interaction.listed().to_vec();
             shown.sort();
             Some(format!("{} {}", question.ask(0), shown.join(" ")))
         }
-        _ => None,
+        Novelty::Any => None,
     }
 }

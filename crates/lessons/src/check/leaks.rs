@@ -7,8 +7,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::rules::content_words;
-use crate::answer::Key;
-use crate::question::{Form, Question};
+use crate::kinds::Secret;
+use crate::question::Question;
 
 /// How many words before and after a number say what it counts.
 const BESIDE: usize = 3;
@@ -23,12 +23,12 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
         .map(String::as_str)
         .filter(|text| !is_free(text, question))
         .collect();
-    match (&question.form, question.key()) {
-        (Form::Number { .. }, Key::Number(number)) => said
+    match question.interaction.secret()? {
+        Secret::Number(number) => said
             .iter()
-            .find(|text| states(text, *number, question))
+            .find(|text| states(text, number, question))
             .map(|text| format!("\"{text}\" states the number that is asked for")),
-        (Form::Pick { candidates, .. }, Key::Pick(right)) => {
+        Secret::Samples(candidates, right) => {
             let all: Vec<Vec<f64>> = candidates.iter().map(|&s| vec![f64::from(s)]).collect();
             let is_right = |index: usize| right.contains(&candidates[index]);
             // What the question itself says of a sample, other texts may say; but not if it names them all.
@@ -40,26 +40,18 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
             }
             named(&said, &all, &known, &is_right)
         }
-        (Form::Place { candidates }, Key::Place(right)) => {
+        Secret::Places(candidates, right) => {
             let all: Vec<Vec<f64>> = candidates.iter().map(|at| at.to_vec()).collect();
             let is_right = |index: usize| right.contains(&candidates[index]);
             named(&said, &all, &BTreeSet::new(), &is_right)
         }
-        (Form::Choice { options, .. }, Key::Choice(right)) => chosen(&said, options, *right),
-        (Form::Trace { options, .. }, Key::Trace(rights)) => {
-            chosen(&said, options, *rights.first()?)
-        }
-        _ => None,
+        Secret::Option(options, right) => chosen(&said, options, right),
     }
 }
 
 /// Returns whether a text is a part of the question or of an option, or a row of the list of samples.
 fn is_free(text: &str, question: &Question) -> bool {
-    let options: &[String] = match &question.form {
-        Form::Choice { options, .. } | Form::Trace { options, .. } => options,
-        Form::Order { items } => items,
-        _ => &[],
-    };
+    let options = question.interaction.listed();
     let is_option = |option: &String| option.contains(text) || text.ends_with(option.as_str());
     let is_asked = question.ask(0).contains(text) || text.contains(question.ask(0));
     is_asked || is_row(text) || options.iter().any(is_option)

@@ -7,7 +7,8 @@ use super::claims::mean;
 use super::findings::Findings;
 use crate::answer::letter;
 use crate::error::LessonError;
-use crate::lesson::{ChoiceOption, Gate, GateKind, Lesson, Step};
+use crate::kinds::Novelty;
+use crate::lesson::{Gate, Lesson, Step};
 use crate::moment::Moment;
 use crate::prose;
 
@@ -163,7 +164,9 @@ fn above(counts: &BTreeMap<usize, usize>, found: &Findings, limit: f64) -> Vec<(
 fn options(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     let often = above(&found.options, found, MAX_SHARE).into_iter();
     let faults = often.map(|(option, share)| {
-        let line = options_of(gate)
+        let line = gate
+            .kind
+            .options()
             .get(option)
             .map_or(gate.line, |it| it.text.line);
         let message = format!(
@@ -212,9 +215,9 @@ fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     if share >= MIN_NEW {
         return Vec::new();
     }
-    let what = match gate.kind {
-        GateKind::Number { .. } | GateKind::Pick { .. } => "the answer",
-        _ => "what the question names",
+    let what = match gate.kind.novelty() {
+        Novelty::Key => "the answer",
+        Novelty::Texts | Novelty::Any => "what the question names",
     };
     let message = format!(
         "{what} differs from that of the seed before in {:.0}% of the seeds; at least {:.0}% must",
@@ -224,26 +227,18 @@ fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     vec![LessonError::new(gate.line, message)]
 }
 
-/// Returns the options of a gate; none if it has none.
-fn options_of(gate: &Gate) -> &[ChoiceOption] {
-    match &gate.kind {
-        GateKind::Choice { options, .. } | GateKind::Trace { options, .. } => options,
-        _ => &[],
-    }
-}
-
 /// Returns the faults of wrong answers without a reason.
 fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     let wrong = |message: &str| LessonError::new(gate.line, message);
     let mut faults = Vec::new();
-    for (index, option) in options_of(gate).iter().enumerate() {
+    for (index, option) in gate.kind.options().iter().enumerate() {
         if option.sentence.is_none() && found.wrong.contains(&index) {
             let message = "this option can be wrong and has no reason: add \" => SENTENCE\"";
             faults.push(option.text.wrong(message));
         }
     }
 
-    let has_options = !options_of(gate).is_empty();
+    let has_options = !gate.kind.options().is_empty();
     match &gate.otherwise {
         None if !has_options => faults.push(wrong(
             "a wrong answer that is not foreseen has no reason: add \"otherwise: SENTENCE\"",
@@ -257,12 +252,12 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         _ => {}
     }
 
-    let is_number = matches!(gate.kind, GateKind::Number { .. });
+    let is_inexact = gate.kind.is_inexact();
     match &gate.because {
-        None if is_number => faults.push(wrong(
+        None if is_inexact => faults.push(wrong(
             "nothing says the exact number and how it comes about: add \"because: SENTENCE\"",
         )),
-        Some(text) if is_number && !text.text.contains('{') => {
+        Some(text) if is_inexact && !text.text.contains('{') => {
             faults
                 .push(text.wrong("this does not say the exact number: give it with {EXPRESSION}"));
         }
@@ -289,7 +284,9 @@ fn reading(step: &Step, gate: &Gate, found: &Findings) -> Vec<LessonError> {
         return Vec::new();
     }
     let text = content_words(&step.text.join(" "));
-    let said = options_of(gate)
+    let said = gate
+        .kind
+        .options()
         .iter()
         .enumerate()
         .filter(|(index, option)| {

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use tilescope_core::Unobserved;
 use tilescope_lessons::shipped::{self, Shipped};
 use tilescope_lessons::{
-    Answer, Arrival, ChoiceOption, Concept, Form, GateKind, Learner, Lesson, Runs, TestForm,
-    Translation, check,
+    Answer, Arrival, ChoiceOption, Concept, Learner, Lesson, Runs, TestForm, Translation, check,
 };
 
 /// The largest difference of a learner's mean scores in the two forms.
@@ -52,11 +51,13 @@ fn items(lesson: &Lesson, runs: &mut Runs) -> Vec<Item> {
         };
         let learner = asked();
         let question = learner.question().expect("a question");
-        let (GateKind::Choice { options, .. }, Form::Choice { options: shown, .. }) =
-            (&gate.kind, &question.form)
-        else {
-            panic!("{}: votes need the letters of a choice", gate.name);
-        };
+        let (options, shown) = (gate.kind.options(), question.options());
+        // A trace has options too, but no letter that is right throughout.
+        assert!(
+            question.right_option().is_some(),
+            "{}: votes need the letters of a choice",
+            gate.name
+        );
         let score = |option: usize| {
             let mut learner = asked();
             let answer = learner.answer(&Answer::Choice(option), 1.0);
@@ -69,12 +70,12 @@ fn items(lesson: &Lesson, runs: &mut Runs) -> Vec<Item> {
         let believed = believed.unwrap_or_else(|| panic!("{}: no misconception", gate.name));
         let believed = learner.words(&believed.text.text);
         let believed = shown.iter().position(|text| *text == believed);
-        let mut sorted = shown.clone();
+        let mut sorted = shown.to_vec();
         sorted.sort();
         Item {
             concept: gate.concept.expect("a concept"),
-            kind: gate.kind.name(),
-            options: options.clone(),
+            kind: gate.kind_name,
+            options: options.to_vec(),
             instance: format!("{} {}", question.ask(0), sorted.join(" ")),
             guessed: guessed / shown.len() as f64,
             misconceived: score(believed.expect("it is shown")),
@@ -168,7 +169,7 @@ fn each_form_asks_about_every_concept_is_translated_and_has_its_pinned_keys() {
         }
 
         let translation = Translation::read(&form.german).unwrap();
-        let (missing, stale) = translation.compared(&lesson);
+        let (missing, stale) = translation.compared(&lesson.texts());
         faults.extend(
             missing
                 .iter()

@@ -32,7 +32,7 @@ fn is_sound(name: &str) {
     assert!(found.perfect > 0.999 && found.guessing < 0.75, "{found:?}");
 
     let translation = Translation::read(&shipped.german).unwrap();
-    let (missing, stale) = translation.compared(&lesson);
+    let (missing, stale) = translation.compared(&lesson.texts());
     faults.extend(
         missing
             .iter()

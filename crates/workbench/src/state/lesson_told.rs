@@ -1,13 +1,14 @@
 //! The open lesson as JSON, for pages that show its texts beside the canvas, and what their requests about lessons may do.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
-use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Progress, Translation, letter, spans};
+use tilescope_lessons::{Control, DraftCommand, Lesson, Progress, Span, Translation, spans};
 
 use crate::classroom::{Classroom, Context, Effect};
 use crate::graded::FULL_MARKS;
-use crate::lesson_labels::{LessonLabels, lesson_labels};
-use crate::lessons::{DraftCommand, LessonCommand, Lessons, OpenLesson, WantedLesson};
+use crate::lesson_labels::lesson_labels;
+use crate::lessons::{LessonCommand, Lessons, OpenLesson, WantedLesson};
 use crate::link::quoted;
 
 /// Why a request is refused that needs a lesson.
@@ -59,7 +60,7 @@ impl Lessons {
             "fault": open.fault.as_ref().map(|fault| self.in_words(&fault.to_string())),
             "waits": open.fault.is_none() && learner.scene().is_none(),
             "practice": learner.practised(),
-            "question": question_json(open, labels),
+            "question": QuestionTold::of(open, &lessons.language),
             "lacking": open.lacking.as_deref().map(|lacking| self.in_words(lacking)),
             "verdict": open.verdict(&lessons.language),
             "sentence": open.feedback.as_ref().and_then(|said| said.sentence.as_deref()).map(spans),
@@ -145,131 +146,61 @@ impl Lessons {
     /// `None` if no question is open.
     #[must_use]
     pub fn draft_of(&self, value: &Value) -> Option<Result<Vec<DraftCommand>, String>> {
-        let question = self.open_question()?;
-        let read = |kind: &str| serde_json::from_value::<Answer>(json!({ kind: value })).ok();
-        let commands: Result<Vec<DraftCommand>, String> = match &question.form {
-            Form::Choice { options, .. } | Form::Trace { options, .. } => match read("choice") {
-                Some(Answer::Choice(index)) if index < options.len() => {
-                    Ok(vec![DraftCommand::Choose(index)])
-                }
-                _ => Err(format!(
-                    "the index of an option, from 0 to {}",
-                    options.len() - 1
-                )),
-            },
-            Form::Pick { candidates, .. } => match read("pick") {
-                Some(Answer::Pick(ids)) if ids.iter().all(|id| candidates.contains(id)) => {
-                    Ok(ids.into_iter().map(DraftCommand::Pick).collect())
-                }
-                _ => Err("a list of samples that the question lists".to_owned()),
-            },
-            Form::Place { .. } => match read("place") {
-                Some(Answer::Place(at)) if at.iter().all(|x| x.is_finite()) => {
-                    Ok(vec![DraftCommand::Place(at)])
-                }
-                _ => Err("a place [x, y], in r".to_owned()),
-            },
-            Form::Number { .. } => match value {
-                Value::String(text) => Ok(vec![DraftCommand::Type(text.clone())]),
-                Value::Number(number) => Ok(vec![DraftCommand::Type(number.to_string())]),
-                _ => Err("a number".to_owned()),
-            },
-            Form::Order { items } => match read("order") {
-                Some(Answer::Order(order)) if is_order(&order, items.len()) => {
-                    Ok(order.into_iter().map(DraftCommand::Choose).collect())
-                }
-                _ => {
-                    let count = items.len();
-                    Err(format!(
-                        "a list of the {count} items' indices, from 0, in their order"
-                    ))
-                }
-            },
-            Form::Cut { .. } => match read("cut") {
-                Some(Answer::Cut { axis, at }) if value.is_object() => Ok(vec![
-                    DraftCommand::Axis(axis),
-                    DraftCommand::Place([at, at]),
-                ]),
-                _ => Err("an object {\"axis\": \"x\" or \"y\", \"at\": where, in r}".to_owned()),
-            },
-            Form::Bands { bands, .. } => match read("bands") {
-                Some(Answer::Bands(changes)) if changes.len() == bands.len() => {
-                    let changes = changes.into_iter().enumerate();
-                    Ok(changes
-                        .map(|(band, change)| DraftCommand::Band(band, change))
-                        .collect())
-                }
-                _ => Err("a list of \"up\", \"same\" or \"down\", one for each band".to_owned()),
-            },
-        };
-        let with_clear = |commands| [DraftCommand::Clear].into_iter().chain(commands).collect();
-        Some(commands.map(with_clear))
+        Some(self.open_question()?.changes(value))
     }
 }
 
-/// Returns the question with the answer that is being put together; the right answer once it is known.
-fn question_json(open: &OpenLesson, labels: &LessonLabels) -> Value {
-    let learner = &open.learner;
-    let Some((question, gate)) = learner.question().zip(learner.step().gate.as_ref()) else {
-        return Value::Null;
-    };
-    let draft = &open.draft;
-    let (tries, traced) = learner.tries();
-    let is_open = learner.is_open();
-    let texts =
-        |options: &[String]| -> Value { options.iter().map(|text| json!(spans(text))).collect() };
-    let mut form = match &question.form {
-        Form::Choice { options, curves } => {
-            json!({ "options": texts(options), "curves": curves, "chosen": draft.option })
-        }
-        Form::Trace { options, steps } => {
-            let at = (traced + 1).min(*steps);
-            json!({ "options": texts(options), "chosen": draft.option, "at": at, "steps": steps })
-        }
-        Form::Pick {
-            candidates,
-            several,
-        } => json!({ "samples": candidates, "several": several, "chosen": draft.samples }),
-        Form::Place { candidates } => {
-            let letters: Vec<char> = (0..candidates.len()).map(letter).collect();
-            json!({ "places": candidates, "letters": letters, "chosen": draft.place })
-        }
-        Form::Number { unit, curve } => {
-            let curves: Vec<_> = curve.iter().filter(|_| !is_open).collect();
-            json!({ "unit": unit, "text": draft.text, "curves": curves })
-        }
-        Form::Order { items } => json!({ "items": texts(items), "order": draft.order }),
-        Form::Cut { candidates, .. } => {
-            let cut = |(axis, at): &(CutAxis, f64)| json!({ "axis": axis, "at": at });
-            let cuts: Value = candidates.iter().map(cut).collect();
-            json!({ "cuts": cuts, "axis": draft.axis, "place": draft.place })
-        }
-        Form::Bands { bands, curves } => {
-            let shown = if is_open { &curves[..1] } else { &curves[..] };
-            json!({ "bands": bands, "curves": shown, "changes": draft.bands })
-        }
-    };
-    let common = json!({
-        "type": gate.kind.name(),
-        "name": gate.name,
-        "ask": spans(question.ask(traced)),
-        "open": is_open,
-        "tries": tries,
-        "hint": question.hint.is_some(),
-        "practice": gate.practice.is_some(),
-        "key": open.told_answer(labels),
-    });
-    if let (Some(form), Value::Object(common)) = (form.as_object_mut(), common) {
-        form.extend(common);
-    }
-    form
+/// The question for a page, with the answer that is being put together; the right answer once it is known.
+#[derive(Serialize)]
+pub(super) struct QuestionTold {
+    /// The type of the question, as in the lesson's file.
+    r#type: &'static str,
+    name: String,
+    ask: Vec<Span>,
+    /// Whether it is open.
+    open: bool,
+    /// How many answers were given.
+    tries: u32,
+    /// Whether it has a hint.
+    hint: bool,
+    /// Whether it can be asked of other runs.
+    practice: bool,
+    /// The right answer in words, once it may be known.
+    key: Option<String>,
+    /// The event of a trace that is asked for, from 1, and how many there are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<usize>,
+    controls: Vec<Control>,
+    /// The changes that put the answer together from nothing.
+    draft: Vec<DraftCommand>,
 }
 
-/// Returns whether indices name each of so many items once.
-fn is_order(order: &[usize], count: usize) -> bool {
-    let mut sorted = order.to_vec();
-    sorted.sort_unstable();
-    sorted.into_iter().eq(0..count)
+impl QuestionTold {
+    /// Returns the question of a lesson, if its step has one and its run is made.
+    fn of(open: &OpenLesson, language: &str) -> Option<Self> {
+        let learner = &open.learner;
+        let question = learner.question()?;
+        let gate = learner.step().gate.as_ref()?;
+        let (tries, traced) = learner.tries();
+        let steps = question.traced();
+        Some(Self {
+            r#type: gate.kind_name,
+            name: gate.name.clone(),
+            ask: spans(question.ask(traced)),
+            open: learner.is_open(),
+            tries,
+            hint: question.hint.is_some(),
+            practice: gate.practice.is_some(),
+            key: open.told_answer(language),
+            // After the last event it stays at that.
+            at: steps.map(|steps| (traced + 1).min(steps)),
+            steps,
+            controls: open.controls(language),
+            draft: open.draft.changes().to_vec(),
+        })
+    }
 }
 
 impl OpenLesson {

@@ -8,7 +8,9 @@ use glam::DVec2;
 use tilescope_core::Stage;
 use tilescope_debugger::{Direction, Recording};
 use tilescope_drawing::camera::Camera;
-use tilescope_lessons::{Arrival, Learner, Lesson, LessonError, MAX_BYTES, Translation, results};
+use tilescope_lessons::{
+    Arrival, Draft, DraftCommand, Learner, Lesson, LessonError, MAX_BYTES, Translation, results,
+};
 use tilescope_session::language::Language;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
@@ -18,10 +20,7 @@ use tilescope_session::words::sentence;
 use crate::classroom::{CanvasView, Classroom, Context, Effect, StepView, TextFile};
 use crate::graded::FULL_MARKS;
 use crate::lesson_picture::layers_named;
-use crate::lessons::{
-    AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson,
-    WantedLesson,
-};
+use crate::lessons::{GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
 
 /// The name of files with results.
 const RESULTS: &str = "tilescope-results";
@@ -119,7 +118,7 @@ impl Lessons {
             && open.learner.is_open()
             && let Some(question) = open.learner.question()
         {
-            open.draft.apply(command, question);
+            question.change(&mut open.draft, command);
             (open.lacking, open.feedback) = (None, None);
         }
     }
@@ -389,7 +388,7 @@ impl Classroom {
         let Some(open) = &mut self.lessons.open else {
             return;
         };
-        (open.draft, open.feedback, open.lacking) = (AnswerDraft::default(), None, None);
+        (open.draft, open.feedback, open.lacking) = (Draft::default(), None, None);
         (open.fault, open.hint) = (None, None);
         let parameters = open.learner.parameters();
         let run = open.run.clone();
@@ -478,7 +477,7 @@ impl Classroom {
         let Some(question) = open.learner.question().filter(|_| open.learner.is_open()) else {
             return;
         };
-        let given = match open.draft.answer(question) {
+        let given = match question.interaction.answer(&open.draft) {
             Ok(answer) => open.learner.answer(&answer, now),
             Err(lacking) => {
                 open.lacking = Some(lacking.to_owned());
@@ -496,7 +495,7 @@ impl Classroom {
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
                     // The next event of a trace needs a new answer; any other answer stays visible.
                     if open.learner.is_open() {
-                        open.draft = AnswerDraft::default();
+                        open.draft = Draft::default();
                     }
                     self.reveal(context);
                 }

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use tilescope_lessons::results::ClassVote;
-use tilescope_lessons::{Form, Key, Lesson, Question, Vote, shipped};
+use tilescope_lessons::{Lesson, Question, Vote, shipped};
 use tilescope_session::task;
 
 use crate::classroom::{CanvasView, Classroom, Context, Effect, TextFile};
@@ -260,12 +260,7 @@ impl Classroom {
             .lessons
             .learner()
             .and_then(|learner| learner.question());
-        let options = question.map_or(0, |question| match &question.form {
-            Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
-            Form::Place { candidates } => candidates.len(),
-            Form::Order { items } => items.len(),
-            _ => 0,
-        });
+        let options = question.map_or(0, |question| question.interaction.letters());
         let vote = Vote::read(text, options);
         if let Some(talk) = &mut self.talks.open {
             talk.vote_fault = vote.as_ref().err().cloned();
@@ -289,10 +284,7 @@ impl Classroom {
             return;
         };
 
-        let right = match learner.question().map(Question::key) {
-            Some(Key::Choice(right)) => Some(*right),
-            _ => None,
-        };
+        let right = learner.question().and_then(Question::right_option);
         let first = self.talks.record.votes_on(&key).first();
         let share = first.and_then(|vote| vote.right_share(right));
         let vote = share.map(|share| ClassVote {

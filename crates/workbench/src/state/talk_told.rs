@@ -1,10 +1,9 @@
 //! The talk as JSON, for the lecturer's notes on a page. The page of the stage does not get it.
 
 use serde_json::{Value, json};
-use tilescope_lessons::{Form, spans};
+use tilescope_lessons::{Question, spans};
 
 use crate::classroom::{CanvasView, Classroom};
-use crate::lesson_labels::lesson_labels;
 use crate::talk::{Cover, advised};
 
 impl Classroom {
@@ -19,10 +18,7 @@ impl Classroom {
         let lesson = learner.lesson();
         let question = learner.question();
         let (_, traced) = learner.tries();
-        let options = question.map_or(0, |question| match &question.form {
-            Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
-            _ => 0,
-        });
+        let options = question.map_or(0, |question| question.options().len());
         let key = self.talk_key();
         let votes = self.talks.record.votes_on(&key);
         let [before, this, all] = talk.planned_secs(learner.index());
@@ -39,12 +35,12 @@ impl Classroom {
             "language": self.lessons.language,
             "notes": step.notes.iter().map(|note| spans(learner.speaker_note(note))).collect::<Vec<_>>(),
             "ask": question.map(|question| spans(question.ask(traced))),
-            "answer": open.right_answer(lesson_labels(&self.lessons.language)),
+            "answer": open.right_answer(&self.lessons.language),
             "hint": question.and_then(|question| question.hint.as_deref()).map(spans),
             "options": options,
             "votes": votes,
             "vote_fault": talk.vote_fault.as_deref().map(|fault| self.lessons.in_words(fault)),
-            "advice": advised(votes, question.map(tilescope_lessons::Question::key)),
+            "advice": advised(votes, question.and_then(Question::right_option)),
             "next": next,
             "picture": picture.and_then(|picture| picture.svg.as_deref()),
             "step": learner.index() + 1,

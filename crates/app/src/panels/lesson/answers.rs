@@ -1,79 +1,30 @@
-//! The answer to a question, as it is put together: for each type of question the controls beside the canvas. An answer
-//! can also be given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). To add a
-//! type of question, begin with [`show`].
+//! The answer to a question, as it is put together: its controls beside the canvas, whatever its type. An answer can also be
+//! given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). Begin with
+//! [`Answers::show`].
 
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, FontId, Label, RichText, Stroke, TextEdit, Ui};
+use egui::{Button, FontId, Label, Response, RichText, Stroke, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Change, CutAxis, Form, Question, letter};
+use tilescope_lessons::{Control, DraftCommand, Item, Mark, Row, RowWord};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::lesson_labels::LessonLabels;
-use tilescope_workbench::lessons::{DraftCommand, LessonCommand, OpenLesson};
+use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 
 use super::{curves, issue, text};
 
-/// Shows the answer so far; it can be changed while the question is open.
-pub fn show(
-    ui: &mut Ui,
-    open: &OpenLesson,
-    (question, labels): (&Question, &'static LessonLabels),
-    [size, plot]: [f32; 2],
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let is_open = open.learner.is_open();
-    // A closed question is read: its options do not fade.
-    let faded = std::mem::replace(&mut ui.visuals_mut().disabled_alpha, 1.0);
-    ui.add_enabled_ui(is_open, |ui| {
-        ui.visuals_mut().disabled_alpha = faded;
-        let mut answers = Answers {
-            open,
-            labels,
-            size,
-            plot,
-            palette,
-            commands,
-        };
-        match &question.form {
-            Form::Choice { options, curves } => answers.options(ui, options, curves),
-            Form::Trace { options, .. } => answers.options(ui, options, &[]),
-            Form::Pick {
-                candidates,
-                several,
-            } => answers.samples(ui, candidates, *several),
-            Form::Place { candidates } => answers.points(ui, candidates.len()),
-            Form::Number { unit, curve } => {
-                answers.number(ui, unit, curve.as_ref().filter(|_| !is_open));
-            }
-            Form::Order { items } => answers.order(ui, items),
-            Form::Cut { candidates, .. } => answers.cut(ui, candidates),
-            Form::Bands { bands, curves } => answers.bands(ui, bands, curves, is_open),
-        }
-    });
-    ui.visuals_mut().disabled_alpha = faded;
-}
-
-/// How the words of an item are set.
-#[derive(Clone, Copy)]
-enum ItemFont {
-    /// As a paragraph, with its emphasis.
-    Paragraph,
-    /// As a number or letter.
-    Mono,
-}
-
-struct Answers<'a> {
-    open: &'a OpenLesson,
-    labels: &'static LessonLabels,
+/// The controls of the open question.
+pub struct Answers<'a> {
+    pub open: &'a OpenLesson,
+    pub labels: &'static LessonLabels,
+    pub language: &'a str,
     /// Size of texts, in screen points.
-    size: f32,
+    pub size: f32,
     /// Height of plots.
-    plot: f32,
-    palette: &'a Palette,
-    commands: &'a mut Vec<Command>,
+    pub plot: f32,
+    pub palette: &'a Palette,
 }
 
 /// Returns the key that chooses the item of an index, to stand before its name; nothing for items without a key.
@@ -85,221 +36,167 @@ fn key(index: usize) -> String {
     }
 }
 
+/// Gives a control its id, and changes the answer when it is clicked.
+fn on_click(control: &Response, id: &str, to: &DraftCommand, commands: &mut Vec<Command>) {
+    let command = Command::Lesson(LessonCommand::Draft(to.clone()));
+    control.issues(format_args!("lesson-{id}"), command, commands);
+}
+
 impl Answers<'_> {
-    /// Gives a control its id, and changes the answer when it is clicked.
-    fn on_click(&mut self, control: &egui::Response, id: impl std::fmt::Display, to: DraftCommand) {
-        let command = Command::Lesson(LessonCommand::Draft(to));
-        control.issues(id, command, self.commands);
+    /// Shows the answer so far; it can be changed while the question is open.
+    pub fn show(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        // A closed question is read: its options do not fade.
+        let faded = std::mem::replace(&mut ui.visuals_mut().disabled_alpha, 1.0);
+        ui.add_enabled_ui(self.open.learner.is_open(), |ui| {
+            ui.visuals_mut().disabled_alpha = faded;
+            for control in self.open.controls(self.language) {
+                self.control(ui, &control, commands);
+            }
+        });
+        ui.visuals_mut().disabled_alpha = faded;
+    }
+
+    fn control(&self, ui: &mut Ui, control: &Control, commands: &mut Vec<Command>) {
+        match control {
+            Control::Line { text, .. } => {
+                let text = RichText::new(text).color(self.palette.muted);
+                ui.add(Label::new(text).wrap());
+            }
+            Control::List { items } => {
+                for (index, item) in items.iter().enumerate() {
+                    self.wide(ui, item, index, commands);
+                }
+            }
+            Control::Chips { items } => {
+                ui.horizontal_wrapped(|ui| {
+                    for (index, item) in items.iter().enumerate() {
+                        self.chip(ui, item, index, commands);
+                    }
+                });
+            }
+            Control::Rows { rows } => {
+                for row in rows {
+                    self.row(ui, row, commands);
+                }
+            }
+            Control::Field { label, unit } => self.field(ui, label, unit, commands),
+            Control::Plot { curves } => {
+                let curves: Vec<_> = curves.iter().collect();
+                curves::show(ui, &curves, self.plot, self.palette);
+            }
+        }
     }
 
     /// Returns what follows the words of an item once the question is closed: whether it is right, and the learner's.
-    fn grade(&self, index: usize) -> Option<String> {
-        let item = self.open.graded(index)?;
-        let right = item.is_right.then_some(self.labels.right_mark);
-        let own = item.is_own.then_some(self.labels.own_mark);
+    fn grade(&self, item: &Item) -> Option<String> {
+        let grade = item.grade?;
+        let right = grade.is_right.then_some(self.labels.right_mark);
+        let own = grade.is_own.then_some(self.labels.own_mark);
         let said: Vec<&str> = [own, right].into_iter().flatten().collect();
         Some(said.join(", "))
     }
 
-    /// Returns a button for the item of an index, marked if it is chosen or, once the question is closed, right.
-    fn item(&self, ui: &Ui, words: &str, index: usize, font: ItemFont) -> Button<'static> {
-        let palette = self.palette;
-        let is_chosen = self.open.is_chosen(index);
-        let color = if is_chosen {
-            palette.on_accent
+    /// Returns the colour of an item's words.
+    const fn ink(&self, item: &Item) -> egui::Color32 {
+        if item.chosen {
+            self.palette.on_accent
         } else {
-            palette.text
-        };
-        let grade = self.grade(index);
-        let mut words = match font {
-            ItemFont::Paragraph => text::job(ui, words, self.size, color),
-            ItemFont::Mono => {
-                let font = FontId::monospace(self.size - 1.0);
-                LayoutJob::simple_singleline(words.to_owned(), font, color)
-            }
-        };
-        if let Some(grade) = grade {
+            self.palette.text
+        }
+    }
+
+    /// Returns a button for an item with these words, marked if it is chosen or, once the question is closed, right.
+    fn button(&self, item: &Item, mut words: LayoutJob) -> Button<'static> {
+        if let Some(grade) = self.grade(item) {
             let font = FontId::new(self.size, semibold());
-            let format = TextFormat::simple(font, color);
+            let format = TextFormat::simple(font, self.ink(item));
             words.append(&format!(" \u{2013} {grade}"), 0.0, format);
         }
 
         let mut button = Button::new(words);
-        if is_chosen {
-            button = button.fill(palette.accent);
+        if item.chosen {
+            button = button.fill(self.palette.accent);
         }
-        let is_right = self.open.graded(index).is_some_and(|item| item.is_right);
-        if is_right {
-            button = button.stroke(Stroke::new(2.5, palette.inserted));
+        if item.grade.is_some_and(|grade| grade.is_right) {
+            button = button.stroke(Stroke::new(2.5, self.palette.inserted));
         }
         button
     }
 
-    /// Shows a button as wide as the panel for the item of an index, with a name for its id.
-    fn wide(&mut self, ui: &mut Ui, words: &str, (name, index): (&str, usize)) {
-        let button = self.item(ui, words, index, ItemFont::Paragraph);
-        let button = button.wrap().min_size([ui.available_width(), 30.0].into());
-        let number = index + 1;
-        let key = ui.words(format!("Key {number}"));
-        let button = ui.add(button).on_hover_text(key);
-        let id = format_args!("lesson-{name}-{number}");
-        self.on_click(&button, id, DraftCommand::Choose(index));
-    }
-
-    fn options(&mut self, ui: &mut Ui, options: &[String], curves: &[tilescope_lessons::Curve]) {
-        for (index, option) in options.iter().enumerate() {
-            let words = format!("{}. {option}", letter(index));
-            self.wide(ui, &words, ("option", index));
-            if let Some(curve) = curves.get(index) {
-                curves::show(ui, &[curve], self.plot, self.palette);
-            }
-        }
-    }
-
-    fn samples(&mut self, ui: &mut Ui, candidates: &[u32], several: bool) {
-        let hint = if several {
-            self.labels.pick_several
-        } else {
-            self.labels.pick_one
+    /// Shows a button as wide as the panel, and the spectrum beside it.
+    fn wide(&self, ui: &mut Ui, item: &Item, index: usize, commands: &mut Vec<Command>) {
+        let text = &item.text;
+        let mut words = match item.mark {
+            Some(Mark::Letter(letter)) => format!("{letter}. {text}"),
+            Some(place @ Mark::Place(_)) => format!("{place}   {text}"),
+            None => format!("{}{text}", key(index)),
         };
-        self.muted(ui, hint);
-        ui.horizontal_wrapped(|ui| {
-            for (index, sample) in candidates.iter().enumerate() {
-                let button = self.item(ui, &sample.to_string(), index, ItemFont::Mono);
-                let button = ui.add(button);
-                let button = button.on_hover_text(format!(
-                    "{}{}",
-                    key(index),
-                    ui.words(format!("sample {sample}"))
-                ));
-                let id = format_args!("lesson-sample-{sample}");
-                self.on_click(&button, id, DraftCommand::Choose(index));
-            }
-        });
-    }
-
-    /// Shows the letters of the points marked on the canvas, and the point that was chosen.
-    fn points(&mut self, ui: &mut Ui, count: usize) {
-        self.muted(ui, self.labels.place);
-        ui.horizontal_wrapped(|ui| {
-            for index in 0..count {
-                let button = self.item(ui, &letter(index).to_string(), index, ItemFont::Mono);
-                let button = ui.add(button);
-                let button = button.on_hover_text(ui.words(format!("Key {}", index + 1)));
-                let id = format_args!("lesson-place-{}", index + 1);
-                self.on_click(&button, id, DraftCommand::Choose(index));
-            }
-        });
-        if let Some([x, y]) = self.open.draft.place {
-            let place = ui.words(format!("({x:.2}, {y:.2}) r"));
-            let text = format!("{} {place}", self.labels.your_point);
-            self.muted(ui, &text);
+        if let Some(place) = item.right_place {
+            let right = self.labels.right_place;
+            let right = right.replace("{place}", &place.to_string());
+            words = format!("{words} \u{2013} **{right}**");
         }
-    }
 
-    /// Shows the field for a number and, once the question is closed, the spectrum that it is read from.
-    fn number(&mut self, ui: &mut Ui, unit: &str, curve: Option<&tilescope_lessons::Curve>) {
-        ui.horizontal(|ui| {
-            let mut text = self.open.draft.text.clone();
-            let field = TextEdit::singleline(&mut text).hint_text(self.labels.number);
-            let field = ui.add(field.desired_width(110.0));
-            field.known_as("lesson-number");
-            if field.changed() {
-                let command = LessonCommand::Draft(DraftCommand::Type(text));
-                issue(self.commands, command);
-            }
-            if field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
-                issue(self.commands, LessonCommand::Answer);
-            }
-            ui.label(unit);
-        });
-        if let Some(curve) = curve {
+        let words = text::job(ui, &words, self.size, self.ink(item));
+        let button = self.button(item, words);
+        let button = button.wrap().min_size([ui.available_width(), 30.0].into());
+        let key = ui.words(format!("Key {}", index + 1));
+        let button = ui.add(button).on_hover_text(key);
+        on_click(&button, &item.id, &item.change, commands);
+        if let Some(curve) = &item.curve {
             curves::show(ui, &[curve], self.plot, self.palette);
         }
     }
 
-    /// Shows the items, each with its rank in the order that is chosen.
-    fn order(&mut self, ui: &mut Ui, items: &[String]) {
-        self.muted(ui, self.labels.order);
-        for (index, item) in items.iter().enumerate() {
-            let mut order = self.open.draft.order.iter();
-            let rank = order.position(|&other| other == index);
-            let number = rank.map_or("\u{2013}".to_owned(), |rank| (rank + 1).to_string());
-            let mut words = format!("{number}   {item}");
-            if let Some(right) = self.open.right_rank(index) {
-                let right = self
-                    .labels
-                    .right_place
-                    .replace("{place}", &right.to_string());
-                words = format!("{words} \u{2013} **{right}**");
-            }
-            self.wide(ui, &words, ("item", index));
-        }
+    /// Shows a button with a number or a letter.
+    fn chip(&self, ui: &mut Ui, item: &Item, index: usize, commands: &mut Vec<Command>) {
+        let font = FontId::monospace(self.size - 1.0);
+        let words = LayoutJob::simple_singleline(item.text.clone(), font, self.ink(item));
+        let hint = match &item.name {
+            Some(name) => format!("{}{}", key(index), ui.words(name)),
+            None => ui.words(format!("Key {}", index + 1)),
+        };
+        let button = ui.add(self.button(item, words)).on_hover_text(hint);
+        on_click(&button, &item.id, &item.change, commands);
     }
 
-    fn cut(&mut self, ui: &mut Ui, candidates: &[(CutAxis, f64)]) {
-        let (labels, draft) = (self.labels, &self.open.draft);
-        self.muted(ui, labels.cut);
-        ui.horizontal(|ui| {
-            for (axis, name, id) in [
-                (CutAxis::X, labels.vertical, "lesson-axis-x"),
-                (CutAxis::Y, labels.horizontal, "lesson-axis-y"),
-            ] {
-                let button = ui.selectable_label(draft.axis == Some(axis), name);
-                self.on_click(&button, id, DraftCommand::Axis(axis));
+    /// Shows words of which one is chosen.
+    fn row(&self, ui: &mut Ui, row: &Row, commands: &mut Vec<Command>) {
+        // Beside the words, the mark of the right one would push the last word into a row of its own.
+        if let Some(name) = &row.name {
+            ui.label(name);
+        }
+        ui.horizontal_wrapped(|ui| {
+            for word in &row.words {
+                self.word(ui, word, commands);
             }
         });
-        for (index, (axis, at)) in candidates.iter().enumerate() {
-            let name = match axis {
-                CutAxis::X => format!("{}, x", labels.vertical),
-                CutAxis::Y => format!("{}, y", labels.horizontal),
-            };
-            let at = ui.words(format!("{at:.1} r"));
-            let words = format!("{}{name} = {at}", key(index));
-            let button = self.item(ui, &words, index, ItemFont::Paragraph);
-            let button = ui.add(button);
-            let id = format_args!("lesson-cut-{}", index + 1);
-            self.on_click(&button, id, DraftCommand::Choose(index));
-        }
     }
 
-    /// Shows the spectrum before a change and, for each band of frequencies, the choice of how the change alters it; once
-    /// the question is closed, also the spectrum after the change.
-    fn bands(
-        &mut self,
-        ui: &mut Ui,
-        bands: &[[f64; 2]],
-        curves: &[tilescope_lessons::Curve; 2],
-        is_open: bool,
-    ) {
-        let shown = curves.iter().take(if is_open { 1 } else { 2 });
-        curves::show(ui, &shown.collect::<Vec<_>>(), self.plot, self.palette);
-        self.muted(ui, self.labels.bands);
-        for (index, [low, high]) in bands.iter().enumerate() {
-            // In one row with its choices, the mark of the right one would push the last one into a row of its own.
-            ui.label(ui.words(format!("{low:.2} \u{2013} {high:.2} / r")));
-            ui.horizontal_wrapped(|ui| {
-                let chosen = self.open.draft.bands.get(index).copied().flatten();
-                let right = self.open.right_change(index);
-                for change in Change::ALL {
-                    let sign = match change {
-                        Change::Up => '\u{2191}',
-                        Change::Same => '=',
-                        Change::Down => '\u{2193}',
-                    };
-                    let mut name = format!("{sign} {}", self.labels.change(change));
-                    if right == Some(change) {
-                        name = format!("{name} \u{2013} {}", self.labels.right_mark);
-                    }
-                    let button = ui.selectable_label(chosen == Some(change), name);
-                    let id = format_args!("lesson-band-{}-{change}", index + 1);
-                    self.on_click(&button, id, DraftCommand::Band(index, change));
-                }
-            });
+    fn word(&self, ui: &mut Ui, word: &RowWord, commands: &mut Vec<Command>) {
+        let sign = word.sign.map(|sign| format!("{sign} "));
+        let mut name = format!("{}{}", sign.unwrap_or_default(), word.text);
+        if word.is_right {
+            name = format!("{name} \u{2013} {}", self.labels.right_mark);
         }
+        let button = ui.selectable_label(word.chosen, name);
+        on_click(&button, &word.id, &word.change, commands);
     }
 
-    fn muted(&self, ui: &mut Ui, text: &str) {
-        ui.add(Label::new(RichText::new(text).color(self.palette.muted)).wrap());
+    /// Shows the field for a number.
+    fn field(&self, ui: &mut Ui, label: &str, unit: &str, commands: &mut Vec<Command>) {
+        ui.horizontal(|ui| {
+            let mut text = self.open.draft.text().to_owned();
+            let field = TextEdit::singleline(&mut text).hint_text(label);
+            let field = ui.add(field.desired_width(110.0));
+            field.known_as("lesson-number");
+            if field.changed() {
+                issue(commands, LessonCommand::Draft(DraftCommand::Type(text)));
+            }
+            if field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+                issue(commands, LessonCommand::Answer);
+            }
+            ui.label(unit);
+        });
     }
 }

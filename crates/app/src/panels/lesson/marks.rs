@@ -9,9 +9,10 @@ use glam::DVec2;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::Palette;
+use tilescope_lessons::{MarkKind, Segment};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
-use tilescope_workbench::lessons::{Mark, MarkKind, OpenLesson};
+use tilescope_workbench::lessons::{Mark, OpenLesson};
 use tilescope_workbench::state::State;
 
 /// Room between a label and the sides of its ground.
@@ -39,7 +40,7 @@ pub fn show(ui: &Ui, state: &State) {
         camera: run.camera,
         period: is_periodic.then(|| session.size_radii()),
     };
-    overlay.cuts(open);
+    overlay.lines(open);
     let edge = overlay.strips(open);
     let mut taken = overlay.circles(ui, open);
     taken.extend(overlay.marks(&open.marks(), &taken));
@@ -73,23 +74,23 @@ impl Overlay {
         self.camera.screen_from_domain(self.viewport, at)
     }
 
-    /// Draws the box that is to be cut, the cut that is chosen, and after the answer the outermost legal ones.
-    fn cuts(&self, open: &OpenLesson) {
-        let Some(([low, high], line)) = open.cut() else {
+    /// Draws the box that the question is about, the line that is chosen, and after the answer the outermost right ones.
+    fn lines(&self, open: &OpenLesson) {
+        let Some(lines) = open.lines() else {
             return;
         };
         let (painter, palette) = (&self.painter, self.palette);
-        let rect = Rect::from_two_pos(self.fixed(low), self.fixed(high));
+        let ends = |segment: Segment| segment.map(|end| self.fixed(end.into()));
+        let [low, high] = ends(lines.outline);
+        let rect = Rect::from_two_pos(low, high);
         let stroke = Stroke::new(2.5, palette.accent);
         painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Inside);
 
-        for ends in open.outer_cuts().into_iter().flatten() {
-            let ends = ends.map(|end| self.fixed(end));
-            painter.line_segment(ends, Stroke::new(2.5, palette.inserted));
+        for right in lines.right {
+            painter.line_segment(ends(right), Stroke::new(2.5, palette.inserted));
         }
-        if let Some(ends) = line {
-            let ends = ends.map(|end| self.fixed(end));
-            painter.line_segment(ends, Stroke::new(3.0, palette.candidate));
+        if let Some(chosen) = lines.chosen {
+            painter.line_segment(ends(chosen), Stroke::new(3.0, palette.candidate));
         }
     }
 

@@ -273,7 +273,8 @@ impl Notes<'_> {
                 let (_, traced) = learner.tries();
                 text::paragraph(ui, question.ask(traced), self.size(0), self.palette.text);
                 let labels = super::labels(self.state);
-                if let Some(answer) = self.open.right_answer(labels) {
+                let language = &self.state.lessons().language;
+                if let Some(answer) = self.open.right_answer(language) {
                     let text = format!("{} {answer}", labels.the_answer);
                     self.colored(ui, text, self.palette.inserted)
                         .known_as("notes-answer");
@@ -335,8 +336,8 @@ impl Notes<'_> {
             );
         }
         let question = self.open.learner.question();
-        let key = question.map(tilescope_lessons::Question::key);
-        if let Some(advice) = advised(votes, key) {
+        let right = question.and_then(tilescope_lessons::Question::right_option);
+        if let Some(advice) = advised(votes, right) {
             let text = match advice {
                 Advice::Explain => "Few are right: give the hint or explain, then vote again.",
                 Advice::Discuss => {

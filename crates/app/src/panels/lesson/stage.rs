@@ -7,7 +7,7 @@ use egui::{
 };
 use glam::DVec2;
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Form, Progress, Question, RightShare, Vote, letter};
+use tilescope_lessons::{Control, Progress, Question, RightShare, Vote, letter};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
@@ -18,7 +18,8 @@ use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool};
 
-use super::{answers, counts_text, labels, text};
+use super::answers::Answers;
+use super::{counts_text, labels, text};
 use crate::panes::{Canvas, CanvasContext};
 
 /// The height of the stage in screen points, whatever its height in pixels: the smallest text of the canvas, 11 points, is
@@ -144,12 +145,8 @@ impl Slide<'_> {
         ui.add_space(4.0);
         let is_revealed = step.gate.is_some() && !learner.is_open();
         // Beside plots there is no room for the text once the class votes.
-        let has_plots = learner
-            .question()
-            .is_some_and(|question| match &question.form {
-                Form::Choice { curves, .. } => !curves.is_empty(),
-                form => matches!(form, Form::Bands { .. }),
-            });
+        let controls = self.open.controls(&self.state.lessons().language);
+        let has_plots = controls.iter().any(Control::has_plot);
         if !(is_revealed || self.talk.is_voting && has_plots) {
             text::show(ui, self.open, &step.text, SIZE, &self.palette);
         }
@@ -180,9 +177,16 @@ impl Slide<'_> {
         ui.add_space(6.0);
         // After the answer the options stay as legible as before.
         ui.visuals_mut().disabled_alpha = 1.0;
-        let sizes = [SIZE, PLOTS[usize::from(is_revealed)]];
-        let asked = (question, labels);
-        answers::show(ui, open, asked, sizes, &self.palette, commands);
+        let language = &self.state.lessons().language;
+        let answers = Answers {
+            open,
+            labels,
+            language,
+            size: SIZE,
+            plot: PLOTS[usize::from(is_revealed)],
+            palette: &self.palette,
+        };
+        answers.show(ui, commands);
         ui.add_space(6.0);
         let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
         if self.talk.is_voting && learner.is_open() {
@@ -191,11 +195,11 @@ impl Slide<'_> {
         }
         let key = self.state.classroom().talk_key();
         if let [first, second] = self.state.talks().record.votes_on(&key) {
-            self.votes(ui, question, [first, second]);
+            self.votes(ui, [first, second]);
         }
         let feedback = open.feedback.as_ref();
         if is_revealed {
-            let verdict = match (learner.progress(), open.told_answer(labels)) {
+            let verdict = match (learner.progress(), open.told_answer(language)) {
                 (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
                 _ => labels.right.to_owned(),
             };
@@ -209,7 +213,7 @@ impl Slide<'_> {
     }
 
     /// Shows both votes side by side: bars for counts, otherwise words.
-    fn votes(&self, ui: &mut Ui, question: &Question, both: [&Vote; 2]) {
+    fn votes(&self, ui: &mut Ui, both: [&Vote; 2]) {
         let names = [self.labels.first_vote, self.labels.second_vote];
         let inks = [self.palette.border, self.palette.accent];
         let legend = ui.horizontal(|ui| {
@@ -222,12 +226,8 @@ impl Slide<'_> {
         });
         legend.response.known_as("stage-votes");
         if let [Vote::Counts(first), Vote::Counts(second)] = both {
-            let rows = match &question.form {
-                Form::Order { items } => items.len(),
-                _ => first.len(),
-            };
             let most = first.iter().chain(second).copied().max();
-            for option in 0..rows {
+            for option in 0..first.len() {
                 let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
                 self.bars(ui, letter(option), counts.into_iter().zip(inks), most);
             }

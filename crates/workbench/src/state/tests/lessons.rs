@@ -9,12 +9,12 @@ use crate::command::{DebugCommand, LinkCommand};
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::lesson_labels::lesson_labels;
-use crate::lessons::{DraftCommand, LessonCommand, MarkKind};
+use crate::lessons::LessonCommand;
 use crate::scenes::SceneCommand;
 use glam::DVec2;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::shipped::{Loaded, TEMPLATE, to_json};
-use tilescope_lessons::{Answer, Key};
+use tilescope_lessons::{Answer, Control, DraftCommand, MarkKind};
 use tilescope_session::language::Language;
 use tilescope_session::units::position;
 
@@ -57,10 +57,9 @@ fn whole(state: &State) -> Arc<Recording> {
 
 /// The option that is right, and one that is not.
 fn options(state: &State) -> [usize; 2] {
-    let Key::Choice(right) = state.classroom.lessons.open_question().unwrap().key() else {
-        panic!("a choice");
-    };
-    [*right, usize::from(*right == 0)]
+    let question = state.classroom.lessons.open_question().unwrap();
+    let right = question.right_option().expect("a choice");
+    [right, usize::from(right == 0)]
 }
 
 fn choose(state: &mut State, option: usize) {
@@ -243,7 +242,7 @@ fn an_answer_that_was_given_up_is_told_and_not_asked_for_again() {
     let labels = lesson_labels("en");
     let told = |state: &State| {
         let open = state.classroom.lessons.open.as_ref().unwrap();
-        (open.verdict("en"), open.told_answer(labels))
+        (open.verdict("en"), open.told_answer("en"))
     };
     let wrong = DraftCommand::Place([12.0, 12.0]);
     lesson(&mut state, LessonCommand::Draft(wrong));
@@ -416,13 +415,14 @@ fn the_spectrum_that_a_number_is_read_from_appears_after_the_answer() {
         LessonCommand::Read("t".to_owned(), text.to_owned()),
     );
     let curves = |state: &State| {
-        let shown = state.classroom.lessons.to_json()["question"]["curves"].clone();
-        shown.as_array().map(Vec::len)
+        let shown = state.classroom.lessons.to_json()["question"]["controls"].clone();
+        let shown = shown.as_array().into_iter().flatten();
+        shown.filter(|control| control["control"] == "plot").count()
     };
-    assert_eq!(curves(&state), Some(0));
+    assert_eq!(curves(&state), 0);
     lesson(&mut state, LessonCommand::GiveUp);
     lesson(&mut state, LessonCommand::GiveUp);
-    assert_eq!(curves(&state), Some(1));
+    assert_eq!(curves(&state), 1);
 }
 
 #[test]
@@ -701,31 +701,33 @@ fn answers_are_put_together_on_the_canvas_and_from_the_list() {
         LessonCommand::Read("t".to_owned(), text.to_owned()),
     );
     let question = state.classroom.lessons.open_question().unwrap().clone();
-    let (Answer::Pick(right), tilescope_lessons::Form::Pick { candidates, .. }) =
-        (question.right_answer(0), &question.form)
-    else {
+    let Answer::Pick(right) = question.right_answer(0) else {
         panic!("samples are picked");
+    };
+    // The index of a sample in the list.
+    let index = |state: &State, sample: u32| {
+        let open = state.classroom.lessons.open.as_ref().unwrap();
+        let controls = open.controls("en");
+        let mut items = controls.iter().flat_map(Control::items);
+        items
+            .position(|item| item.text == sample.to_string())
+            .unwrap()
     };
     let first = right[0];
     state.apply(Command::View(
         Which::First,
         ViewCommand::Pick(Selection::Sample(first)),
     ));
-    assert_eq!(
-        state.classroom.lessons.open.as_ref().unwrap().draft.samples,
-        [first]
-    );
+    let draft = &state.classroom.lessons.open.as_ref().unwrap().draft;
+    assert!(draft.chosen().eq([index(&state, first)]));
     // The inspector tells about the sample, so a click that answers leaves it closed.
     let inspect = Command::View(Which::First, ViewCommand::Inspect);
     let has_inspector = |state: &State| state.window.shows(Panel::Inspector);
     state.apply(inspect.clone());
     assert!(!has_inspector(&state));
     for sample in &right[1..] {
-        let index = candidates.iter().position(|other| other == sample).unwrap();
-        lesson(
-            &mut state,
-            LessonCommand::Draft(DraftCommand::Choose(index)),
-        );
+        let choose = DraftCommand::Choose(index(&state, *sample));
+        lesson(&mut state, LessonCommand::Draft(choose));
     }
     lesson(&mut state, LessonCommand::Answer);
     assert!(state.classroom.lessons.open_question().is_none());

@@ -1,9 +1,9 @@
 //! Presenter mode in the state.
 
-use tilescope_lessons::{Key, Vote, shipped};
+use tilescope_lessons::{DraftCommand, Question, Vote, shipped};
 
 use super::*;
-use crate::lessons::{DraftCommand, LessonCommand};
+use crate::lessons::LessonCommand;
 use crate::scenes::{SceneCommand, SceneList};
 use crate::talk::advised;
 use crate::talk::{Cover, Talk, TalkCommand};
@@ -89,7 +89,7 @@ fn votes_are_two_for_a_question_and_advise() {
         .classroom
         .lessons
         .open_question()
-        .map(tilescope_lessons::Question::key);
+        .and_then(Question::right_option);
     assert!(advised(votes, question).is_some());
     talk(&mut state, TalkCommand::Unvote);
     talk(&mut state, TalkCommand::Vote("Z 4".to_owned()));
@@ -234,9 +234,7 @@ fn answers_in_and_after_a_talk_do_not_count() {
     to_question(&mut state);
     for _ in 0..2 {
         let question = state.classroom.lessons.open_question().expect("a question");
-        let tilescope_lessons::Key::Choice(right) = *question.key() else {
-            panic!("a choice");
-        };
+        let right = question.right_option().expect("a choice");
         for command in [
             LessonCommand::Draft(DraftCommand::Choose(right)),
             LessonCommand::Answer,
@@ -277,7 +275,7 @@ fn what_pages_are_told_holds_no_note_and_no_answer() {
     let learner = &state.classroom.lessons.open.as_ref().unwrap().learner;
     let (note, answer) = (
         learner.step().notes[0].clone(),
-        learner.right_answer().unwrap(),
+        learner.right_answer(&str::to_owned).unwrap(),
     );
     let words: Vec<&str> = note.split(' ').take(3).collect();
     let told = state.talk_json();
@@ -373,9 +371,7 @@ fn a_form_takes_votes_reveals_nothing_and_keeps_the_first_vote_with_the_results(
     };
     let first = concept(&state).expect("a question of the form");
     let question = state.classroom.lessons.open_question().expect("a question");
-    let Key::Choice(right) = *question.key() else {
-        panic!("a choice");
-    };
+    let right = question.right_option().expect("a choice");
     let right = tilescope_lessons::letter(right);
     let vote = |state: &mut State, text: &str| talk(state, TalkCommand::Vote(text.to_owned()));
     vote(&mut state, "A 5 B 5 C 5 D 5");

@@ -1,0 +1,106 @@
+//! `choice`: the learner chooses one of several options.
+
+use std::sync::Arc;
+
+use super::options::{Lettered, Options, right_options, shown_at};
+use super::{Asking, GateKind, Interaction, KindRow, Novelty, curve as drawn_curve};
+use crate::answer::letter;
+use crate::control::Curve;
+use crate::draws::balanced;
+use crate::error::LessonError;
+use crate::fields::{Field, Fields};
+use crate::sets;
+use crate::text::{ChoiceOption, Text};
+
+pub(super) const ROW: KindRow = KindRow {
+    name: "choice",
+    once: &[],
+    many: &["option", "curve"],
+    wrong_names: &[],
+    read,
+};
+
+#[derive(Debug)]
+struct ChoiceGate {
+    options: Vec<ChoiceOption>,
+    /// The point sets whose spectra are drawn beside the options, one each; empty if there are none.
+    curves: Vec<Text>,
+}
+
+fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
+    let options = fields.options()?;
+    let curves = fields.limited("curve", 0, |field: &Field| field.expression(&[]))?;
+    let [drawn, wanted] = [curves.len(), options.len()];
+    if drawn != 0 && drawn != wanted {
+        let message =
+            format!("there are {drawn} curves and {wanted} options; each option has one curve");
+        return Err(LessonError::new(fields.line, message));
+    }
+    Ok(Arc::new(ChoiceGate { options, curves }))
+}
+
+impl GateKind for ChoiceGate {
+    fn options(&self) -> &[ChoiceOption] {
+        &self.options
+    }
+
+    fn novelty(&self) -> Novelty {
+        Novelty::Texts
+    }
+
+    fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
+        let right = right_options(asking.scene, &self.options)?;
+        let [index] = right[..] else {
+            let letters: String = right.iter().map(|&index| letter(index)).collect();
+            let which = if right.is_empty() {
+                "none of the options is right".to_owned()
+            } else {
+                format!("the options {letters} are all right")
+            };
+            return Err(asking.fault(format!("{which}; exactly one must be")));
+        };
+
+        let in_file = balanced(asking.name, self.options.len(), index, asking.seed());
+        let right = shown_at(&in_file, index);
+        let options = Options::of(asking.scene, &self.options, in_file)?;
+        let curves = self.spectra(asking, &options, right)?;
+        Ok(Arc::new(Lettered {
+            options,
+            curves,
+            right: vec![right],
+            events: Vec::new(),
+        }))
+    }
+}
+
+impl ChoiceGate {
+    /// Returns the curve of each option, in the order in which they are shown.
+    fn spectra(
+        &self,
+        asking: &Asking<'_>,
+        options: &Options,
+        right: usize,
+    ) -> Result<Vec<Curve>, LessonError> {
+        // A gate has no curves, or one for each option.
+        let beside = options.in_file.iter();
+        let beside = beside.filter_map(|&option| self.curves.get(option));
+        let drawn: Vec<_> = beside
+            .map(|set| asking.power(set))
+            .collect::<Result<_, _>>()?;
+
+        if let Some(own) = drawn.get(right) {
+            // The curve of the right option must be the one nearest to the spectrum of the samples that are shown.
+            let shown = asking.valid()?.power();
+            let shown = shown.map_err(|error| asking.fault(error))?;
+            let best = sets::rms(&shown, own);
+            let others = drawn.iter().enumerate();
+            let mut others = others.filter(|(other, _)| *other != right);
+            if others.any(|(_, curve)| sets::rms(&shown, curve) <= best) {
+                return Err(asking.fault(
+                    "another curve is nearer to the spectrum than that of the right option",
+                ));
+            }
+        }
+        Ok(drawn.iter().map(|power| drawn_curve(power)).collect())
+    }
+}

@@ -1,0 +1,91 @@
+//! `trace`: the learner does the next steps of the algorithm by hand.
+
+use std::sync::Arc;
+
+use super::options::{Lettered, Options, right_options, shown_at};
+use super::{Asking, GateKind, Interaction, KindRow, TracedEvent};
+use crate::draws::shuffle;
+use crate::error::LessonError;
+use crate::fields::Fields;
+use crate::scene::Scene;
+use crate::text::{ChoiceOption, Text};
+
+/// The most steps of a `trace`.
+const MAX_TRACED: usize = 12;
+
+pub(super) const ROW: KindRow = KindRow {
+    name: "trace",
+    once: &["events", "steps"],
+    many: &["option"],
+    wrong_names: &[],
+    read,
+};
+
+#[derive(Debug)]
+struct TraceGate {
+    /// The query of the events that are predicted.
+    events: Text,
+    /// How many of them.
+    steps: usize,
+    /// What may happen, each with the expression that is true if it does.
+    options: Vec<ChoiceOption>,
+}
+
+fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
+    Ok(Arc::new(TraceGate {
+        events: fields.need("events")?.query()?,
+        steps: fields.number_or("steps", 6.0, [1.0, MAX_TRACED as f64])? as usize,
+        options: fields.options()?,
+    }))
+}
+
+impl GateKind for TraceGate {
+    fn options(&self) -> &[ChoiceOption] {
+        &self.options
+    }
+
+    fn is_trace(&self) -> bool {
+        true
+    }
+
+    fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
+        let (_, mut coming) = asking.scene.coming(&self.events)?;
+        coming.truncate(self.steps);
+        if coming.len() < self.steps {
+            let (count, steps) = (coming.len(), self.steps);
+            let message =
+                format!("only {count} events follow that match, and {steps} are asked for");
+            return Err(self.events.wrong(message));
+        }
+
+        let mut in_file: Vec<usize> = (0..self.options.len()).collect();
+        shuffle(&mut in_file, asking.draws());
+        let (mut events, mut right) = (Vec::new(), Vec::new());
+        let mut there = Scene::at(asking.scene.recording(), asking.scene.cursor());
+        there.speak(&asking.scene.translation);
+        for cursor in coming {
+            there.go(cursor);
+            events.push(TracedEvent {
+                cursor,
+                ask: there.fill(asking.ask)?,
+                named: there.samples_in(asking.ask)?,
+            });
+            let holds = right_options(&there, &self.options)?;
+            let [index] = holds[..] else {
+                let (count, event) = (holds.len(), cursor + 1);
+                let message =
+                    format!("{count} options are right at event {event}; exactly one must be");
+                return Err(asking.fault(message));
+            };
+            right.push(shown_at(&in_file, index));
+        }
+
+        let options = Options::of(asking.scene, &self.options, in_file)?;
+        Ok(Arc::new(Lettered {
+            options,
+            curves: Vec::new(),
+            right,
+            events,
+        }))
+    }
+}

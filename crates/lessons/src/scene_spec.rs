@@ -1,0 +1,72 @@
+//! What a step of a lesson shows: the run, the moment, the layers and the camera, as they are in its file. `scene.rs` finds
+//! the moment in a recording.
+
+use tilescope_core::Parameters;
+
+use crate::moment::Moment;
+use crate::text::Text;
+
+/// The names of the layers of the canvas, as lessons name them.
+pub const LAYERS: [&str; 16] = [
+    "pattern",
+    "blocks",
+    "kd-tree",
+    "seams",
+    "samples",
+    "disks",
+    "conflicts",
+    "eliminated",
+    "gaps",
+    "detectors",
+    "candidates",
+    "inserted",
+    "delaunay",
+    "voronoi",
+    "circumcircles",
+    "covered-circles",
+];
+
+/// The run, the moment and the view of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSpec {
+    /// The parameters of the run.
+    pub parameters: Parameters,
+    /// The moment.
+    pub moment: Moment,
+    /// What must hold there, if anything must.
+    pub condition: Option<Text>,
+    /// The layers of the canvas; those of the stage, if none are named.
+    pub layers: Option<Vec<String>>,
+    /// The camera.
+    pub camera: Camera,
+    /// General claims of the lesson that are tested at this moment, in the runs of many seeds.
+    pub claims: Vec<Claim>,
+    /// The line of the directive, or of the title.
+    pub line: usize,
+}
+
+/// A general claim of a lesson. `check` tests it in the runs of many seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Claim {
+    /// True in each run.
+    Each(Text),
+    /// The mean over the runs is on one side of a bound.
+    Mean {
+        /// The expression of the number whose mean is taken.
+        of: Text,
+        /// Whether the mean is above the bound, not below it.
+        is_above: bool,
+        /// The bound.
+        bound: f64,
+    },
+}
+
+/// What the camera shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Camera {
+    /// The whole domain.
+    #[default]
+    Fit,
+    /// The sample or place that an expression gives, with so many r around it.
+    At(Text, f64),
+}
