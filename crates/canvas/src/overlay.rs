@@ -3,7 +3,6 @@
 use glam::DVec2;
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
-use tilescope_core::Stage;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::palette::Palette;
 
@@ -71,15 +70,6 @@ fn round_length(radii: f64) -> f64 {
     (length * 1e6).round() / 1e6
 }
 
-/// Returns the size of the domain, in r; at the stage of the pattern, that of the pattern.
-fn shown_size(subject: &Subject<'_>) -> DVec2 {
-    let session = subject.shown.session;
-    match subject.shown.stage {
-        Stage::Pattern => session.run().pattern.domain().size().into(),
-        _ => session.size_radii(),
-    }
-}
-
 /// Draws the coordinates under the pointer, and the scale as a percentage of the fitted one, as far as there is room.
 pub fn cursor(
     painter: &Painter,
@@ -91,7 +81,8 @@ pub fn cursor(
     if rect.height() < MIN_HEIGHT {
         return;
     }
-    let fitted = Camera::fitting(shown_size(subject), rect).scale;
+    let shown = &subject.shown;
+    let fitted = Camera::fitting(shown.session.size_at(Some(shown.stage)), rect).scale;
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
     let position = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
     let position = position.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));

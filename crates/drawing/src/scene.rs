@@ -7,7 +7,7 @@ use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
-use tilescope_session::units::{position, size};
+use tilescope_session::units::position;
 
 use crate::made::Made;
 use crate::palette::Palette;
@@ -132,11 +132,7 @@ impl<'a> Scene<'a> {
     /// Returns the domain on the screen: the run's, or the pattern's where the pattern is shown.
     #[must_use]
     pub fn domain(&self) -> Rect {
-        let size = match self.stage {
-            Stage::Pattern => size(self.session.run().pattern.domain()),
-            _ => self.session.size_radii(),
-        };
-        self.screen_rect(DVec2::ZERO, size)
+        self.screen_rect(DVec2::ZERO, self.session.size_at(Some(self.stage)))
     }
 
     /// Returns the clip rectangle of parts that reach across the domain's border: the domain itself if it is periodic,

@@ -354,6 +354,16 @@ impl Session {
         units::size(&self.run().domain)
     }
 
+    /// Returns the sides of what is shown at a stage, in r: of the domain, or of the pattern at the stage that makes it.
+    #[must_use]
+    pub fn size_at(&self, stage: Option<Stage>) -> DVec2 {
+        if stage == Some(Stage::Pattern) {
+            units::size(self.run().pattern.domain())
+        } else {
+            self.size_radii()
+        }
+    }
+
     /// Returns where sample `id` lies, in r.
     #[must_use]
     pub fn position(&self, id: u32) -> DVec2 {

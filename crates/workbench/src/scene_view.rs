@@ -2,7 +2,6 @@
 
 use emath::{Pos2, Rect};
 use glam::DVec2;
-use tilescope_core::Stage;
 use tilescope_debugger::{Debugger, Marked, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::picture::{MomentView, PictureView};
@@ -25,10 +24,8 @@ pub(crate) fn view_of_scene(
     let cursor = marked.cursor()?;
     let is_same_run = matches!(marked, Marked::Here(_));
     let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
-    let domain = match session.stages.get(session.stage_at(cursor)) {
-        Some(Stage::Pattern) => units::size(session.run().pattern.domain()),
-        _ => session.size_radii(),
-    };
+    let stage = session.stages.get(session.stage_at(cursor));
+    let domain = session.size_at(stage.copied());
     let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
     let place = place_of_scene(debugger, scene);
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {

@@ -126,11 +126,7 @@ impl RunView {
     /// Returns the size of what is shown, in r: of the domain or of the pattern.
     fn shown_size(&self) -> Option<DVec2> {
         let session = self.session.as_ref()?;
-        Some(match self.current_stage() {
-            // The pattern's user unit is one radius.
-            Some(Stage::Pattern) => session.run().pattern.domain().size().into(),
-            _ => session.size_radii(),
-        })
+        Some(session.size_at(self.current_stage()))
     }
 
     /// Returns the camera of the canvas for lessons.
