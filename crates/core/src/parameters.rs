@@ -3,14 +3,14 @@
 
 mod table;
 
-pub use table::{
-    PARAMETERS, Parameter, ParameterGroup, ParameterKind, ParameterOption, ParameterRow,
-};
-
 use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
 use crate::lattice::{Boundary, Domain, R, check_side};
+
+pub use table::{
+    PARAMETERS, Parameter, ParameterGroup, ParameterKind, ParameterOption, ParameterRow,
+};
 
 /// The shortest edge of a building block, in radii (paper, section 3.1.2).
 pub const MIN_LEAF_RADII: f64 = 6.0;

@@ -11,14 +11,16 @@ use rhai::{Dynamic, Engine, EvalAltResult, Map};
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::stages::order::Ranking;
-use tilescope_core::{Fate, Key as DrawKey, Origin, R, RunEvent, Sweep, Unobserved, sample};
+use tilescope_core::{
+    Fate, Key as DrawKey, Origin, Parameter, R, RunEvent, Sweep, Unobserved, sample,
+};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Divergence, Event, EventKind, NONE, Query, Recording, Status, first_divergence,
     query,
 };
 
 use crate::fields::Field;
-use crate::parameters::{MAX_SAMPLES, with_parameter};
+use crate::parameters::{MAX_SAMPLES, set_parameter};
 use crate::sets::{self, PointSet, position, radii};
 
 /// How many searches and computations the expressions of one question may make.
@@ -248,9 +250,13 @@ impl Now {
                 value: value.to_owned(),
                 line: 0,
             };
-            parameters =
-                with_parameter(&parameters, &field).map_err(|error| wrong(error.message))?;
+            // TODO: an unknown name changes nothing; should it be refused?
+            if let Some(parameter) = Parameter::all().find(|it| it.key() == key) {
+                set_parameter(&mut parameters, parameter, &field)
+                    .map_err(|error| wrong(error.message))?;
+            }
         }
+
         let domain = parameters
             .validate()
             .map_err(|error| wrong(error.to_string()))?;

@@ -1,7 +1,9 @@
-//! Changes a parameter of a run by its name in lessons. `read.rs` lists the names.
+//! The parameters of a run by their names in lessons.
+
+use std::iter;
 
 use serde_json::Value;
-use tilescope_core::Parameters;
+use tilescope_core::{Parameter, ParameterKind, Parameters};
 
 use crate::error::{LessonError, shortened};
 use crate::fields::Field;
@@ -9,33 +11,43 @@ use crate::fields::Field;
 /// The most samples of a lesson's run, by estimate.
 pub const MAX_SAMPLES: f64 = 20_000.0;
 
-/// Returns parameters with one of them changed.
-pub(crate) fn with_parameter(
-    parameters: &Parameters,
+/// Returns the parameters that lessons name by their keys, in the order in which they are written.
+pub fn parameters() -> impl Iterator<Item = Parameter> {
+    use Parameter::{PatternBoundary, PatternSeed, PatternSide};
+
+    // Of the pattern a lesson says no more than its size, behind what concerns the run.
+    let of_pattern = [PatternSide, PatternBoundary, PatternSeed];
+    let of_run = Parameter::all().filter(move |parameter| !of_pattern.contains(parameter));
+    of_run.chain(iter::once(PatternSide))
+}
+
+/// Returns the parameters of the first step, if it does not set them: some hundred samples in blocks of 12 r.
+pub(crate) fn first() -> Parameters {
+    Parameters {
+        radius: 0.03,
+        leaf: 12.0,
+        ..Parameters::default()
+    }
+}
+
+/// Sets a parameter to the value of a field.
+pub(crate) fn set_parameter(
+    parameters: &mut Parameters,
+    parameter: Parameter,
     field: &Field,
-) -> Result<Parameters, LessonError> {
+) -> Result<(), LessonError> {
     let Field { key, value, .. } = field;
     let json = match value.as_str() {
         "yes" | "true" => Value::Bool(true),
         "no" | "false" => Value::Bool(false),
-        text if *key == "seed" => match text.parse::<u64>() {
-            Ok(seed) => seed.into(),
-            Err(_) => text.into(),
+        text => match parameter.row().kind {
+            // A number with a fraction cannot hold all 64 bits of a whole one.
+            ParameterKind::Whole(_) => {
+                (text.parse::<u64>()).map_or_else(|_| text.into(), Value::from)
+            }
+            _ => (text.replace(',', ".").parse::<f64>()).map_or_else(|_| text.into(), Value::from),
         },
-        text => text
-            .replace(',', ".")
-            .parse::<f64>()
-            .map_or_else(|_| text.into(), Value::from),
     };
-    let read = || {
-        let mut all = serde_json::to_value(parameters)?;
-        match key.strip_prefix("pattern-") {
-            Some(part) => all["pattern"][part] = json,
-            None => all[key] = json,
-        }
-        serde_json::from_value(all)
-    };
-    read().map_err(|error: serde_json::Error| {
-        field.wrong(format!("\"{key}\" cannot be {}: {error}", shortened(value)))
-    })
+    (parameter.set(parameters, json))
+        .map_err(|error| field.wrong(format!("\"{key}\" cannot be {}: {error}", shortened(value))))
 }

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use tilescope_core::{MAXIMAL_DENSITY, Parameter};
 use unicode_segmentation::UnicodeSegmentation;
 
 use crate::error::{LessonError, nearest};
@@ -12,7 +12,7 @@ use crate::inventory::{Concept, TestForm};
 use crate::kinds::{KINDS, KindRow};
 use crate::lesson::{Gate, Lesson, Step};
 use crate::moment::Moment;
-use crate::parameters::{MAX_SAMPLES, with_parameter};
+use crate::parameters::{MAX_SAMPLES, first, parameters, set_parameter};
 use crate::scene_spec::{Camera, Claim, LAYERS, SceneSpec};
 use crate::syntax;
 use crate::text::{MAX_BYTES, Text, Wrong};
@@ -27,41 +27,6 @@ const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
 /// The limits of the bound of a mean: far beyond every number of a run, and not infinite.
 const BOUNDS: [f64; 2] = [-1e9, 1e9];
-/// The parameters of a run that lessons name; `pattern-side` is the side of the pattern.
-pub const PARAMETERS: [&str; 12] = [
-    "width",
-    "height",
-    "radius",
-    "boundary",
-    "seed",
-    "leaf",
-    "dihedral",
-    "order",
-    "insertion",
-    "search",
-    "variant",
-    "pattern-side",
-];
-/// The parameters of the first step, if it does not set them: some hundred samples in blocks of 12 r.
-const FIRST: Parameters = Parameters {
-    width: 1.0,
-    height: 1.0,
-    radius: 0.03,
-    boundary: tilescope_core::Boundary::Periodic,
-    seed: 1,
-    leaf: 12.0,
-    pattern: tilescope_core::PatternSpec {
-        side: 100.0,
-        boundary: tilescope_core::Boundary::Periodic,
-        seed: 0,
-    },
-    dihedral: false,
-    order: tilescope_core::Order::OwnBlockFirst,
-    insertion: tilescope_core::Insertion::Circumcentre,
-    search: tilescope_core::Search::Complete,
-    variant: tilescope_core::Variant::Staged,
-};
-
 impl Lesson {
     /// Reads a lesson; `name` is that of its file, without `.md`.
     ///
@@ -243,7 +208,7 @@ impl<'a> Reader<'a> {
             text: Vec::new(),
             after: Vec::new(),
             scene: scene.unwrap_or(SceneSpec {
-                parameters: FIRST,
+                parameters: first(),
                 moment: Moment::End,
                 condition: None,
                 layers: None,
@@ -334,14 +299,18 @@ pub fn step_name(title: &str) -> String {
 /// Changes a scene by a `run` directive. Parameters, moment and layers that it does not name stay; the condition of the
 /// moment and the camera do not.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
-    let known: Vec<&str> = PARAMETERS.iter().chain(&OF_RUN).copied().collect();
+    let known: Vec<&str> = parameters().map(Parameter::key).chain(OF_RUN).collect();
     fields.only(&known, &CLAIMS)?;
     scene.line = fields.line;
     scene.claims = claims(fields)?;
-    let is_parameter = |field: &&Field| PARAMETERS.contains(&field.key.as_str());
-    for field in fields.all.iter().filter(is_parameter) {
-        scene.parameters = with_parameter(&scene.parameters, field)?;
+
+    // In the order of the file, so that the first wrong line is the one that is named.
+    for field in &fields.all {
+        if let Some(parameter) = parameters().find(|it| it.key() == field.key) {
+            set_parameter(&mut scene.parameters, parameter, field)?;
+        }
     }
+
     scene.camera = Camera::Fit;
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;

@@ -13,6 +13,7 @@ mod write;
 pub use content::{LinkContent, NamedMoment};
 pub(crate) use content::{allows, normal};
 pub(crate) use parameters::excess;
+pub use parameters::link_key;
 pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;

@@ -2,10 +2,9 @@
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
 use tilescope_core::{Parameters, PatternSpec, Stage};
 use tilescope_debugger::{SavedScene, Session};
-use tilescope_lessons::{PARAMETERS, step_name};
+use tilescope_lessons::step_name;
 
 use crate::link::layer_name;
 use crate::scenes::split_caption;
@@ -110,19 +109,12 @@ fn paragraphs(text: &str) -> Vec<String> {
 
 /// Writes the parameters of a run.
 fn run(text: &mut String, parameters: &Parameters) {
-    let all = json!(parameters);
-    for name in PARAMETERS {
-        let value = match name {
-            "pattern-side" => &all["pattern"]["side"],
-            name => &all[name],
+    for parameter in tilescope_lessons::parameters() {
+        let value = match parameter.chosen(parameters) {
+            Some(option) => option.name.to_owned(),
+            None => parameter.value(parameters).to_string(),
         };
-        let value = match value {
-            Value::String(value) => value.clone(),
-            Value::Bool(true) => "yes".to_owned(),
-            Value::Bool(false) => "no".to_owned(),
-            value => value.to_string(),
-        };
-        let _ = writeln!(text, "{name}: {value}");
+        let _ = writeln!(text, "{}: {value}", parameter.key());
     }
 }
 

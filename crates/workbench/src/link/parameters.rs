@@ -1,11 +1,12 @@
 //! The parameters of a run in a link: writes those that differ from a base, and reads them, corrected to the nearest
-//! parameters that a link may ask for. Keys and values in links stand for parts of [`Parameters`] as JSON.
+//! parameters that a link may ask for.
 
-use serde::Deserialize;
+use std::iter;
+
 use serde_json::{Value, json};
 use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
-    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameters, SIDE_LIMITS, Variant,
+    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameter, ParameterKind, Parameters, Variant,
 };
 use tilescope_session::words::grouped;
 
@@ -13,40 +14,28 @@ use super::text::{exact, finite};
 use super::warnings::{LinkWarnings, quoted};
 use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
-/// The keys, in the order in which they are written.
-pub const KEYS: [&str; 13] = [
-    "seed",
-    "width",
-    "height",
-    "radius",
-    "boundary",
-    "leaf",
-    "pattern",
-    "pattern-boundary",
-    "pattern-seed",
-    "dihedral",
-    "order",
-    "insertion",
-    "search",
-];
-/// The last key, as its allowed values depend on the insertion.
-pub const VARIANT: &str = "variant";
+/// Returns the parameters in the order in which links have them: the seed first, as the part that is changed most.
+pub fn in_links() -> impl Iterator<Item = Parameter> {
+    let others = Parameter::all().filter(|parameter| *parameter != Parameter::Seed);
+    iter::once(Parameter::Seed).chain(others)
+}
 
-/// Returns the part of parameters, as JSON, that a key stands for.
-fn part<'a>(all: &'a mut Value, key: &str) -> &'a mut Value {
-    match key.strip_prefix("pattern") {
-        Some("") => &mut all["pattern"]["side"],
-        Some(rest) => &mut all["pattern"][&rest[1..]],
-        None => &mut all[key],
+/// Returns the key of a parameter in links and among the fields of the form.
+#[must_use]
+pub fn link_key(parameter: Parameter) -> &'static str {
+    match parameter {
+        // Of the pattern a link mostly says no more than the side.
+        Parameter::PatternSide => "pattern",
+        other => other.key(),
     }
 }
 
-/// Returns the value of a key as written in a link.
-fn value(p: &Parameters, key: &str) -> String {
-    match part(&mut json!(p), key) {
-        Value::Bool(false) => "no".to_owned(),
-        Value::Bool(true) => "yes".to_owned(),
-        Value::String(name) => name.clone(),
+/// Returns the value of a parameter as written in a link.
+fn value(p: &Parameters, parameter: Parameter) -> String {
+    if let Some(option) = parameter.chosen(p) {
+        return option.name.to_owned();
+    }
+    match parameter.value(p) {
         Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, exact),
         other => other.to_string(),
     }
@@ -58,35 +47,32 @@ pub fn differing(
     base: &Parameters,
 ) -> impl Iterator<Item = (&'static str, String)> {
     let (new, old) = (*parameters, *base);
-    KEYS.into_iter().chain([VARIANT]).filter_map(move |key| {
-        let text = value(&new, key);
-        (text != value(&old, key)).then_some((key, text))
+    in_links().filter_map(move |parameter| {
+        let text = value(&new, parameter);
+        (text != value(&old, parameter)).then(|| (link_key(parameter), text))
     })
 }
 
-/// Returns the parameters with that of a key changed; `None` if the text is invalid. Sizes are checked against each other
+/// Returns the parameters with one of them changed; `None` if the text is invalid. Sizes are checked against each other
 /// later.
-fn changed(p: &Parameters, key: &str, text: &str) -> Option<Parameters> {
-    let mut all = json!(p);
-    let part = part(&mut all, key);
-    *part = match &*part {
-        Value::Bool(_) => json!(match text {
-            "no" => false,
-            "yes" => true,
-            _ => return None,
-        }),
-        Value::Number(number) if number.is_f64() => {
-            let limits = match key {
-                "width" | "height" => SIDE_LIMITS[0]..=SIDE_LIMITS[1],
-                // All positive numbers.
-                _ => f64::from_bits(1)..=f64::MAX,
-            };
-            json!(finite(text).filter(|number| limits.contains(number))?)
+fn changed(p: &Parameters, parameter: Parameter, text: &str) -> Option<Parameters> {
+    let value = match &parameter.row().kind {
+        ParameterKind::Real { unit, limits, .. } => {
+            let number = finite(text).filter(|number| *number > 0.0)?;
+            // A length in r is corrected to the nearest limit later; the limits of others are too far away to be of use.
+            let [least, largest] = *limits;
+            let is_allowed = *unit == "r" || (least..=largest).contains(&number);
+            json!(is_allowed.then_some(number)?)
         }
-        Value::Number(_) => json!(text.parse::<u64>().ok()?),
-        _ => json!(text),
+        ParameterKind::Whole(_) => json!(text.parse::<u64>().ok()?),
+        ParameterKind::Switch { options, .. } | ParameterKind::Choice { options, .. } => {
+            let option = options.iter().find(|option| option.name == text);
+            parameter.value_of(option?)
+        }
     };
-    Parameters::deserialize(all).ok()
+    let mut changed = *p;
+    parameter.set(&mut changed, value).ok()?;
+    Some(changed)
 }
 
 /// Returns the parameters of a link: `base` changed by `texts`, corrected to the limits. `run` is appended to the names
@@ -98,13 +84,13 @@ pub fn read<'a>(
     warnings: &mut LinkWarnings,
 ) -> Parameters {
     let mut parameters = *base;
-    for key in KEYS.into_iter().chain([VARIANT]) {
-        let Some(text) = texts(key) else {
+    for parameter in in_links() {
+        let Some(text) = texts(link_key(parameter)) else {
             continue;
         };
-        let read = changed(&parameters, key, text);
+        let read = changed(&parameters, parameter, text);
         if read.is_none() {
-            let (text, used, name) = (quoted(text), value(base, key), name_of(key));
+            let (text, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
             warnings.add(format!(
                 "The link asked for {name}{run} {text}; {used} is used instead."
             ));
@@ -115,13 +101,12 @@ pub fn read<'a>(
     parameters
 }
 
-/// Returns the name of a key's parameter in sentences.
-fn name_of(key: &str) -> &str {
-    match key {
-        "pattern" => "the pattern side",
-        "pattern-boundary" => "the pattern boundary",
-        "pattern-seed" => "the pattern seed",
-        key => key,
+/// Returns the name of a parameter in sentences.
+fn name_of(parameter: Parameter) -> String {
+    match parameter.key() {
+        // Of a name of two words the reader sees by the article where it begins.
+        key if key.contains('-') => format!("the {}", key.replace('-', " ")),
+        key => key.to_owned(),
     }
 }
 
@@ -348,13 +333,13 @@ mod tests {
 
     #[test]
     fn an_invalid_value_changes_nothing_and_is_named() {
-        for key in KEYS.into_iter().chain([VARIANT]) {
-            let (p, warnings) = of(&[(key, "?")]);
-            assert_eq!(p, Parameters::default(), "{key}");
-            let asked = format!("asked for {} ?;", name_of(key));
+        for parameter in in_links() {
+            let (p, warnings) = of(&[(link_key(parameter), "?")]);
+            assert_eq!(p, Parameters::default(), "{parameter:?}");
+            let asked = format!("asked for {} ?;", name_of(parameter));
             assert!(
                 warnings.text().contains(&asked),
-                "{key}: {}",
+                "{parameter:?}: {}",
                 warnings.text()
             );
         }

@@ -16,7 +16,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 
 use super::content::{LinkContent, NamedMoment};
-use super::parameters::{self, KEYS, VARIANT};
+use super::parameters::{self, in_links, link_key};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::{LinkWarnings, quoted};
@@ -74,12 +74,12 @@ struct LinkReader {
 /// Returns every key except those of a second run, which are prefixed by `b.`.
 #[cfg(test)]
 pub fn keys() -> impl Iterator<Item = &'static str> {
-    OTHERS.split(' ').chain(KEYS).chain([VARIANT])
+    OTHERS.split(' ').chain(in_links().map(link_key))
 }
 
 /// Returns whether a link of this version may have this key.
 fn is_known(key: &str) -> bool {
-    let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
+    let of_run = |key: &str| in_links().any(|parameter| link_key(parameter) == key);
     OTHERS.split(' ').any(|other| other == key)
         || of_run(key)
         || key.strip_prefix("b.").is_some_and(of_run)
