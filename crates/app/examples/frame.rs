@@ -8,13 +8,14 @@ use std::time::Instant;
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
 
 /// Frames per measurement.
@@ -138,7 +139,7 @@ fn opened(instanced: bool, radius: Option<String>) -> Bench {
     if let Some(radius) = radius {
         app.state.settle();
         app.state
-            .apply(Command::Form(FormCommand::Type(Field::Radius, radius)));
+            .apply(Command::Form(FormCommand::Type(Parameter::Radius, radius)));
         app.state.apply(Command::Run);
     }
     if instanced {

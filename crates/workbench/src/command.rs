@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use emath::{Pos2, Rect, Vec2};
+use tilescope_core::Parameter;
 use tilescope_debugger::{Direction, LineId, Step, Target};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Colouring, Layer};
@@ -16,7 +17,7 @@ use crate::arrangement::DrawerCommand;
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
 use crate::device::EngineChoice;
-use crate::draft::{Choice, Field, Preset};
+use crate::draft::{Choice, Preset};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
@@ -97,9 +98,15 @@ pub enum DebugCommand {
 #[serde(rename_all = "kebab-case")]
 pub enum FormCommand {
     /// Sets the text of a parameter.
-    Type(Field, String),
+    Type(
+        #[serde(deserialize_with = "crate::draft::number")] Parameter,
+        String,
+    ),
     /// Changes a parameter by so many small steps.
-    Nudge(Field, i32),
+    Nudge(
+        #[serde(deserialize_with = "crate::draft::number")] Parameter,
+        i32,
+    ),
     /// Chooses whether small runs start at once when a parameter changes.
     Live(bool),
     /// Types a number of samples, which sets the radius.

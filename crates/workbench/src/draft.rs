@@ -1,56 +1,39 @@
 //! The parameters as typed, and whether they can be run. Begin with [`Draft`]. The core decides which parameters are valid;
 //! [`Draft::refusals`] assigns its errors to fields.
 
-use tilescope_core::{
-    Boundary, Insertion, MAXIMAL_DENSITY, NestedRequest, Order, ParameterError, Parameters, Search,
-    Variant, WithinLevel, radius_estimate,
-};
+use std::collections::BTreeMap;
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Value, json};
+use tilescope_core::{
+    Boundary, Insertion, MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterError, ParameterKind,
+    Parameters, Search, Variant, WithinLevel, radius_estimate,
+};
 use tilescope_session::limits::{MAX_ON_A_PAGE, MAX_STAGED};
 use tilescope_session::typed;
-use tilescope_session::words::{grouped, sentence};
+use tilescope_session::words::{capital, grouped, sentence};
 
-/// A parameter that is typed as a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Field {
-    /// Width of the domain, in user units.
-    Width,
-    /// Height of the domain, in user units.
-    Height,
-    /// Poisson-disk radius, in user units.
-    Radius,
-    /// Seed of the run.
-    Seed,
-    /// Shortest edge of a block, in r.
-    Leaf,
-    /// Side of the pattern, in r.
-    PatternSide,
-    /// Seed of the pattern.
-    PatternSeed,
+/// Returns the parameters that are typed, in the order of the panel.
+pub fn numbers() -> impl Iterator<Item = Parameter> {
+    Parameter::all().filter(|parameter| parameter.options().is_empty())
 }
 
-impl Field {
-    /// Returns the name beside the field.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Width => "Width",
-            Self::Height => "Height",
-            Self::Radius => "Radius",
-            Self::Seed => "Seed",
-            Self::Leaf => "Smallest block",
-            Self::PatternSide => "Pattern size",
-            Self::PatternSeed => "Pattern seed",
-        }
+/// Reads a parameter that is typed.
+pub(crate) fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Parameter, D::Error> {
+    let parameter = Parameter::deserialize(deserializer)?;
+    if parameter.options().is_empty() {
+        return Ok(parameter);
     }
+    let key = parameter.key();
+    Err(D::Error::custom(format!("{key} is chosen, not typed")))
 }
 
 /// A part of the form that can be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FormPart {
-    /// A field of a parameter.
-    Field(Field),
+    /// The field of a parameter.
+    Field(Parameter),
     /// The number of samples that sets the radius.
     Samples,
     /// The exact number of samples of nested levels.
@@ -62,38 +45,59 @@ pub enum FormPart {
 impl FormPart {
     /// Returns the name beside the field; `None` for choices, whose error names them.
     #[must_use]
-    pub const fn name(self) -> Option<&'static str> {
+    pub fn name(self) -> Option<String> {
         match self {
-            Self::Field(field) => Some(field.name()),
-            Self::Samples => Some("Samples"),
-            Self::Exactly => Some("Exactly"),
+            Self::Field(parameter) => Some(capital(parameter.row().label)),
+            Self::Samples => Some("Samples".to_owned()),
+            Self::Exactly => Some("Exactly".to_owned()),
             Self::Choices => None,
         }
     }
 }
 
-/// A parameter that is chosen from a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// A value that is chosen from a list. In JSON it is a field with its value.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// The boundary of the domain.
-    Boundary(Boundary),
-    /// The boundary of the pattern.
-    PatternBoundary(Boundary),
-    /// Whether the pattern is turned and mirrored.
-    Dihedral(bool),
-    /// Order of elimination.
-    Order(Order),
-    /// How gaps are filled.
-    Insertion(Insertion),
-    /// The search radius of detectors.
-    Search(Search),
-    /// The form of Algorithm 4: staged, or as printed.
-    Variant(Variant),
+    /// A parameter, and the value of one of its options.
+    Parameter(Parameter, Value),
     /// The number of nested levels; `None` for a run.
     Levels(Option<u32>),
     /// The order of the samples within a level.
     Within(WithinLevel),
+}
+
+impl Serialize for Choice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (key, value) = match self {
+            Self::Parameter(parameter, value) => (parameter.key(), value.clone()),
+            Self::Levels(levels) => ("levels", json!(levels)),
+            Self::Within(within) => ("within", json!(within)),
+        };
+        BTreeMap::from([(key, value)]).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Choice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut given = BTreeMap::<String, Value>::deserialize(deserializer)?;
+        let (Some((key, value)), true) = (given.pop_first(), given.is_empty()) else {
+            return Err(D::Error::custom("a choice is one field with its value"));
+        };
+        let read = match &*key {
+            "levels" => serde_json::from_value(value).map(Self::Levels),
+            "within" => serde_json::from_value(value).map(Self::Within),
+            key => {
+                let parameter = Parameter::all().find(|parameter| parameter.key() == key);
+                let chosen = parameter.filter(|parameter| !parameter.options().is_empty());
+                let unknown = || D::Error::custom(format!("unknown choice `{key}`"));
+                let parameter = chosen.ok_or_else(unknown)?;
+                // A value that is none of its options is refused here, not when it is applied.
+                let set = parameter.set(&mut Parameters::default(), value.clone());
+                set.map(|()| Self::Parameter(parameter, value))
+            }
+        };
+        read.map_err(D::Error::custom)
+    }
 }
 
 /// Parameters to begin with.
@@ -202,21 +206,11 @@ const MANY_SAMPLES: f64 = 2e7;
 /// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
 const BYTES_PER_SAMPLE: f64 = 90.0;
 
-/// Every typed field, in the order of the panel.
-pub const FIELDS: [Field; 7] = [
-    Field::Width,
-    Field::Height,
-    Field::Radius,
-    Field::Seed,
-    Field::Leaf,
-    Field::PatternSide,
-    Field::PatternSeed,
-];
-
 /// Parameters being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
-    texts: [String; FIELDS.len()],
+    /// The numbers as typed.
+    texts: BTreeMap<Parameter, String>,
     /// The number of samples as typed, if the radius was given by it.
     count: Option<String>,
     /// The number of nested levels, if there are to be some.
@@ -258,9 +252,9 @@ impl Default for Draft {
 impl Draft {
     /// Returns the draft with the texts of `parameters`.
     pub(crate) fn from_parameters(parameters: Parameters) -> Self {
-        let texts = FIELDS.map(|field| text_of(&parameters, field));
+        let texts = numbers().map(|parameter| (parameter, parameter.text(&parameters)));
         Self {
-            texts,
+            texts: texts.collect(),
             count: None,
             levels: None,
             exactly: String::new(),
@@ -318,37 +312,48 @@ impl Draft {
         Some(DraftRefusal { part, reason })
     }
 
-    /// Returns the text of a field.
+    /// Returns the text of a number; it is empty for a parameter that is chosen.
     #[must_use]
-    pub fn text(&self, field: Field) -> &str {
-        &self.texts[field as usize]
+    pub fn text(&self, parameter: Parameter) -> &str {
+        self.texts.get(&parameter).map_or("", String::as_str)
     }
 
-    /// Replaces the text of a field. A text that cannot be read leaves the value.
-    pub(crate) fn set_text(&mut self, field: Field, text: String) {
-        match number(&mut self.parameters, field) {
-            Number::Size(size) => *size = typed::number(&text).unwrap_or(*size),
-            Number::Seed(seed) => *seed = typed::whole(&text).unwrap_or(*seed),
+    /// Replaces the text of a number. A text that cannot be read leaves the value.
+    pub(crate) fn set_text(&mut self, parameter: Parameter, text: String) {
+        match &parameter.row().kind {
+            ParameterKind::Real { place, .. } => {
+                let size = place(&mut self.parameters);
+                *size = typed::number(&text).unwrap_or(*size);
+            }
+            ParameterKind::Whole(place) => {
+                let seed = place(&mut self.parameters);
+                *seed = typed::whole(&text).unwrap_or(*seed);
+            }
+            ParameterKind::Switch { .. } | ParameterKind::Choice { .. } => return,
         }
-        self.texts[field as usize] = text;
+        self.texts.insert(parameter, text);
         // A typed number of samples applied to the former parameters.
         self.count = None;
     }
 
-    /// Changes a parameter by so many small steps: lengths by 2%, sizes in r and seeds by 1.
-    pub fn nudge(&mut self, field: Field, steps: i32) {
-        let text = match number(&mut self.parameters, field) {
-            Number::Seed(seed) => seed.saturating_add_signed(i64::from(steps)).to_string(),
-            Number::Size(size) if matches!(field, Field::Leaf | Field::PatternSide) => {
-                (*size + f64::from(steps)).to_string()
+    /// Changes a number by so many small steps: lengths by 2%, sizes in r and seeds by 1.
+    pub fn nudge(&mut self, parameter: Parameter, steps: i32) {
+        let text = match &parameter.row().kind {
+            ParameterKind::Whole(place) => {
+                let seed = *place(&mut self.parameters);
+                seed.saturating_add_signed(i64::from(steps)).to_string()
             }
-            Number::Size(size) => {
-                let scaled = *size * 1.02_f64.powi(steps);
+            ParameterKind::Real { place, unit, .. } if *unit == "r" => {
+                (*place(&mut self.parameters) + f64::from(steps)).to_string()
+            }
+            ParameterKind::Real { place, .. } => {
+                let scaled = *place(&mut self.parameters) * 1.02_f64.powi(steps);
                 let short = format!("{scaled:.3e}").parse::<f64>();
                 short.unwrap_or(scaled).to_string()
             }
+            ParameterKind::Switch { .. } | ParameterKind::Choice { .. } => return,
         };
-        self.set_text(field, text);
+        self.set_text(parameter, text);
     }
 
     /// Returns the number of samples as typed, or otherwise the expected one with two significant digits, if it is known.
@@ -365,7 +370,7 @@ impl Draft {
     /// Sets the radius to that of about so many samples, if the text is a number for which there is one.
     pub(crate) fn set_count(&mut self, text: String) {
         if let Ok(radius) = self.radius_of(&text) {
-            self.set_text(Field::Radius, radius.to_string());
+            self.set_text(Parameter::Radius, radius.to_string());
         }
         self.count = Some(text);
     }
@@ -383,23 +388,18 @@ impl Draft {
         Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
     }
 
-    /// Returns whether the text of a field is not that of a run's parameters.
+    /// Returns whether a parameter is not that of a run.
     #[must_use]
-    pub fn differs(&self, field: Field, made: &Parameters) -> bool {
-        text_of(&self.parameters, field) != text_of(made, field) || self.unreadable(field).is_some()
+    pub fn differs(&self, parameter: Parameter, made: &Parameters) -> bool {
+        parameter.text(&self.parameters) != parameter.text(made)
+            || self.unreadable(parameter).is_some()
     }
 
     /// Makes a choice.
     pub fn choose(&mut self, choice: Choice) {
-        let p = &mut self.parameters;
         match choice {
-            Choice::Boundary(boundary) => p.boundary = boundary,
-            Choice::PatternBoundary(boundary) => p.pattern.boundary = boundary,
-            Choice::Dihedral(dihedral) => p.dihedral = dihedral,
-            Choice::Order(order) => p.order = order,
-            Choice::Insertion(insertion) => p.insertion = insertion,
-            Choice::Search(search) => p.search = search,
-            Choice::Variant(variant) => p.variant = variant,
+            // A value that is none of its options changes nothing; scripts with such a one are refused.
+            Choice::Parameter(parameter, value) => drop(parameter.set(&mut self.parameters, value)),
             Choice::Levels(levels) => self.levels = levels,
             Choice::Within(within) => self.within = within,
         }
@@ -413,7 +413,7 @@ impl Draft {
             let (part, reason) = (FormPart::Field(field), self.unreadable(field)?);
             Some(DraftRefusal { part, reason })
         };
-        let mut refusals: Vec<DraftRefusal> = FIELDS.into_iter().filter_map(unreadable).collect();
+        let mut refusals: Vec<DraftRefusal> = numbers().filter_map(unreadable).collect();
         // The radius is still that of the last number of samples that could be read: a run would not be the one asked for.
         let part = FormPart::Samples;
         let wrong_count = self.count_refusal();
@@ -441,41 +441,19 @@ impl Draft {
 
     /// Returns the parameters, unless a text cannot be read, since the numbers are then those of an earlier text.
     fn read(&self) -> Option<&Parameters> {
-        let mut fields = FIELDS.into_iter();
-        let is_readable = fields.all(|field| self.unreadable(field).is_none());
+        let is_readable = numbers().all(|parameter| self.unreadable(parameter).is_none());
         (is_readable && self.count_refusal().is_none()).then_some(&self.parameters)
     }
 
     /// Returns the names of the parameters that differ from `made`.
     #[must_use]
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
-        let p = &self.parameters;
-        let names = [
-            "width",
-            "height",
-            "radius",
-            "seed",
-            "smallest block",
-            "pattern size",
-            "pattern seed",
-        ];
-        let fields = FIELDS.into_iter().zip(names);
-        let typed = fields.filter(|(field, _)| self.differs(*field, made));
-        let chosen = [
-            ("boundary", p.boundary != made.boundary),
-            (
-                "pattern border",
-                p.pattern.boundary != made.pattern.boundary,
-            ),
-            ("orientation", p.dihedral != made.dihedral),
-            ("who wins", p.order != made.order),
-            ("insertion", p.insertion != made.insertion),
-            ("gap search", p.search != made.search),
-            ("Algorithm 4", p.variant != made.variant),
-        ];
-        let chosen = chosen.into_iter().filter(|(_, differs)| *differs);
-        let chosen = chosen.map(|(name, _)| name);
-        typed.map(|(_, name)| name).chain(chosen).collect()
+        // What is typed comes first, as in each part of the form.
+        let chosen = Parameter::all().filter(|parameter| !parameter.options().is_empty());
+        let differing = numbers()
+            .chain(chosen)
+            .filter(|parameter| self.differs(*parameter, made));
+        differing.map(|parameter| parameter.row().label).collect()
     }
 
     /// Returns the expected number of samples of a run.
@@ -514,15 +492,16 @@ impl Draft {
         self.read()?.side_without_repeats()
     }
 
-    fn unreadable(&self, field: Field) -> Option<String> {
-        let text = self.text(field);
-        match number(&mut self.parameters.clone(), field) {
-            Number::Seed(_) if typed::whole(text).is_none() => Some(format!(
+    /// Returns why the text of a parameter is no value of it, if so.
+    fn unreadable(&self, parameter: Parameter) -> Option<String> {
+        let text = self.text(parameter);
+        match parameter.row().kind {
+            ParameterKind::Whole(_) if typed::whole(text).is_none() => Some(format!(
                 "\"{}\" is not a whole number from 0 to {}.",
                 text.trim(),
                 tilescope_core::grouped(u64::MAX)
             )),
-            Number::Size(_) if typed::number(text).is_none() => {
+            ParameterKind::Real { .. } if typed::number(text).is_none() => {
                 Some(format!("\"{}\" is not a number.", text.trim()))
             }
             _ => None,
@@ -537,48 +516,23 @@ fn count_of(text: &str) -> Result<u64, String> {
     count.ok_or_else(wrong)
 }
 
-/// The number of a field.
-enum Number<'a> {
-    Size(&'a mut f64),
-    Seed(&'a mut u64),
-}
-
-fn number(p: &mut Parameters, field: Field) -> Number<'_> {
-    match field {
-        Field::Width => Number::Size(&mut p.width),
-        Field::Height => Number::Size(&mut p.height),
-        Field::Radius => Number::Size(&mut p.radius),
-        Field::Seed => Number::Seed(&mut p.seed),
-        Field::Leaf => Number::Size(&mut p.leaf),
-        Field::PatternSide => Number::Size(&mut p.pattern.side),
-        Field::PatternSeed => Number::Seed(&mut p.pattern.seed),
-    }
-}
-
-fn text_of(p: &Parameters, field: Field) -> String {
-    match number(&mut p.clone(), field) {
-        Number::Size(size) => size.to_string(),
-        Number::Seed(seed) => seed.to_string(),
-    }
-}
-
 fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
     FormPart::Field(match error {
         // The limits of sides are in r: if the side suits the default radius, the radius is at fault.
         ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }
             if suits_default_radius(parameters) =>
         {
-            Field::Radius
+            Parameter::Radius
         }
-        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => Field::Radius,
+        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => Parameter::Radius,
         ParameterError::Side { name, .. }
         | ParameterError::SideTooShort { name, .. }
         | ParameterError::SideTooLong { name, .. } => match *name {
-            "height" => Field::Height,
-            _ => Field::Width,
+            "height" => Parameter::Height,
+            _ => Parameter::Width,
         },
-        ParameterError::Leaf { .. } => Field::Leaf,
-        ParameterError::PatternSide { .. } => Field::PatternSide,
+        ParameterError::Leaf { .. } => Parameter::Leaf,
+        ParameterError::PatternSide { .. } => Parameter::PatternSide,
         _ => return FormPart::Choices,
     })
 }
@@ -600,7 +554,7 @@ fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
     let expected = expected.filter(|expected| *expected > most)?;
     let [expected, most] = [expected, most].map(|count| grouped(count as usize));
     Some(DraftRefusal {
-        part: FormPart::Field(Field::Radius),
+        part: FormPart::Field(Parameter::Radius),
         reason: format!(
             "A run would have about {expected} samples; in a browser at most {most} are possible, in the native program more."
         ),
@@ -616,7 +570,42 @@ mod tests {
         let draft = Draft::default();
         assert_eq!(draft.refusals(), []);
         assert_eq!(draft.parameters, Parameters::default());
-        assert_eq!(draft.text(Field::Radius), "0.00836");
+        assert_eq!(draft.text(Parameter::Radius), "0.00836");
+    }
+
+    #[test]
+    fn a_choice_of_a_script_is_a_field_with_its_value() {
+        for text in [
+            r#"{"dihedral":true}"#,
+            r#"{"pattern-boundary":"bounded"}"#,
+            r#"{"search":"two-radii"}"#,
+            r#"{"levels":4}"#,
+            r#"{"levels":null}"#,
+            r#"{"within":"farthest"}"#,
+        ] {
+            let choice: Choice = serde_json::from_str(text).expect(text);
+            assert_eq!(serde_json::to_string(&choice).expect(text), text);
+        }
+        for (text, part) in [
+            (r#"{"dihedral":"maybe"}"#, "expected a boolean"),
+            (r#"{"order":"best"}"#, "unknown variant `best`"),
+            (r#"{"seed":7}"#, "unknown choice `seed`"),
+            (r#"{"order":"index","search":"complete"}"#, "one field"),
+            ("{}", "one field"),
+        ] {
+            let error = serde_json::from_str::<Choice>(text).expect_err(text);
+            assert!(error.to_string().contains(part), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn only_numbers_can_be_typed() {
+        let command = |text| serde_json::from_str::<crate::command::FormCommand>(text);
+        command(r#"{"type":["pattern-side","20"]}"#).expect("a number");
+        for text in [r#"{"type":["order","index"]}"#, r#"{"nudge":["order",1]}"#] {
+            let error = command(text).expect_err(text).to_string();
+            assert!(error.contains("order is chosen, not typed"), "{error}");
+        }
     }
 
     #[test]
@@ -624,28 +613,28 @@ mod tests {
         assert_eq!(too_many(Some(2e6), 2e6), None);
         assert_eq!(too_many(None, 2e6), None);
         let refusal = too_many(Some(1e9), 2e6).unwrap();
-        assert_eq!(refusal.part, FormPart::Field(Field::Radius));
+        assert_eq!(refusal.part, FormPart::Field(Parameter::Radius));
         assert!(refusal.reason.contains("1,000,000,000") && refusal.reason.contains("2,000,000"));
     }
 
     #[test]
     fn one_rule_reads_the_commas_of_the_whole_form() {
         let mut draft = Draft::default();
-        draft.set_text(Field::Radius, "0,01".to_owned());
+        draft.set_text(Parameter::Radius, "0,01".to_owned());
         assert_eq!((draft.refusals(), draft.parameters.radius), (vec![], 0.01));
         // Thousands are thousands in every field: a side of 1,000 is not a side of 1.
-        draft.set_text(Field::Width, "1,000".to_owned());
-        draft.set_text(Field::Height, "1 000".to_owned());
-        draft.set_text(Field::Radius, "20".to_owned());
-        draft.set_text(Field::Seed, "1,000".to_owned());
+        draft.set_text(Parameter::Width, "1,000".to_owned());
+        draft.set_text(Parameter::Height, "1 000".to_owned());
+        draft.set_text(Parameter::Radius, "20".to_owned());
+        draft.set_text(Parameter::Seed, "1,000".to_owned());
         let p = &draft.parameters;
         assert_eq!(draft.refusals(), []);
         assert_eq!((p.width, p.height, p.seed), (1000.0, 1000.0, 1000));
         draft.set_count("1,000".to_owned());
         assert_eq!(draft.refusals(), []);
         for text in ["0,0,1", "1.000,5", ","] {
-            draft.set_text(Field::Radius, text.to_owned());
-            let part = FormPart::Field(Field::Radius);
+            draft.set_text(Parameter::Radius, text.to_owned());
+            let part = FormPart::Field(Parameter::Radius);
             assert_eq!(draft.refusals()[0].part, part, "{text}");
         }
     }
@@ -659,7 +648,7 @@ mod tests {
         let spoil: [(&str, Spoil); 3] = [
             ("Samples", |draft| draft.set_count("abc".to_owned())),
             ("Radius", |draft| {
-                draft.set_text(Field::Radius, "abc".to_owned());
+                draft.set_text(Parameter::Radius, "abc".to_owned());
             }),
             ("Exactly", wrong_exactly),
         ];
@@ -694,19 +683,19 @@ mod tests {
     #[test]
     fn refusals_name_their_field() {
         for (field, text, part) in [
-            (Field::Radius, "0", "above 0"),
-            (Field::Radius, "one", "\"one\" is not a number"),
-            (Field::Radius, "NaN", "NaN"),
-            (Field::Radius, "0.00002", "at most"),
-            (Field::Radius, "0.5", "choose a smaller radius"),
-            (Field::Radius, "1e-12", "at most"),
-            (Field::Width, "0.01", "width"),
-            (Field::Width, "-1", "width"),
-            (Field::Height, "0.01", "height"),
-            (Field::Seed, "-1", "whole number"),
-            (Field::Leaf, "2", "at least 6 r"),
-            (Field::PatternSide, "3", "between 10 r"),
-            (Field::PatternSeed, "", "whole number"),
+            (Parameter::Radius, "0", "above 0"),
+            (Parameter::Radius, "one", "\"one\" is not a number"),
+            (Parameter::Radius, "NaN", "NaN"),
+            (Parameter::Radius, "0.00002", "at most"),
+            (Parameter::Radius, "0.5", "choose a smaller radius"),
+            (Parameter::Radius, "1e-12", "at most"),
+            (Parameter::Width, "0.01", "width"),
+            (Parameter::Width, "-1", "width"),
+            (Parameter::Height, "0.01", "height"),
+            (Parameter::Seed, "-1", "whole number"),
+            (Parameter::Leaf, "2", "at least 6 r"),
+            (Parameter::PatternSide, "3", "between 10 r"),
+            (Parameter::PatternSeed, "", "whole number"),
         ] {
             let mut draft = Draft::default();
             draft.set_text(field, text.to_owned());
@@ -719,9 +708,9 @@ mod tests {
 
     #[test]
     fn an_unreadable_text_prevents_estimates() {
-        for field in FIELDS {
+        for field in numbers() {
             let mut draft = Draft::default();
-            draft.set_text(Field::Leaf, "80".to_owned());
+            draft.set_text(Parameter::Leaf, "80".to_owned());
             assert!(draft.expected_samples().is_some() && draft.side_without_repeats().is_some());
             draft.set_text(field, "abc".to_owned());
             assert_eq!(draft.expected_samples(), None, "{field:?}");
@@ -732,8 +721,8 @@ mod tests {
     #[test]
     fn texts_are_read_back_as_numbers() {
         let mut draft = Draft::default();
-        draft.set_text(Field::Seed, " 77 ".to_owned());
-        draft.set_text(Field::Leaf, "12.5".to_owned());
+        draft.set_text(Parameter::Seed, " 77 ".to_owned());
+        draft.set_text(Parameter::Leaf, "12.5".to_owned());
         assert_eq!(draft.parameters.seed, 77);
         assert!((draft.parameters.leaf - 12.5).abs() < f64::EPSILON);
     }
@@ -764,7 +753,7 @@ mod tests {
             assert!(refusal.ends_with('.'), "{refusal}");
             assert!(draft.parameters.radius.to_bits() == radius.to_bits());
         }
-        draft.set_text(Field::Radius, "0.02".to_owned());
+        draft.set_text(Parameter::Radius, "0.02".to_owned());
         assert_eq!(
             (draft.count_refusal(), &*draft.count_text()),
             (None, "1700")
@@ -773,7 +762,7 @@ mod tests {
 
     #[test]
     fn a_nudge_and_its_opposite_lead_back() {
-        for field in FIELDS {
+        for field in numbers() {
             let mut draft = Draft::default();
             for steps in [3, 1, -4] {
                 let before = draft.text(field).to_owned();

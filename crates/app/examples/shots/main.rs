@@ -7,8 +7,9 @@
 use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use serde_json::json;
 use tilescope_app::App;
-use tilescope_core::Insertion;
+use tilescope_core::{Insertion, Parameter};
 use tilescope_gpu::layout::Name;
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
@@ -19,7 +20,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -179,8 +180,11 @@ fn buffers(studio: &mut Studio) {
 
     studio.apply([
         Command::Passes(PassCommand::Filter(String::new())),
-        Command::Form(FormCommand::Choose(Choice::Insertion(Insertion::Uniform))),
-        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Insertion,
+            json!(Insertion::Uniform),
+        ))),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.02".to_owned())),
         Command::Run,
         Command::OpenPasses,
     ]);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_debugger::Listings;
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
@@ -12,7 +13,6 @@ use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::scenes::SceneCommand;
 
@@ -59,11 +59,11 @@ pub fn busy() -> Harness<'static, App> {
     let mut harness = opened();
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.02".to_owned())),
     );
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Leaf, "12".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let line = Listings::shipped().find("eliminate.5").expect("a line");

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use egui::Key;
 use egui_kittest::Harness;
+use serde_json::json;
 use tilescope_app::App;
-use tilescope_core::Boundary;
+use tilescope_core::{Boundary, Parameter};
 use tilescope_workbench::Command;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::{Layout, Panel};
 use tilescope_workbench::state::Settings;
@@ -22,7 +23,7 @@ use crate::support::{find, focused, is_disabled, node, opened_at, session, settl
 pub(crate) fn analysing() -> Harness<'static, App> {
     // High enough for the buttons below the periodogram.
     let mut harness = opened_at([1000.0, 1340.0]);
-    for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
+    for (field, value) in [(Parameter::Radius, "0.02"), (Parameter::Leaf, "8")] {
         apply(
             &mut harness,
             Command::Form(FormCommand::Type(field, value.to_owned())),
@@ -120,7 +121,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     says(&harness, DENSITY, &["file 0.3600"]);
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.03".to_owned())),
     );
     apply(&mut harness, Command::Run);
     says(&harness, DENSITY, &["file 0.8100"]);
@@ -128,14 +129,14 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     says(&harness, "analysis.unjudged", &["0.02", "0.03"]);
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.02".to_owned())),
     );
     apply(&mut harness, Command::Run);
     says(&harness, CONFLICTS, &[&conflicts]);
     // In another domain the file is kept but not drawn, and the panel explains why.
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Width, "2".to_owned())),
     );
     apply(&mut harness, Command::Run);
     assert!(
@@ -173,11 +174,11 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     let path = noise("another-domain");
     for (command, domain) in [
         (
-            Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
+            Command::Form(FormCommand::Type(Parameter::Width, "2".to_owned())),
             "2 \u{d7} 1 periodic",
         ),
         (
-            Command::Form(FormCommand::Type(Field::Height, "0.5".to_owned())),
+            Command::Form(FormCommand::Type(Parameter::Height, "0.5".to_owned())),
             "2 \u{d7} 0.5 periodic",
         ),
     ] {
@@ -201,8 +202,8 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     let torus = path.with_file_name("torus.txt");
     std::fs::write(&torus, "4\n0.1 0.1\n0.6 0.1\n0.1 0.6\n0.6 0.6\n").unwrap();
     for command in [
-        Command::Form(FormCommand::Type(Field::Width, "1".to_owned())),
-        Command::Form(FormCommand::Type(Field::Height, "1".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Width, "1".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Height, "1".to_owned())),
     ] {
         apply(&mut harness, command);
     }
@@ -220,7 +221,10 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     apply(&mut harness, Command::Analysis(AnalysisCommand::Clear));
     apply(
         &mut harness,
-        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Boundary,
+            json!(Boundary::Bounded),
+        ))),
     );
     apply(&mut harness, Command::Run);
     apply(&mut harness, Command::DismissNotice);
@@ -353,7 +357,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
 fn oblong_domains_are_drawn_with_the_panel_open() {
     let mut harness = analysing();
     for (width, height) in [("2", "1"), ("1", "1.7")] {
-        for (field, value) in [(Field::Width, width), (Field::Height, height)] {
+        for (field, value) in [(Parameter::Width, width), (Parameter::Height, height)] {
             apply(
                 &mut harness,
                 Command::Form(FormCommand::Type(field, value.to_owned())),

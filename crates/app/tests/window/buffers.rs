@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::App;
-use tilescope_core::{Fate, Stage};
+use tilescope_core::{Fate, Parameter, Stage};
 use tilescope_debugger::{Direction, Step};
 use tilescope_gpu::RowPlace;
 use tilescope_gpu::layout::Name;
@@ -16,7 +16,6 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::placed::Rows;
 use tilescope_workbench::passes::{PassCommand, PassSide};
@@ -36,7 +35,7 @@ fn pass(harness: &mut Harness<'_, App>, command: PassCommand) {
 /// Returns the window with the passes of a small run.
 fn with_passes() -> Harness<'static, App> {
     let mut harness = opened();
-    let radius = Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned()));
+    let radius = Command::Form(FormCommand::Type(Parameter::Radius, "0.02".to_owned()));
     for command in [
         radius,
         Command::Run,

@@ -2,13 +2,14 @@
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
+use serde_json::json;
 use tilescope_app::App;
-use tilescope_core::{Boundary, Stage};
+use tilescope_core::{Boundary, Parameter, Stage};
 use tilescope_debugger::{Direction, Divergence, Step};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::RunView;
 use tilescope_workbench::{Command, State};
@@ -236,11 +237,14 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
     assert_eq!(divergence(&harness.state().state), Divergence::Same);
     apply(
         &mut harness,
-        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Boundary,
+            json!(Boundary::Bounded),
+        ))),
     );
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Leaf, "12".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let Divergence::Domain { .. } = divergence(&harness.state().state) else {
@@ -275,7 +279,7 @@ fn impossible_comparisons_are_explained() {
     assert!(refusal.expect("a reason").contains("GPU"));
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0".to_owned())),
     );
     let refusal = harness.state().state.runs().preset_refusal(
         ComparePreset::Typed,

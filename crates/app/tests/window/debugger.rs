@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::App;
-use tilescope_core::Stage;
+use tilescope_core::{Parameter, Stage};
 use tilescope_debugger::{EventKind, Listings};
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
@@ -13,7 +13,6 @@ use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 
 use crate::support::{
@@ -369,9 +368,9 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
         .state
         .form()
         .draft
-        .text(Field::Seed)
+        .text(Parameter::Seed)
         .to_owned();
-    let other = Command::Form(FormCommand::Type(Field::Seed, "7".to_owned()));
+    let other = Command::Form(FormCommand::Type(Parameter::Seed, "7".to_owned()));
     apply(&mut harness, other);
     apply(
         &mut harness,
@@ -382,13 +381,19 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
     harness.run();
     assert!(harness.state().state.window().layout.shows(Panel::Scenes));
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().state.form().draft.text(Field::Seed), seed);
+    assert_eq!(
+        harness.state().state.form().draft.text(Parameter::Seed),
+        seed
+    );
     let state = &harness.state().state;
     assert!(
         state.window().layout.shows(Panel::Scenes) && state.appearance().chosen_layers == layers
     );
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(harness.state().state.form().draft.text(Field::Seed), "7");
+    assert_eq!(
+        harness.state().state.form().draft.text(Parameter::Seed),
+        "7"
+    );
     apply(&mut harness, Command::Window(WindowCommand::ResetLayout));
     assert_eq!(harness.state().state.window().layout, start);
     press(&mut harness, Modifiers::COMMAND, Key::Z);

@@ -5,6 +5,7 @@ use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_debugger::{Direction, Listings, Target};
 use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
@@ -15,7 +16,6 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
@@ -43,8 +43,8 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
     let state = &mut harness.state_mut().state;
     for command in [
         Command::Appearance(AppearanceCommand::ToggleReducedMotion),
-        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
-        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.03".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Leaf, "12".to_owned())),
         Command::Run,
     ] {
         state.apply(command);
@@ -250,7 +250,7 @@ fn run_is_seen_at_every_size() {
         let open = Command::Window(WindowCommand::OpenPanel(Panel::Parameters));
         harness.state_mut().state.apply(open);
         for text in ["0.00836", "0"] {
-            let radius = Command::Form(FormCommand::Type(Field::Radius, text.to_owned()));
+            let radius = Command::Form(FormCommand::Type(Parameter::Radius, text.to_owned()));
             harness.state_mut().state.apply(radius);
             harness.run();
             within(&harness, "run");

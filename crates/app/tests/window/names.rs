@@ -8,12 +8,12 @@ use egui::accesskit::{Action, NodeId, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_session::selection::Selection;
 use tilescope_ui::spoken::Spoken;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -160,7 +160,7 @@ fn the_focused_widget_and_its_changes_are_announced() {
     let spoken = taken(&announced);
     let typed = |harness: &Harness<'_, App>| {
         let draft = &harness.state().state.form().draft;
-        draft.text(Field::Radius).to_owned()
+        draft.text(Parameter::Radius).to_owned()
     };
     let before = typed(&harness);
     assert_eq!(spoken[0].text, format!("Radius, text field, {before}"));

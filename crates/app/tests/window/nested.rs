@@ -3,10 +3,11 @@
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
 
 use crate::canvas::{apply, drawn};
@@ -16,7 +17,7 @@ use crate::support::{find, is_disabled, node, session, settle, text};
 fn made(instanced: bool) -> Harness<'static, App> {
     let mut harness = drawn([1_400.0, 900.0], instanced);
     for command in [
-        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.02".to_owned())),
         Command::Form(FormCommand::Choose(Choice::Levels(Some(4)))),
         Command::Run,
     ] {

@@ -3,8 +3,9 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
+use serde_json::json;
 use tilescope_app::App;
-use tilescope_core::{Boundary, Search, Stage};
+use tilescope_core::{Boundary, Parameter, Search, Stage};
 use tilescope_debugger::{Direction, Target};
 use tilescope_gpu::layout::Name;
 use tilescope_session::look::Look;
@@ -18,7 +19,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -51,7 +52,7 @@ impl Wording {
         self
     }
 
-    fn typed(&mut self, fields: &[(Field, &str)]) -> &mut Self {
+    fn typed(&mut self, fields: &[(Parameter, &str)]) -> &mut Self {
         for &(field, text) in fields {
             apply(
                 &mut self.harness,
@@ -255,15 +256,15 @@ fn the_export_sheet(window: &mut Wording) {
 #[test]
 fn parameters_engines_and_verdicts() {
     let mut window = Wording::opened();
-    window.typed(&[(Field::Radius, "0")]);
+    window.typed(&[(Parameter::Radius, "0")]);
     window.shows(&[("refusal-radius", "*must be a finite number above 0*")]);
-    window.typed(&[(Field::Radius, "0.5")]);
+    window.typed(&[(Parameter::Radius, "0.5")]);
     window.shows(&[(
         "refusal-radius",
         "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
     )]);
     // Cancelled before it is finished.
-    window.typed(&[(Field::Radius, "0.0005")]);
+    window.typed(&[(Parameter::Radius, "0.0005")]);
     window.harness.state_mut().state.apply(Command::Run);
     window.after([Command::Cancel(Which::First)]);
     window.shows(&[(
@@ -279,10 +280,11 @@ fn parameters_engines_and_verdicts() {
     window.harness.run();
     window.shows(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
     window.harness.key_press(egui::Key::Escape);
-    window.after([Command::Form(FormCommand::Choose(Choice::Search(
-        Search::TwoRadii,
+    window.after([Command::Form(FormCommand::Choose(Choice::Parameter(
+        Parameter::Search,
+        json!(Search::TwoRadii),
     )))]);
-    window.typed(&[(Field::Leaf, "6"), (Field::Radius, "0.004")]);
+    window.typed(&[(Parameter::Leaf, "6"), (Parameter::Radius, "0.004")]);
     window.after([Command::Run]);
     window.shows(&[("verdict", "Verdict: not maximal")]);
     window.end();
@@ -291,7 +293,7 @@ fn parameters_engines_and_verdicts() {
 #[test]
 fn two_runs_and_the_debugger() {
     let mut window = Wording::opened();
-    window.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    window.typed(&[(Parameter::Radius, "0.02"), (Parameter::Leaf, "8")]);
     window.after([
         Command::Run,
         Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
@@ -319,7 +321,10 @@ fn two_runs_and_the_debugger() {
     window.shows(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
     window.after([
         Command::Compare(CompareCommand::Keep),
-        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Boundary,
+            json!(Boundary::Bounded),
+        ))),
         Command::Run,
     ]);
     window.shows(&[
@@ -381,7 +386,7 @@ fn two_runs_and_the_debugger() {
 #[test]
 fn sessions_and_patterns() {
     let mut window = Wording::opened();
-    window.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    window.typed(&[(Parameter::Radius, "0.02"), (Parameter::Leaf, "8")]);
     window.after([Command::Run]);
     let folder = folder("sentences");
     let path = folder.join("one.json");
@@ -390,7 +395,7 @@ fn sessions_and_patterns() {
     go(&mut window.harness, Purpose::Save, &path);
     let saved = format!("Session saved to {}.", path_text(&path));
     window.shows(&[("notice", &saved)]);
-    window.typed(&[(Field::Seed, "2")]);
+    window.typed(&[(Parameter::Seed, "2")]);
     window.after([Command::Run]);
     go(&mut window.harness, Purpose::Save, &path);
     window.shows(&[
@@ -458,13 +463,13 @@ fn the_analysis() {
         ("chart.P", "* noise.csv: highest*"),
         ("analysis.number-1", "Samples: *, file 900"),
     ]);
-    window.typed(&[(Field::Radius, "0.03")]);
+    window.typed(&[(Parameter::Radius, "0.03")]);
     window.after([Command::Run]);
     window.shows(&[(
         "analysis.unjudged",
         "The file was judged at r = 0.02, and this run's r is 0.03: compare with it again.",
     )]);
-    window.typed(&[(Field::Width, "2")]);
+    window.typed(&[(Parameter::Width, "2")]);
     window.after([Command::Run]);
     let domains = "*a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic*";
     window.shows(&[("analysis.refusal", domains)]);
@@ -513,7 +518,7 @@ fn go_to(window: &mut Wording, name: &str, buffer: Name) {
 #[test]
 fn passes_on_a_device() {
     let mut window = Wording::opened();
-    window.typed(&[(Field::Radius, "0.02")]);
+    window.typed(&[(Parameter::Radius, "0.02")]);
     window.after([
         Command::Run,
         Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)),

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
+use serde_json::json;
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
 
@@ -154,7 +155,7 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     assert!(!is_error && message.contains("own.csv"), "{message}");
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Seed, "3".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Seed, "3".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let session = session(&harness);
@@ -249,7 +250,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     // A domain of a single block: conflicts occur only across the border.
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.05".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
@@ -263,12 +264,12 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     apply(
         &mut harness,
         Command::Form(FormCommand::Choose(
-            tilescope_workbench::draft::Choice::Boundary(tilescope_core::Boundary::Bounded),
+            tilescope_workbench::draft::Choice::Parameter(Parameter::Boundary, json!("bounded")),
         )),
     );
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.1666".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.1666".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
@@ -301,7 +302,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     let before = harness.state().state.saved();
     apply(
         &mut harness,
-        Command::Form(FormCommand::Type(Field::Radius, "0.5".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.5".to_owned())),
     );
     apply(
         &mut harness,
@@ -323,7 +324,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     let mut other = opened();
     let state = &mut other.state_mut().state;
     state.apply(Command::Form(FormCommand::Type(
-        Field::Seed,
+        Parameter::Seed,
         "77".to_owned(),
     )));
     state.apply(Command::Run);
@@ -341,7 +342,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
     state.apply(Command::File(FileCommand::Go));
     state.apply(Command::Form(FormCommand::Type(
-        Field::Seed,
+        Parameter::Seed,
         "78".to_owned(),
     )));
     state.apply(Command::Run);
@@ -373,7 +374,7 @@ fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
     go(&mut other, Purpose::Open, &path);
     apply(
         &mut other,
-        Command::Form(FormCommand::Type(Field::Seed, "5".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Seed, "5".to_owned())),
     );
     apply(&mut other, Command::Run);
     go(&mut other, Purpose::Save, &path);

@@ -3,6 +3,7 @@
 
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use tilescope_app::App;
+use tilescope_core::Parameter;
 use tilescope_debugger::{Direction, Listings, Target};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
@@ -12,7 +13,6 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::layout::{Layout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
@@ -35,8 +35,8 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
     let line = Listings::shipped().find("eliminate.5").expect("a line");
     for command in [
         Command::Appearance(AppearanceCommand::ToggleReducedMotion),
-        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
-        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.03".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Leaf, "12".to_owned())),
         Command::Run,
     ] {
         state.apply(command);

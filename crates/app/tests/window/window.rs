@@ -2,15 +2,16 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use serde_json::json;
 use tilescope_app::{App, tiles};
-use tilescope_core::{Search, Stage};
+use tilescope_core::{Parameter, Search, Stage};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{FormCommand, GpuCommand, WindowCommand};
 use tilescope_workbench::device::EngineChoice;
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::ExportCommand;
 use tilescope_workbench::layout::Panel;
 
@@ -161,7 +162,7 @@ fn a_run_can_be_cancelled() {
         .state_mut()
         .state
         .apply(Command::Form(FormCommand::Type(
-            Field::Radius,
+            Parameter::Radius,
             "0.0005".to_owned(),
         )));
     harness.step();
@@ -184,9 +185,12 @@ fn a_run_can_be_cancelled() {
 fn a_failing_verdict_is_red_and_flies_to_the_gap() {
     let mut harness = opened();
     for command in [
-        Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
-        Command::Form(FormCommand::Type(Field::Radius, "0.004".to_owned())),
-        Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
+        Command::Form(FormCommand::Type(Parameter::Leaf, "6".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.004".to_owned())),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Search,
+            json!(Search::TwoRadii),
+        ))),
         Command::Run,
     ] {
         harness.state_mut().state.apply(command);

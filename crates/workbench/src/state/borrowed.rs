@@ -37,11 +37,11 @@ mod tests {
     use crate::command::{
         AppearanceCommand, Command, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
     };
-    use crate::draft::Field;
     use crate::layout::Panel;
     use crate::lessons::LessonCommand;
     use crate::scenes::{SceneCommand, SceneList};
     use crate::tour::tour;
+    use tilescope_core::Parameter;
     use tilescope_debugger::Direction;
     use tilescope_lessons::shipped::TEMPLATE;
     use tilescope_session::layers::Layer;
@@ -68,12 +68,12 @@ mod tests {
     /// panel of the user's choice.
     fn at_work() -> State {
         let mut state = settled();
-        for (field, text) in [(Field::Seed, "7"), (Field::Radius, "0.03")] {
+        for (field, text) in [(Parameter::Seed, "7"), (Parameter::Radius, "0.03")] {
             let command = FormCommand::Type(field, text.to_owned());
             apply(&mut state, Command::Form(command));
         }
         apply(&mut state, Command::Run);
-        let command = FormCommand::Type(Field::Leaf, "9".to_owned());
+        let command = FormCommand::Type(Parameter::Leaf, "9".to_owned());
         apply(&mut state, Command::Form(command));
         apply(&mut state, Command::Time(TimeCommand::Jump(700)));
         window(&mut state, WindowCommand::HidePanel(Panel::Legend));
@@ -225,7 +225,7 @@ mod tests {
         let mut state = at_work();
         let seed = state.form.draft.parameters.seed;
         scene(&mut state, SceneCommand::Tour);
-        let command = FormCommand::Nudge(Field::Seed, 1);
+        let command = FormCommand::Nudge(Parameter::Seed, 1);
         apply(&mut state, Command::Form(command));
         assert!(!state.scenes.is_touring() && state.window.shows_sides());
         assert_eq!(state.form.draft.parameters.seed, seed + 1);

@@ -92,13 +92,14 @@ impl Form {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_core::Parameter;
+
     use super::*;
-    use crate::draft::Field;
 
     #[test]
     fn a_reset_discards_what_was_typed() {
         let mut form = Form::default();
-        form.apply(FormCommand::Type(Field::Seed, "7".to_owned()));
+        form.apply(FormCommand::Type(Parameter::Seed, "7".to_owned()));
         assert_eq!(form.draft.parameters.seed, 7);
         form.apply(FormCommand::Reset);
         assert_eq!(form.draft, Draft::default());

@@ -421,7 +421,7 @@ mod tests {
     fn scenes_survive_other_parameters_and_end_where_the_stage_ends() {
         let mut state = with_scenes();
         state.apply(Command::Form(FormCommand::Type(
-            crate::draft::Field::Seed,
+            tilescope_core::Parameter::Seed,
             "7".to_owned(),
         )));
         state.apply(Command::Run);

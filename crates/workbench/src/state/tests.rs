@@ -8,7 +8,8 @@ mod time;
 use std::sync::Arc;
 
 use emath::Rect;
-use tilescope_core::{Search, Variant};
+use serde_json::json;
+use tilescope_core::{Parameter, Search, Variant};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::verification::{Witness, WitnessMark};
@@ -17,7 +18,7 @@ use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
 use crate::compare::{CompareCommand, ComparePreset};
 use crate::device::EngineChoice;
-use crate::draft::{Choice, Field};
+use crate::draft::Choice;
 use crate::export::{ExportCommand, ExportKind};
 
 pub(super) fn settled() -> State {
@@ -33,7 +34,7 @@ pub(super) fn settled() -> State {
     state
 }
 
-fn type_in(state: &mut State, field: Field, text: &str) {
+fn type_in(state: &mut State, field: Parameter, text: &str) {
     state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
 }
 
@@ -81,7 +82,7 @@ fn playing_ends_at_the_last_stage() {
 #[test]
 fn a_bad_draft_is_not_run() {
     let mut state = settled();
-    type_in(&mut state, Field::Radius, "-3");
+    type_in(&mut state, Parameter::Radius, "-3");
     assert!(state.form.refusal(&state.gpu).unwrap().contains("-3"));
     state.apply(Command::Run);
     assert!(state.runs.first.sampling.is_none());
@@ -108,7 +109,7 @@ fn a_bad_draft_is_not_run() {
 fn a_cancelled_run_keeps_the_session_and_shows_a_notice() {
     let mut state = settled();
     let before = state.runs.first.session.as_ref().unwrap().generation;
-    type_in(&mut state, Field::Radius, "0.0005");
+    type_in(&mut state, Parameter::Radius, "0.0005");
     state.apply(Command::Run);
     assert_eq!(
         state.runs.first.session.as_ref().unwrap().generation,
@@ -136,10 +137,11 @@ fn a_cancelled_run_keeps_the_session_and_shows_a_notice() {
 #[test]
 fn a_failing_verdict_leads_to_its_witness() {
     let mut state = settled();
-    type_in(&mut state, Field::Leaf, "6");
-    type_in(&mut state, Field::Radius, "0.004");
-    state.apply(Command::Form(FormCommand::Choose(Choice::Search(
-        Search::TwoRadii,
+    type_in(&mut state, Parameter::Leaf, "6");
+    type_in(&mut state, Parameter::Radius, "0.004");
+    state.apply(Command::Form(FormCommand::Choose(Choice::Parameter(
+        Parameter::Search,
+        json!(Search::TwoRadii),
     ))));
     state.apply(Command::Run);
     state.settle();
@@ -265,7 +267,7 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
 #[test]
 fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
     let mut state = settled();
-    type_in(&mut state, Field::Radius, "0.0011");
+    type_in(&mut state, Parameter::Radius, "0.0011");
     state.apply(Command::Run);
     state.settle();
     let session = state.runs.first.session.as_ref().unwrap();
@@ -450,13 +452,13 @@ fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
         let session = state.runs.first.session.as_ref().unwrap();
         session.run().parameters.seed
     };
-    form(&mut state, FormCommand::Nudge(Field::Seed, 1));
+    form(&mut state, FormCommand::Nudge(Parameter::Seed, 1));
     assert_eq!(seed(&state), 1, "without live runs nothing starts");
-    form(&mut state, FormCommand::Nudge(Field::Seed, -1));
+    form(&mut state, FormCommand::Nudge(Parameter::Seed, -1));
     form(&mut state, FormCommand::Live(true));
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     for expected in 2..5 {
-        form(&mut state, FormCommand::Nudge(Field::Seed, 1));
+        form(&mut state, FormCommand::Nudge(Parameter::Seed, 1));
         assert_eq!(seed(&state), expected);
         assert_eq!(state.current_stage(), Some(Stage::Tile));
     }
@@ -464,7 +466,7 @@ fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
     form(&mut state, FormCommand::Count("200000".to_owned()));
     form(
         &mut state,
-        FormCommand::Type(Field::Radius, "wide".to_owned()),
+        FormCommand::Type(Parameter::Radius, "wide".to_owned()),
     );
     assert_eq!(seed(&state), 4);
     assert!(state.runs.first.sampling.is_none());
@@ -505,7 +507,7 @@ mod device {
     #[test]
     fn a_large_session_on_the_gpu_keeps_the_result_alone() {
         let mut state = on_the_gpu();
-        type_in(&mut state, Field::Radius, "0.0011");
+        type_in(&mut state, Parameter::Radius, "0.0011");
         state.apply(Command::Run);
         state.settle();
         let session = state.runs.first.session.clone().unwrap();
@@ -523,8 +525,9 @@ mod device {
     #[test]
     fn algorithm_4_as_printed_runs_on_the_cpu_whatever_is_chosen() {
         let mut state = on_the_gpu();
-        state.apply(Command::Form(FormCommand::Choose(Choice::Variant(
-            tilescope_core::Variant::AsPrinted,
+        state.apply(Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Variant,
+            json!(tilescope_core::Variant::AsPrinted),
         ))));
         state.apply(Command::Run);
         state.settle();

@@ -2,6 +2,7 @@
 //! and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
 //! the view only. [`crate::rules`] says which commands can be undone.
 
+use tilescope_core::Parameter;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
 use tilescope_session::recipe::Recipe;
@@ -9,7 +10,7 @@ use tilescope_session::recipe::Recipe;
 use super::effects::{Context, Effect};
 use super::{Appearance, Form, RunView, WindowState};
 use crate::command::{Command, DebugCommand, FormCommand, WindowCommand};
-use crate::draft::{Draft, Field};
+use crate::draft::Draft;
 use crate::layout::{Layout, Panel};
 use crate::rules::UndoPart;
 use crate::scenes::SceneCommand;
@@ -37,7 +38,7 @@ pub(super) struct Memento {
 /// A field in which typing is a single step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Typed {
-    Parameter(Field),
+    Parameter(Parameter),
     Condition(usize),
     Watch(usize),
     Caption(usize),
@@ -50,7 +51,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Type(field, _) | FormCommand::Nudge(field, _)) => {
             Typed::Parameter(*field)
         }
-        Command::Form(FormCommand::Count(_)) => Typed::Parameter(Field::Radius),
+        Command::Form(FormCommand::Count(_)) => Typed::Parameter(Parameter::Radius),
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
@@ -313,7 +314,7 @@ mod tests {
     use super::*;
     use crate::command::Which;
 
-    fn type_in(state: &mut State, field: Field, text: &str) {
+    fn type_in(state: &mut State, field: Parameter, text: &str) {
         let command = crate::command::FormCommand::Type(field, text.to_owned());
         state.apply(Command::Form(command));
     }
@@ -321,10 +322,10 @@ mod tests {
     #[test]
     fn a_new_change_clears_redo() {
         let mut state = State::new(Arc::new(|| {}));
-        type_in(&mut state, Field::Seed, "5");
+        type_in(&mut state, Parameter::Seed, "5");
         state.apply(Command::Undo);
         assert!(state.past.history.can_redo());
-        type_in(&mut state, Field::Leaf, "40");
+        type_in(&mut state, Parameter::Leaf, "40");
         assert!(state.past.history.can_undo() && !state.past.history.can_redo());
     }
 
@@ -384,7 +385,7 @@ mod tests {
     fn the_number_of_steps_is_limited() {
         let mut state = State::new(Arc::new(|| {}));
         for step in 0..MAX_STEPS + 10 {
-            let field = [Field::Seed, Field::Leaf][step % 2];
+            let field = [Parameter::Seed, Parameter::Leaf][step % 2];
             type_in(&mut state, field, &(step + 6).to_string());
         }
         let mut undone = 0;

@@ -42,18 +42,19 @@ mod tests {
     use super::super::State;
     use super::super::tests::settled;
     use crate::command::{Command, FormCommand, TimeCommand};
-    use crate::draft::{Choice, Field};
+    use crate::draft::Choice;
     use crate::export::{ExportCommand, ExportKind};
     use crate::files::FileCommand;
     use crate::lessons::LessonCommand;
     use crate::scenes::SceneCommand;
+    use tilescope_core::Parameter;
 
     fn apply(state: &mut State, command: Command) {
         state.apply(command);
         state.settle();
     }
 
-    fn type_in(state: &mut State, field: Field, text: &str) {
+    fn type_in(state: &mut State, field: Parameter, text: &str) {
         let command = FormCommand::Type(field, text.to_owned());
         apply(state, Command::Form(command));
     }
@@ -125,7 +126,7 @@ mod tests {
         let mut state = settled();
         // As it starts there is nothing to keep.
         assert_eq!(state.session_to_keep(), None);
-        type_in(&mut state, Field::Seed, "7");
+        type_in(&mut state, Parameter::Seed, "7");
         apply(&mut state, Command::Run);
         apply(&mut state, Command::Time(TimeCommand::Jump(700)));
         apply(&mut state, Command::Scene(SceneCommand::Add));
@@ -174,7 +175,7 @@ mod tests {
     fn work_that_was_begun_ends_the_offer_and_a_lesson_keeps_nothing() {
         let mut state = settled();
         state.offer_session("{}".to_owned());
-        type_in(&mut state, Field::Seed, "9");
+        type_in(&mut state, Parameter::Seed, "9");
         assert!(!state.offers_session());
         apply(&mut state, Command::Run);
         assert!(state.session_to_keep().is_some());

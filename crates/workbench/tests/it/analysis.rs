@@ -8,13 +8,12 @@ use tilescope_analysis::measures::{
     MeasuredSet, PairCorrelation, Part, Periodogram, PowerCurve, Spectrum,
 };
 use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
-use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
+use tilescope_core::{Parameter, Parameters, Pattern, Standing, Sweep, Unobserved, sample};
 use tilescope_session::Session;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
 use tilescope_workbench::analysis::measured::{Samples, missing};
 use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
 
@@ -231,7 +230,7 @@ fn faded_measures_are_of_the_same_session() {
     let mut state = analysing();
     assert!(state.analysis().last(&state.shown().unwrap()).is_some());
     state.apply(Command::Form(FormCommand::Type(
-        Field::Radius,
+        Parameter::Radius,
         "0.04".to_owned(),
     )));
     state.apply(Command::Run);

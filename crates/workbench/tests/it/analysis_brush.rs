@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use glam::DVec2;
+use serde_json::json;
 use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::Boundary as Border;
+use tilescope_core::Parameter;
 use tilescope_drawing::brushed::Cause;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
 
@@ -86,9 +88,12 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
 fn pairs_equal_those_of_brute_force() {
     for border in [Border::Periodic, Border::Bounded] {
         let mut state = opened();
-        state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(border))));
+        state.apply(Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Boundary,
+            json!(border),
+        ))));
         state.apply(Command::Form(FormCommand::Type(
-            Field::Height,
+            Parameter::Height,
             "0.7".to_owned(),
         )));
         state.apply(Command::Run);
@@ -209,10 +214,11 @@ fn causes_follow_the_moment_and_end_with_the_brush_and_the_panel() {
 fn impossible_searches_are_explained_and_empty_brushes_ignored() {
     // In a domain of less than ten r, two samples five r apart may have two nearest images.
     let mut state = opened();
-    state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(
-        Border::Bounded,
+    state.apply(Command::Form(FormCommand::Choose(Choice::Parameter(
+        Parameter::Boundary,
+        json!(Border::Bounded),
     ))));
-    for (field, text) in [(Field::Radius, "0.13"), (Field::Leaf, "6")] {
+    for (field, text) in [(Parameter::Radius, "0.13"), (Parameter::Leaf, "6")] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     assert_eq!(state.form().refusal(state.gpu()), None);

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use emath::{Rect, pos2, vec2};
+use tilescope_core::Parameter;
 use tilescope_drawing::picture::PictureView;
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
-use tilescope_workbench::draft::Field;
 use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::{Command, State};
 
@@ -15,7 +15,7 @@ pub fn settled(wake: Wake) -> State {
     let mut state = State::new(wake);
     let canvas = Rect::from_min_size(pos2(200.0, 40.0), vec2(500.0, 400.0));
     state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
-    for (field, text) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
+    for (field, text) in [(Parameter::Radius, "0.02"), (Parameter::Leaf, "8")] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     state.settle();

@@ -268,7 +268,7 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     // Another set makes another pattern.
     let mut other = opened();
     other.apply(Command::Form(FormCommand::Type(
-        tilescope_workbench::draft::Field::Seed,
+        tilescope_core::Parameter::Seed,
         "9".to_owned(),
     )));
     other.apply(Command::Run);

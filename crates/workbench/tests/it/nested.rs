@@ -3,8 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use serde_json::json;
 use tilescope_analysis::Region;
-use tilescope_core::{NestedPlane, NestedRequest, Parameters, Standing, Unobserved, WithinLevel};
+use tilescope_core::{
+    NestedPlane, NestedRequest, Parameter, Parameters, Standing, Unobserved, WithinLevel,
+};
 use tilescope_formats::Certificate;
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
@@ -12,7 +15,7 @@ use tilescope_session::verification::{Verdict, Witness};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::ComparePreset;
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::Verification;
@@ -34,7 +37,7 @@ fn made() -> State {
     state.settle();
     form(
         &mut state,
-        FormCommand::Type(Field::Radius, "0.02".to_owned()),
+        FormCommand::Type(Parameter::Radius, "0.02".to_owned()),
     );
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
     assert!(
@@ -340,7 +343,7 @@ fn a_link_leads_to_the_same_prefix() {
     // The radius that was typed is not used, and not one that a link may ask for.
     form(
         &mut other,
-        FormCommand::Type(Field::Radius, "0.0001".to_owned()),
+        FormCommand::Type(Parameter::Radius, "0.0001".to_owned()),
     );
     other.apply(Command::Run);
     other.settle();
@@ -444,7 +447,10 @@ fn what_nested_levels_lack_is_refused_in_words() {
             .contains("levels")
     );
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
-    let uniform = Choice::Insertion(tilescope_core::Insertion::Uniform);
+    let uniform = Choice::Parameter(
+        Parameter::Insertion,
+        json!(tilescope_core::Insertion::Uniform),
+    );
     form(&mut state, FormCommand::Choose(uniform));
     assert!(
         state

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use emath::{Pos2, Rect, Vec2, vec2};
-use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Standing, Variant};
+use serde_json::json;
+use tilescope_core::{Boundary, Insertion, Parameter, RunEvent, Stage, Standing, Variant};
 use tilescope_debugger::Recording;
 use tilescope_drawing::looks::{Looks, Swatches};
 use tilescope_drawing::palette::{DARK, Palette};
@@ -17,7 +18,7 @@ use tilescope_session::words::grouped;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
@@ -97,15 +98,15 @@ fn small(choices: &[Choice]) -> State {
     let canvas = Rect::from_min_size(Pos2::ZERO, vec2(1_000.0, 1_000.0));
     state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     for (field, text) in [
-        (Field::Radius, "0.0625"),
-        (Field::Leaf, "6"),
-        (Field::Seed, "5"),
-        (Field::PatternSide, "20"),
+        (Parameter::Radius, "0.0625"),
+        (Parameter::Leaf, "6"),
+        (Parameter::Seed, "5"),
+        (Parameter::PatternSide, "20"),
     ] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     for choice in choices {
-        state.apply(Command::Form(FormCommand::Choose(*choice)));
+        state.apply(Command::Form(FormCommand::Choose(choice.clone())));
     }
     state.settle();
     state.apply(Command::Run);
@@ -150,7 +151,10 @@ fn cursors(recording: &Recording, of: impl Fn(&RunEvent) -> bool) -> Vec<usize> 
 
 #[test]
 fn every_sample_is_drawn_by_its_status() {
-    let mut state = small(&[Choice::Boundary(Boundary::Bounded)]);
+    let mut state = small(&[Choice::Parameter(
+        Parameter::Boundary,
+        json!(Boundary::Bounded),
+    )]);
     let recording = recording(&state);
     let tiled = cursors(&recording, |event| matches!(event, RunEvent::Tiled { .. }));
     let mut seen = [0; 3];
@@ -213,9 +217,9 @@ fn every_event_of_every_variant_has_a_picture() {
             (Variant::AsPrinted, Insertion::Circumcentre),
         ] {
             let mut state = small(&[
-                Choice::Boundary(boundary),
-                Choice::Variant(variant),
-                Choice::Insertion(insertion),
+                Choice::Parameter(Parameter::Boundary, json!(boundary)),
+                Choice::Parameter(Parameter::Variant, json!(variant)),
+                Choice::Parameter(Parameter::Insertion, json!(insertion)),
             ]);
             let len = recording(&state).len();
             for cursor in (0..=len).step_by((len / 150).max(1)) {
@@ -242,7 +246,7 @@ fn outside(state: &State, points: &[Pos2]) -> usize {
 #[test]
 fn copies_around_a_periodic_domain_are_drawn_like_the_domain() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
-        let mut state = small(&[Choice::Boundary(boundary)]);
+        let mut state = small(&[Choice::Parameter(Parameter::Boundary, json!(boundary))]);
         state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
             Layer::Disks,
         )));
@@ -339,7 +343,10 @@ fn the_circle_under_test_goes_through_its_samples() {
 
 #[test]
 fn a_search_marks_as_many_samples_as_it_found() {
-    let mut state = small(&[Choice::Boundary(Boundary::Bounded)]);
+    let mut state = small(&[Choice::Parameter(
+        Parameter::Boundary,
+        json!(Boundary::Bounded),
+    )]);
     let recording = recording(&state);
     let steps = cursors(&recording, |event| matches!(event, RunEvent::Search { .. }));
     assert!(steps.len() > 20);

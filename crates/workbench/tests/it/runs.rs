@@ -1,7 +1,7 @@
 //! The settings that stay, and those that undo restores, when another run replaces the current one.
 
-use serde_json::Value;
-use tilescope_core::Order;
+use serde_json::{Value, json};
+use tilescope_core::{Order, Parameter};
 use tilescope_debugger::{Listings, Marked, SavedScene};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
@@ -11,7 +11,7 @@ use tilescope_workbench::command::{
     WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::SceneCommand;
@@ -24,7 +24,7 @@ fn apply(state: &mut State, command: Command) {
     state.settle();
 }
 
-fn run_with(state: &mut State, field: Field, text: &str) {
+fn run_with(state: &mut State, field: Parameter, text: &str) {
     apply(
         state,
         Command::Form(FormCommand::Type(field, text.to_owned())),
@@ -83,9 +83,9 @@ fn stops(state: &State) -> (Vec<String>, Vec<String>) {
 fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     let mut state = lecture();
     let (set, others) = (marks(&state), stops(&state));
-    let seed = state.form().draft.text(Field::Seed).to_owned();
+    let seed = state.form().draft.text(Parameter::Seed).to_owned();
     assert!(matches!(set[0].0, Marked::Here(3_000)));
-    run_with(&mut state, Field::Seed, "7");
+    run_with(&mut state, Parameter::Seed, "7");
     let there = marks(&state);
     assert_eq!(there.len(), 2);
     let end = state.cursor().unwrap().1;
@@ -95,14 +95,14 @@ fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     // A run without events and a combination keep them without showing them.
     apply(&mut state, Command::Combine(CombineCommand::Nine));
     assert!(state.runs().first.debugger.is_none());
-    run_with(&mut state, Field::Seed, &seed);
+    run_with(&mut state, Parameter::Seed, &seed);
     assert_eq!((marks(&state), stops(&state)), (set, others));
 }
 
 #[test]
 fn scenes_of_other_runs_are_in_sessions_and_links() {
     let mut state = lecture();
-    run_with(&mut state, Field::Radius, "0.08");
+    run_with(&mut state, Parameter::Radius, "0.08");
     state.apply(Command::Scene(SceneCommand::Add));
     let set = state.runs().first.debugger.as_ref().unwrap().scenes.clone();
     assert_eq!(set.len(), 3);
@@ -178,7 +178,7 @@ fn selection_and_query_are_kept_if_they_still_apply() {
     assert_eq!(state.time().playback.range, Some(100..400));
     // In another run the sample is a different one, but a place stays the same.
     let place = [20.5, 20.25];
-    run_with(&mut state, Field::Seed, "7");
+    run_with(&mut state, Parameter::Seed, "7");
     assert_eq!(
         (
             state.runs().first.selected,
@@ -190,9 +190,9 @@ fn selection_and_query_are_kept_if_they_still_apply() {
         Which::First,
         ViewCommand::Pick(Selection::Place(place.into())),
     ));
-    run_with(&mut state, Field::Seed, "8");
+    run_with(&mut state, Parameter::Seed, "8");
     assert_eq!(state.runs().first.place, Some(place.into()));
-    run_with(&mut state, Field::Radius, "0.05");
+    run_with(&mut state, Parameter::Radius, "0.05");
     assert_eq!(state.runs().first.place, None);
     // The events found are of this run.
     let debugger = state.runs().first.debugger.as_ref().unwrap();
@@ -215,7 +215,7 @@ fn radii(state: &State) -> (String, String, bool) {
         .run()
         .parameters
         .radius;
-    let typed = state.form().draft.text(Field::Radius).to_owned();
+    let typed = state.form().draft.text(Parameter::Radius).to_owned();
     (
         typed,
         run.to_string(),
@@ -244,12 +244,15 @@ fn undoing_a_run_restores_parameters_and_run_together() {
     for text in ["0.0", "0.04"] {
         apply(
             &mut state,
-            Command::Form(FormCommand::Type(Field::Radius, text.to_owned())),
+            Command::Form(FormCommand::Type(Parameter::Radius, text.to_owned())),
         );
     }
     apply(
         &mut state,
-        Command::Form(FormCommand::Choose(Choice::Order(Order::Index))),
+        Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Order,
+            json!(Order::Index),
+        ))),
     );
     let remark = state
         .form()
@@ -300,10 +303,10 @@ fn undoing_a_run_restores_parameters_and_run_together() {
 #[test]
 fn typed_parameters_without_a_run_are_undone_by_themselves() {
     let mut state = opened();
-    run_with(&mut state, Field::Radius, "0.03");
+    run_with(&mut state, Parameter::Radius, "0.03");
     apply(
         &mut state,
-        Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.05".to_owned())),
     );
     let differs = |typed: &str, run: &str| (typed.to_owned(), run.to_owned(), true);
     assert_eq!(radii(&state), differs("0.05", "0.03"));
@@ -318,7 +321,7 @@ fn typed_parameters_without_a_run_are_undone_by_themselves() {
     // Unreadable text also differs from the run.
     apply(
         &mut state,
-        Command::Form(FormCommand::Type(Field::Radius, "0.03x".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Radius, "0.03x".to_owned())),
     );
     assert!(radii(&state).2);
 }
@@ -328,7 +331,7 @@ fn a_run_being_made_is_undone_with_its_parameters() {
     let mut state = opened();
     for text in ["0.03", "0.025"] {
         state.apply(Command::Form(FormCommand::Type(
-            Field::Radius,
+            Parameter::Radius,
             text.to_owned(),
         )));
         state.apply(Command::Run);
@@ -339,7 +342,7 @@ fn a_run_being_made_is_undone_with_its_parameters() {
     assert_eq!(radii(&state), agreed("0.025"));
     // Undo while it is being made.
     state.apply(Command::Form(FormCommand::Type(
-        Field::Radius,
+        Parameter::Radius,
         "0.03".to_owned(),
     )));
     state.apply(Command::Run);
@@ -352,7 +355,7 @@ fn a_run_being_made_is_undone_with_its_parameters() {
 #[test]
 fn undoing_a_combination_or_a_link_restores_the_run_before() {
     let mut state = opened();
-    run_with(&mut state, Field::Radius, "0.03");
+    run_with(&mut state, Parameter::Radius, "0.03");
     apply(&mut state, Command::Combine(CombineCommand::Nine));
     assert!(
         state

@@ -2,20 +2,18 @@
 //! which one types does not move.
 
 use egui::{ComboBox, CursorIcon, Label, RichText, TextEdit, Ui};
-use tilescope_core::Parameters;
+use tilescope_core::{Parameter, ParameterGroup, ParameterKind, Parameters};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
-use tilescope_session::words::grouped;
+use tilescope_session::words::{capital, grouped};
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
-use super::super::choices::{
-    BOUNDARIES, INSERTIONS, LEVELS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES,
-    VARIANTS, WITHIN, meaning,
-};
+use super::super::choices::{LEVELS, Listed, WITHIN, meaning, options};
 use super::super::engine;
 use super::{FormContext, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, FormCommand};
-use tilescope_workbench::draft::{Choice, DraftRefusal, Field, FormPart, Preset};
+use tilescope_workbench::draft::{self, Choice, DraftRefusal, FormPart, Preset};
+use tilescope_workbench::link::link_key;
 
 /// Shows the fields.
 pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
@@ -25,9 +23,11 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
         refusals: context.form.draft.refusals(),
         commands,
     };
-    fields.domain(ui);
-    fields.tiling(ui);
-    fields.algorithm(ui);
+    presets(ui, context, fields.commands);
+    fields.group(ui, "Domain", ParameterGroup::Domain);
+    fields.group(ui, "Tiling", ParameterGroup::Tiling);
+    fields.group(ui, "Elimination and insertion", ParameterGroup::Algorithm);
+    fields.error(ui, FormPart::Choices, "refusal-0");
     engine::show(ui, context, fields.commands);
     fields.nested(ui);
 }
@@ -40,83 +40,44 @@ struct Fields<'a> {
 }
 
 impl Fields<'_> {
-    fn domain(&mut self, ui: &mut Ui) {
-        presets(ui, self.context, self.commands);
-        heading(ui, "Domain");
-        self.pair(ui, "Size", [Field::Width, Field::Height]);
-        self.number(ui, Field::Radius, "");
-        self.samples(ui);
-        let current = self.parameters().boundary;
-        self.choice(
-            ui,
-            ("boundary", "Boundary"),
-            "Periodic: opposite sides are joined, and the set tiles the plane. Bounded: the domain ends at its border.",
-            (current, &BOUNDARIES),
-            Choice::Boundary,
-        );
-    }
-
-    fn tiling(&mut self, ui: &mut Ui) {
-        heading(ui, "Tiling");
-        for (field, unit) in [
-            (Field::Seed, ""),
-            (Field::Leaf, "r"),
-            (Field::PatternSide, "r"),
-            (Field::PatternSeed, ""),
-        ] {
-            self.number(ui, field, unit);
+    /// Shows the parameters of a part of the form, numbers first, with what belongs to some of them below.
+    fn group(&mut self, ui: &mut Ui, name: &str, group: ParameterGroup) {
+        heading(ui, name);
+        let of_group = |parameter: &Parameter| parameter.row().group == group;
+        for parameter in draft::numbers().filter(of_group) {
+            match parameter {
+                // The sides share a line.
+                Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
+                Parameter::Height => {}
+                Parameter::Radius => {
+                    self.number(ui, parameter);
+                    self.samples(ui);
+                }
+                _ => self.number(ui, parameter),
+            }
         }
-        let current = self.parameters().pattern.boundary;
-        self.choice(
-            ui,
-            ("pattern-boundary", "Pattern border"),
-            "Whether the pattern repeats. A periodic one can be clipped anywhere; the paper uses a bounded one.",
-            (current, &PATTERN_BOUNDARIES),
-            Choice::PatternBoundary,
-        );
-        own_pattern(ui, self.context, self.commands);
-        let current = self.parameters().dihedral;
-        self.choice(
-            ui,
-            ("dihedral", "Orientation"),
-            "How the pattern lies where a block clips from it. Random rotations and mirrors repeat less.",
-            (current, &ORIENTATIONS),
-            Choice::Dihedral,
-        );
+
+        let chosen = |parameter: &Parameter| !parameter.options().is_empty();
+        for parameter in Parameter::all().filter(of_group).filter(chosen) {
+            self.option(ui, parameter);
+            if parameter == Parameter::PatternBoundary {
+                own_pattern(ui, self.context, self.commands);
+            }
+        }
     }
 
-    fn algorithm(&mut self, ui: &mut Ui) {
-        heading(ui, "Elimination and insertion");
-        let p = *self.parameters();
+    /// Shows a parameter that is chosen.
+    fn option(&mut self, ui: &mut Ui, parameter: Parameter) {
+        let Some(current) = parameter.chosen(self.parameters()) else {
+            return;
+        };
         self.choice(
             ui,
-            ("order", "Who wins"),
-            "Who wins a conflict: the sample that comes first in this order claims its disk, and the other one is eliminated.",
-            (p.order, &ORDERS),
-            Choice::Order,
+            (link_key(parameter), &capital(parameter.row().label)),
+            meaning(parameter),
+            (current, &options(parameter)),
+            |option| Choice::Parameter(parameter, parameter.value_of(option)),
         );
-        self.choice(
-            ui,
-            ("insertion", "Insertion"),
-            "Where a gap is filled: at circumcentres (the paper, slightly biased) or by uniform darts.",
-            (p.insertion, &INSERTIONS),
-            Choice::Insertion,
-        );
-        self.choice(
-            ui,
-            ("search", "Gap search"),
-            "How far around itself a detector looks for gaps. 2 r is the paper's choice and misses a few.",
-            (p.search, &SEARCHES),
-            Choice::Search,
-        );
-        self.choice(
-            ui,
-            ("variant", "Algorithm 4"),
-            "Algorithm 4 in stages, elimination first, or as the paper prints it.",
-            (p.variant, &VARIANTS),
-            Choice::Variant,
-        );
-        self.error(ui, FormPart::Choices, "refusal-0");
     }
 
     /// Shows the choice of nested levels, and below it their choices where there are to be some.
@@ -193,15 +154,15 @@ impl Fields<'_> {
         }
     }
 
-    fn number(&mut self, ui: &mut Ui, field: Field, unit: &str) {
+    fn number(&mut self, ui: &mut Ui, field: Parameter) {
         let palette = self.palette;
-        let name = field.name();
-        let label = labelled(ui, (name, meaning(field)), palette, |ui, _| {
+        let name = capital(field.row().label);
+        let label = labelled(ui, (&name, meaning(field)), palette, |ui, _| {
             self.mark(ui, &[field]);
             let width = field_width(ui);
-            self.edit(ui, field, name, width);
-            if !unit.is_empty() {
-                ui.label(RichText::new(unit).color(palette.muted));
+            self.edit(ui, field, &name, width);
+            if let ParameterKind::Real { unit: "r", .. } = field.row().kind {
+                ui.label(RichText::new("r").color(palette.muted));
             }
         });
         drag(ui, &label, field, self.commands);
@@ -209,13 +170,13 @@ impl Fields<'_> {
     }
 
     /// Two fields on a line.
-    fn pair(&mut self, ui: &mut Ui, name: &str, fields: [Field; 2]) {
+    fn pair(&mut self, ui: &mut Ui, name: &str, fields: [Parameter; 2]) {
         labelled(ui, (name, meaning(fields[0])), self.palette, |ui, _| {
             self.mark(ui, &fields);
             ui.spacing_mut().item_spacing.x = 6.0;
             let width = (field_width(ui) - 6.0) / 2.0;
             for field in fields {
-                self.edit(ui, field, field.name(), width);
+                self.edit(ui, field, &capital(field.row().label), width);
             }
         });
         for field in fields {
@@ -224,7 +185,7 @@ impl Fields<'_> {
     }
 
     /// Draws a mark before fields of which one is not as in the run shown. The line above the Run button names them.
-    fn mark(&self, ui: &Ui, fields: &[Field]) {
+    fn mark(&self, ui: &Ui, fields: &[Parameter]) {
         let (draft, made) = (&self.context.form.draft, self.context.made.as_ref());
         if made.is_some_and(|made| fields.iter().any(|&field| draft.differs(field, made))) {
             changed_mark(ui, self.palette);
@@ -236,8 +197,8 @@ impl Fields<'_> {
         refusals.find(|refusal| refusal.part == part)
     }
 
-    fn field_error(&self, ui: &mut Ui, field: Field) {
-        let id = format!("refusal-{}", key(field));
+    fn field_error(&self, ui: &mut Ui, field: Parameter) {
+        let id = format!("refusal-{}", link_key(field));
         self.error(ui, FormPart::Field(field), &id);
     }
 
@@ -250,12 +211,12 @@ impl Fields<'_> {
         }
     }
 
-    fn edit(&mut self, ui: &mut Ui, field: Field, name: &str, width: f32) {
+    fn edit(&mut self, ui: &mut Ui, field: Parameter, name: &str, width: f32) {
         let mut text = self.context.form.draft.text(field).to_owned();
         let is_wrong = self.refusal(FormPart::Field(field)).is_some();
         let explanation = (name, meaning(field));
         let response = self.text_field(ui, &mut text, explanation, width, is_wrong);
-        response.known_as(key(field));
+        response.known_as(link_key(field));
         if response.changed() {
             self.issue(FormCommand::Type(field, text));
         }
@@ -401,7 +362,7 @@ fn repeats(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
 const STEP: f32 = 8.0;
 
 /// Changes a number while its name is dragged sideways.
-fn drag(ui: &Ui, label: &egui::Response, field: Field, commands: &mut Vec<Command>) {
+fn drag(ui: &Ui, label: &egui::Response, field: Parameter, commands: &mut Vec<Command>) {
     if label.hovered() || label.dragged() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
@@ -415,18 +376,5 @@ fn drag(ui: &Ui, label: &egui::Response, field: Field, commands: &mut Vec<Comman
     if steps != 0.0 {
         let nudge = FormCommand::Nudge(field, steps as i32);
         commands.push(Command::Form(nudge));
-    }
-}
-
-/// Returns a field's key in links and files.
-const fn key(field: Field) -> &'static str {
-    match field {
-        Field::Width => "width",
-        Field::Height => "height",
-        Field::Radius => "radius",
-        Field::Seed => "seed",
-        Field::Leaf => "leaf",
-        Field::PatternSide => "pattern",
-        Field::PatternSeed => "pattern-seed",
     }
 }

@@ -476,7 +476,7 @@ fn no_other_run_export_file_or_comparison_is_made_meanwhile() {
         Command::Run,
         Command::Undo,
         Command::OpenPasses,
-        Command::Form(FormCommand::Type(Field::Seed, "5".to_owned())),
+        Command::Form(FormCommand::Type(Parameter::Seed, "5".to_owned())),
         Command::Export(ExportCommand::Open(crate::export::ExportKind::Result)),
         Command::File(FileCommand::Sheet(Purpose::Save)),
         Command::Scene(SceneCommand::Tour),

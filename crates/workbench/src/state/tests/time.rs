@@ -1,7 +1,8 @@
 //! Moving in time: the camera when playback leaves the pattern, what is shown after a run to an event, and the
 //! counts at moments.
 
-use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Variant};
+use serde_json::json;
+use tilescope_core::{Boundary, Insertion, Parameter, RunEvent, Stage, Variant};
 use tilescope_debugger::{Direction, Step, Target, moves};
 use tilescope_session::layers::Layer;
 use tilescope_session::sentence::happened;
@@ -13,7 +14,7 @@ use crate::command::{
     AppearanceCommand, Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use crate::compare::CompareCommand;
-use crate::draft::{Choice, Field};
+use crate::draft::Choice;
 use crate::state::RunView;
 
 const FORWARDS: Direction = Direction::Forwards;
@@ -94,7 +95,7 @@ fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
 #[test]
 fn the_second_run_fits_too() {
     let mut state = settled();
-    type_in(&mut state, Field::Radius, "0.02");
+    type_in(&mut state, Parameter::Radius, "0.02");
     state.apply(Command::Run);
     state.settle();
     state.apply(Command::Time(TimeCommand::FirstStage));
@@ -124,12 +125,12 @@ fn small() -> Vec<State> {
             (Variant::AsPrinted, Insertion::Circumcentre),
         ] {
             let mut state = settled();
-            type_in(&mut state, Field::Radius, "0.06");
-            type_in(&mut state, Field::Leaf, "7");
+            type_in(&mut state, Parameter::Radius, "0.06");
+            type_in(&mut state, Parameter::Leaf, "7");
             for choice in [
-                Choice::Boundary(boundary),
-                Choice::Variant(variant),
-                Choice::Insertion(insertion),
+                Choice::Parameter(Parameter::Boundary, json!(boundary)),
+                Choice::Parameter(Parameter::Variant, json!(variant)),
+                Choice::Parameter(Parameter::Insertion, json!(insertion)),
             ] {
                 state.apply(Command::Form(FormCommand::Choose(choice)));
             }

@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use serde_json::json;
+use tilescope_core::{Boundary, Insertion, Order, Parameter, Search, Variant};
 use tilescope_debugger::{LineId, Listings};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::CombineCommand;
@@ -17,7 +18,7 @@ use tilescope_workbench::command::{
     WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
 use tilescope_workbench::scenes::SceneCommand;
@@ -26,7 +27,7 @@ use tilescope_workbench::{Command, State};
 use super::support::{Draws, digest, notice_text, opened, settle, state};
 
 fn small(state: &mut State) {
-    for (field, text) in [(Field::Radius, "0.03"), (Field::Leaf, "12")] {
+    for (field, text) in [(Parameter::Radius, "0.03"), (Parameter::Leaf, "12")] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     state.apply(Command::Run);
@@ -39,7 +40,7 @@ fn the_default_session_has_the_shortest_link() {
     assert_eq!(state.link().fragment, "v=1");
     assert_eq!(state.link().left_out, [""; 0]);
     state.apply(Command::Form(FormCommand::Type(
-        Field::Seed,
+        Parameter::Seed,
         "7".to_owned(),
     )));
     assert_eq!(state.link().fragment, "v=1", "nothing was run yet");
@@ -116,39 +117,52 @@ fn run_command(draws: &mut Draws) -> Command {
     let number =
         |draws: &mut Draws, low: f64, high: f64| (low + (high - low) * draws.part()).to_string();
     match draws.below(14) {
-        0 => Command::Form(FormCommand::Type(Field::Seed, draws.next().to_string())),
-        1 => Command::Form(FormCommand::Type(Field::Radius, number(draws, 0.025, 0.06))),
-        2 => Command::Form(FormCommand::Type(Field::Width, number(draws, 0.8, 1.3))),
-        3 => Command::Form(FormCommand::Type(Field::Height, number(draws, 0.8, 1.3))),
-        4 => Command::Form(FormCommand::Type(Field::Leaf, number(draws, 6.0, 20.0))),
+        0 => Command::Form(FormCommand::Type(Parameter::Seed, draws.next().to_string())),
+        1 => Command::Form(FormCommand::Type(
+            Parameter::Radius,
+            number(draws, 0.025, 0.06),
+        )),
+        2 => Command::Form(FormCommand::Type(Parameter::Width, number(draws, 0.8, 1.3))),
+        3 => Command::Form(FormCommand::Type(
+            Parameter::Height,
+            number(draws, 0.8, 1.3),
+        )),
+        4 => Command::Form(FormCommand::Type(Parameter::Leaf, number(draws, 6.0, 20.0))),
         5 => Command::Form(FormCommand::Type(
-            Field::PatternSide,
+            Parameter::PatternSide,
             number(draws, 30.0, 50.0),
         )),
         6 => Command::Form(FormCommand::Type(
-            Field::PatternSeed,
+            Parameter::PatternSeed,
             draws.below(9).to_string(),
         )),
-        7 => Command::Form(FormCommand::Choose(Choice::Boundary(
-            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        7 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Boundary,
+            json!(*draws.of(&[Boundary::Periodic, Boundary::Bounded])),
         ))),
-        8 => Command::Form(FormCommand::Choose(Choice::PatternBoundary(
-            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        8 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::PatternBoundary,
+            json!(*draws.of(&[Boundary::Periodic, Boundary::Bounded])),
         ))),
-        9 => Command::Form(FormCommand::Choose(Choice::Dihedral(draws.below(2) == 0))),
-        10 => Command::Form(FormCommand::Choose(Choice::Order(*draws.of(&[
-            Order::Index,
-            Order::Random,
-            Order::PhaseGroup,
-        ])))),
-        11 => Command::Form(FormCommand::Choose(Choice::Insertion(
-            *draws.of(&[Insertion::Circumcentre, Insertion::Uniform]),
+        9 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Dihedral,
+            json!(draws.below(2) == 0),
         ))),
-        12 => Command::Form(FormCommand::Choose(Choice::Search(
-            *draws.of(&[Search::Complete, Search::TwoRadii]),
+        10 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Order,
+            json!(*draws.of(&[Order::Index, Order::Random, Order::PhaseGroup,])),
         ))),
-        _ => Command::Form(FormCommand::Choose(Choice::Variant(
-            *draws.of(&[Variant::Staged, Variant::AsPrinted]),
+        11 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Insertion,
+            json!(*draws.of(&[Insertion::Circumcentre, Insertion::Uniform])),
+        ))),
+        12 => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Search,
+            json!(*draws.of(&[Search::Complete, Search::TwoRadii])),
+        ))),
+        _ => Command::Form(FormCommand::Choose(Choice::Parameter(
+            Parameter::Variant,
+            json!(*draws.of(&[Variant::Staged, Variant::AsPrinted])),
         ))),
     }
 }
@@ -265,7 +279,7 @@ fn a_run_that_the_user_starts_replaces_the_links() {
         "it is being made"
     );
     state.apply(Command::Form(FormCommand::Type(
-        Field::Radius,
+        Parameter::Radius,
         "0.04".to_owned(),
     )));
     state.apply(Command::Run);
