@@ -6,7 +6,7 @@
 use glam::DVec2;
 use num_bigint::BigInt;
 
-use crate::domain::BorderLine;
+use crate::border::BorderLine;
 
 /// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
 pub(crate) const DOUBT: f64 = 1e-9;

@@ -28,6 +28,7 @@
 )]
 
 mod agreement;
+mod border;
 mod circles;
 mod cover;
 mod cut;

@@ -8,7 +8,7 @@ use super::gaps::CellReach;
 use super::sample::Sample;
 use super::samples::Samples;
 use super::tile::Tile;
-use crate::domain::BorderLine;
+use crate::border::BorderLine;
 use crate::exact::{DOUBT, Site, circle_exceeds, corner_exceeds, crossing_exceeds, exceeds};
 use crate::witness::{Gap, GapKind};
 

@@ -14,7 +14,7 @@ use super::sample::Sample;
 use super::samples::{Cells, Samples};
 use super::table;
 use super::tile::{self, Rectangle, Tile, Unfilled};
-use crate::domain::BorderLine;
+use crate::border::BorderLine;
 use crate::monitor::Monitor;
 
 /// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
