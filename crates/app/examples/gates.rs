@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use egui_kittest::Harness;
 use tilescope_app::{App, frame_texts};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
 
 type Fault = Box<dyn std::error::Error>;
 

@@ -16,6 +16,7 @@ use std::sync::LazyLock;
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 pub use keys::{keys_of, press_keys, shortcut_text, takes_key};
+use tilescope_classroom::room::HIDDEN_LAYER;
 use tilescope_debugger::{Direction, Listings};
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_session::limits::MAX_STAGED;
@@ -32,7 +33,7 @@ use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
-use tilescope_workbench::state::{HIDDEN_LAYER, RunView, State, Time};
+use tilescope_workbench::state::{RunView, State, Time};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{Context, FullOutput, RawInput, Rect, Shape, pos2, vec2};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_lessons::{LessonError, Question, leak};
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
 
 use crate::App;
 

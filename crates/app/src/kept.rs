@@ -5,8 +5,8 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use tilescope_classroom::lessons::ResultsToStore;
 use tilescope_formats::write_whole;
-use tilescope_workbench::lessons::ResultsToStore;
 
 /// The results of lessons.
 const RESULTS: &str = "results.json";
@@ -106,8 +106,8 @@ fn free_name(folder: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_classroom::lessons::Lessons;
     use tilescope_lessons::results::Entry;
-    use tilescope_workbench::lessons::Lessons;
 
     use super::*;
 

@@ -10,12 +10,20 @@ pub const MIN_SCALE: f64 = 0.005;
 pub const MAX_SCALE: f64 = 4_000.0;
 /// The smallest size of a domain relative to its size when fitted: below this, nothing can be recognised.
 const MIN_SHARE_OF_FIT: f64 = 0.25;
+/// The largest coordinate that a view may have, in r: no domain reaches so far from the origin.
+pub const MAX_OFFSET: f64 = 200_000.0;
 /// Seconds that a flight takes.
 const FLIGHT_SECS: f32 = 0.7;
 /// Empty space around a fitted domain, in screen points.
 const FIT_MARGIN: f32 = 28.0;
 /// The largest margin on each side, as a share of a small canvas.
 const FIT_MARGIN_PART: f32 = 0.08;
+
+/// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
+#[must_use]
+pub fn is_near(place: DVec2) -> bool {
+    place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
+}
 
 /// A view of the domain plane.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -36,6 +44,13 @@ impl Default for Camera {
 }
 
 impl Camera {
+    /// Returns the camera at `center`, in r, with `scale` screen points per r; `None` if one is not valid.
+    #[must_use]
+    pub fn checked(center: DVec2, scale: f64) -> Option<Self> {
+        let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
+        may_be.then_some(Self { center, scale })
+    }
+
     /// Returns the camera that shows all of a domain of `size` r in `viewport`.
     #[must_use]
     pub fn fitting(size: impl Into<DVec2>, viewport: Rect) -> Self {

@@ -13,7 +13,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger};
-use tilescope_figures::{Anchor, Font, Group, Scene, Shape, Text, fitted, text_width};
+use tilescope_figures::{Anchor, Font, Group, Pixels, Scene, Shape, Text, fitted, text_width};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
@@ -178,6 +178,24 @@ pub fn seam(session: &Session) -> DVec2 {
 const MARGIN: f64 = 0.016;
 /// The height of the heading, relative to the picture's width.
 const HEADING: f64 = 0.044;
+
+/// A small picture.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Thumbnail {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// Red, green, blue and opacity of each pixel, row by row.
+    pub rgba: Vec<u8>,
+}
+
+impl From<Pixels> for Thumbnail {
+    fn from(pixels: Pixels) -> Self {
+        Self {
+            size: [pixels.width as usize, pixels.height as usize],
+            rgba: pixels.rgba,
+        }
+    }
+}
 
 /// Returns the picture of a moment.
 #[must_use]

@@ -3,6 +3,7 @@
 use tilescope_core::Stage;
 
 use crate::glossary;
+use crate::words::slug;
 
 /// The kind of a session, which decides the layers and their meanings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -81,6 +82,15 @@ impl Layer {
         Self::Circumcircles,
         Self::CoveredCircles,
     ];
+
+    /// Returns its name in links, lessons and requests of pages.
+    #[must_use]
+    pub fn key(self) -> String {
+        match self {
+            Self::Circumcircles => "circumcircles".to_owned(),
+            layer => slug(layer.name()),
+        }
+    }
 
     /// Returns the name on its chip.
     #[must_use]

@@ -111,6 +111,26 @@ pub fn last_part(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
+/// The most characters of a text from outside that are shown.
+const MAX_QUOTED: usize = 40;
+
+/// Returns a text from outside, shortened and on one line, so that it can be shown.
+#[must_use]
+pub fn quoted(text: &str) -> String {
+    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let mut shown: String = text.chars().take(MAX_QUOTED).map(plain).collect();
+    if text.chars().nth(MAX_QUOTED).is_some() {
+        shown.push('\u{2026}');
+    }
+    shown
+}
+
+/// Returns a name of the window as written in links: in lower case, with hyphens.
+#[must_use]
+pub fn slug(name: &str) -> String {
+    name.to_lowercase().replace(' ', "-")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +142,12 @@ mod tests {
         let text = "a.csv: Permission denied (os error 13); it stays as it was";
         assert_eq!(ended(text), "a.csv: Permission denied; it stays as it was.");
         assert_eq!(ended("two (os error s)"), "two (os error s).");
+    }
+
+    #[test]
+    fn texts_from_outside_are_shortened_and_on_one_line() {
+        assert_eq!(quoted("a\nb"), "a\u{fffd}b");
+        assert_eq!(quoted(&"x".repeat(99)).chars().count(), MAX_QUOTED + 1);
     }
 
     #[test]

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use tilescope_app::WindowOptions;
+use tilescope_classroom::handout::{HandoutTask, handout};
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_cli::lesson::{Handout, Played};
 use tilescope_cli::{FromWindow, HeadlessReason};
 use tilescope_workbench::Command;
 use tilescope_workbench::files::FileCommand;
-use tilescope_workbench::handout::{HandoutTask, handout};
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scene_lesson::lesson_of_session;
-use tilescope_workbench::talk::TalkCommand;
 
 pub use tilescope_app::display_available as is_possible;
 

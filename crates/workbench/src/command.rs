@@ -4,6 +4,8 @@
 use glam::DVec2;
 
 use emath::{Pos2, Rect, Vec2};
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_core::Parameter;
 use tilescope_debugger::{Direction, LineId, Step, Target};
 use tilescope_session::combination::CombineCommand;
@@ -22,10 +24,8 @@ use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
 use crate::layout::Panel;
-use crate::lessons::LessonCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
-use crate::talk::TalkCommand;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -18,10 +18,8 @@ pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;
 pub use read::read;
-pub(crate) use text::slug;
 pub use text::{name as choice_name, named as choice_named};
-pub use warnings::{LinkWarnings, quoted};
-pub(crate) use write::layer_name;
+pub use warnings::LinkWarnings;
 pub use write::{Link, write};
 
 /// The version of links that this program writes, and the newest that it reads.

@@ -7,18 +7,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
+use tilescope_classroom::lessons::{LessonCommand, WantedLesson};
 use tilescope_debugger::{Direction, Target};
+use tilescope_drawing::camera::{Camera, MAX_OFFSET, MAX_SCALE, MIN_SCALE};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::look::Look;
-use tilescope_session::words::grouped;
+use tilescope_session::words::{grouped, quoted};
 
 use crate::clock::{Clock, SPEEDS};
-use crate::lessons::{LessonCommand, WantedLesson};
-use crate::link::{
-    COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named, layer_name, quoted,
-};
-use crate::view::{AUTOMATIC, MAX_OFFSET, sound_camera};
-use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
+use crate::link::{COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named};
+use crate::view::AUTOMATIC;
 
 /// The longest request, in bytes.
 pub const MAX_BYTES: usize = 65_536;
@@ -429,7 +427,7 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
         return Ok(None);
     }
     let numbers: Option<[f64; 3]> = Deserialize::deserialize(value).ok();
-    let camera = numbers.and_then(|[x, y, scale]| sound_camera(DVec2::new(x, y), scale));
+    let camera = numbers.and_then(|[x, y, scale]| Camera::checked(DVec2::new(x, y), scale));
     camera.map(Some).ok_or_else(|| {
         let wanted = format!(
             "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {MAX_OFFSET} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"
@@ -447,7 +445,7 @@ fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     }
     let mut layers = Layers::none();
     let refuse = |value: &Value| {
-        let names = Layer::ALL.map(layer_name);
+        let names = Layer::ALL.map(Layer::key);
         let names = choices(names.iter().map(String::as_str));
         wrong(
             "layers",
@@ -456,7 +454,7 @@ fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
         )
     };
     for name in value.as_array().ok_or_else(|| refuse(value))? {
-        let is_meant = |layer: &Layer| name.as_str() == Some(&*layer_name(*layer));
+        let is_meant = |layer: &Layer| name.as_str() == Some(&*layer.key());
         let layer = Layer::ALL.into_iter().find(is_meant);
         let layer = layer.ok_or_else(|| refuse(name))?;
         if !layers.has(layer) {

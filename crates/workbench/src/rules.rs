@@ -9,6 +9,8 @@
     reason = "arms of one rule have different reasons"
 )]
 
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_session::combination::CombineCommand;
 
 use crate::analysis::AnalysisCommand;
@@ -20,10 +22,8 @@ use crate::command::{
 use crate::compare::CompareCommand;
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
-use crate::lessons::LessonCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
-use crate::talk::TalkCommand;
 
 /// The part of the state that a command changes and undo restores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -295,7 +295,7 @@ const fn appearance(command: AppearanceCommand) -> Rules {
     match command {
         // The page around a frame chooses its look.
         AppearanceCommand::Look(_) | AppearanceCommand::ToggleProjector => NOT_IN_FRAME,
-        // Layers that a question hides are refused one by one (`State::hidden_layers`).
+        // Layers that a question hides are refused one by one (`Lessons::hidden_layers`).
         AppearanceCommand::ToggleLayer(_)
         | AppearanceCommand::AutomaticLayers
         | AppearanceCommand::Colour(_)

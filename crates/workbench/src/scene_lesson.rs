@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use tilescope_core::{Parameters, PatternSpec, Stage};
 use tilescope_debugger::{SavedScene, Session};
 use tilescope_lessons::step_name;
+use tilescope_session::layers::Layer;
 
-use crate::link::layer_name;
 use crate::scenes::split_caption;
 use crate::view::{SavedView, SceneCamera};
 
@@ -131,7 +131,7 @@ fn moment(text: &mut String, scene: &SavedScene) {
     let _ = writeln!(text, "moment: {moment}");
     let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
     let layers = saved.appearance.chosen_layers.map(|layers| {
-        let names: Vec<String> = layers.iter().map(layer_name).collect();
+        let names: Vec<String> = layers.iter().map(Layer::key).collect();
         names.join(" ")
     });
     let layers = layers.filter(|names| !names.is_empty());

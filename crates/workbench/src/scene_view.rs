@@ -10,7 +10,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::units;
 
-use crate::view::{SavedView, SceneCamera, sound_camera};
+use crate::view::{SavedView, SceneCamera};
 
 /// Returns the moment and the view of a scene on a canvas of `size` points; `None` if this run does not have its moment.
 pub(crate) fn view_of_scene(
@@ -30,7 +30,7 @@ pub(crate) fn view_of_scene(
     let place = place_of_scene(debugger, scene);
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {
         let center = camera.placed(place, is_same_run)?;
-        sound_camera(center, size[0].min(size[1]) / camera.radii)
+        Camera::checked(center, size[0].min(size[1]) / camera.radii)
     });
     let selection = if is_same_run {
         saved.selection

@@ -2,38 +2,36 @@
 //! to one of the parts that [`State`] lists, each in a file of `state/`. A part that needs something of another part asks
 //! for an effect (`effects`), which the state carries out. No window is needed, so that tests and scripts use the state.
 
+use tilescope_classroom::Classroom;
+use tilescope_classroom::room::HIDDEN_LAYER;
 use tilescope_core::Stage;
 use tilescope_core::combine::file::Layout;
 use tilescope_debugger::Target;
+use tilescope_drawing::subject::Subject;
+use tilescope_session::words::sentence;
 
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
-use crate::classroom::Classroom;
 use crate::command::{
     AppearanceCommand, Command, FormCommand, GpuCommand, LinkCommand, TimeCommand, ViewCommand,
     Which,
 };
 use crate::device::EngineChoice;
-use crate::export::ExportCommand;
 use crate::link::Link;
 use crate::rules::UndoPart;
 pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use frame::{FrameStart, Requests, Settings};
 pub use gpu::GpuState;
-pub use lesson_told::NO_LESSON;
-pub use lessons::HIDDEN_LAYER;
 pub use link::not_copied;
 pub use page::PageStart;
 pub use parts::{FileState, Messages, Past, Runs};
 pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, RunView};
 pub use scenes::Scenes;
-use tilescope_drawing::subject::Subject;
 use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::Verdict;
-use tilescope_session::words::sentence;
 pub use time::Time;
 use undo::HistoryStep;
 pub use window::WindowState;
@@ -285,12 +283,11 @@ impl State {
             Command::Run => self.run(),
             Command::Combine(command) => self.combine(command),
             Command::Cancel(which) => {
-                self.on(which, |run, _| {
-                    if let Some(job) = &run.sampling {
-                        job.cancel();
-                    }
-                });
+                self.on(which, |run, _| run.cancel());
             }
+            Command::Undo | Command::Redo => {}
+
+            // The window.
             Command::DismissNotice => self.messages.notice = None,
             Command::OpenFolder(folder) => self.files.folder_to_open = Some(folder),
             Command::Appearance(command) => {
@@ -299,7 +296,8 @@ impl State {
                 self.end_flights();
             }
             Command::Window(command) => self.window.apply(command),
-            Command::Undo | Command::Redo => {}
+
+            // What is shown of the runs.
             Command::OpenPasses => self.with(|state, context| {
                 state.runs.first.open_passes(&state.gpu, context);
             }),
@@ -308,29 +306,12 @@ impl State {
                     run.apply_to_passes(command, context);
                 });
             }
-            Command::File(command) => match self.files.take_lesson(&command) {
-                Some(Ok(lesson)) => self.dispatch(Command::Lesson(lesson)),
-                Some(Err(why)) => self.tell(why, true),
-                None => self.apply_to_files(command),
-            },
             Command::Compare(command) => self.with(|state, context| {
-                let State {
-                    runs, form, gpu, ..
-                } = state;
-                runs.apply(command, form, gpu, context);
+                (state.runs).apply(command, &state.form, &state.gpu, context);
             }),
             Command::Analysis(command) => {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
-            }
-            Command::Scene(command) => self.in_scenes(|scenes, run, source, context| {
-                scenes.apply(command, run, source, context);
-            }),
-            Command::Lesson(command) => {
-                self.in_class(|class, context| class.apply(command, context));
-            }
-            Command::Talk(command) => {
-                self.in_class(|class, context| class.apply_to_talk(command, context));
             }
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
@@ -340,34 +321,37 @@ impl State {
             Command::Time(command) => {
                 self.in_time(|time, run, context| time.apply(command, run, context));
             }
-            Command::View(Which::First, command) => {
-                self.on(Which::First, |run, context| {
-                    run.apply_to_view(command, context);
-                });
+            Command::View(which, command) => self.with_of(which, |state, context| match which {
+                Which::First => state.runs.first.apply_to_view(command, context),
+                Which::Second => state.runs.apply_to_second_view(command, context),
+            }),
+
+            // What is made of them.
+            Command::Scene(command) => self.in_scenes(|scenes, run, source, context| {
+                scenes.apply(command, run, source, context);
+            }),
+            Command::Lesson(command) => {
+                self.in_class(|class, context| class.apply(command, context));
             }
-            Command::View(Which::Second, command) => {
-                self.with_of(Which::Second, |state, context| {
-                    state.runs.apply_to_second_view(command, context);
-                });
+            Command::Talk(command) => {
+                self.in_class(|class, context| class.apply_to_talk(command, context));
             }
-            Command::Export(command) => {
-                if matches!(command, ExportCommand::Open(_)) {
-                    (self.files.sheet, self.messages.notice) = (None, None);
-                }
-                self.in_exports(|exports, source, delivery, context| {
-                    exports.apply(command, source, delivery, context);
-                });
-            }
-            Command::Link(LinkCommand::Copy) => {
-                let Link { fragment, left_out } = self.link();
-                let address = self.window.address.as_deref();
-                let text = link::copied_notice(&left_out, address);
-                let link = format!("{}#{fragment}", address.unwrap_or_default());
-                self.window.copied = Some(link);
-                self.tell(text, false);
-            }
+            Command::File(command) => self.apply_to_files(command),
+            Command::Export(command) => self.in_exports(|exports, source, delivery, context| {
+                exports.apply(command, source, delivery, context);
+            }),
+            Command::Link(LinkCommand::Copy) => self.copy_link(),
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }
+    }
+
+    fn copy_link(&mut self) {
+        let Link { fragment, left_out } = self.link();
+        let address = self.window.address.as_deref();
+        let text = link::copied_notice(&left_out, address);
+        let link = format!("{}#{fragment}", address.unwrap_or_default());
+        self.window.copied = Some(link);
+        self.tell(text, false);
     }
 
     /// Starts making a combination, or shows a notice with the fault of its layout.
@@ -421,15 +405,11 @@ mod form;
 mod frame;
 mod gpu;
 mod indices;
-mod lesson_told;
-mod lessons;
 mod link;
 mod page;
 mod parts;
 pub mod run_view;
 mod scenes;
-mod talk;
-mod talk_told;
 #[cfg(test)]
 mod tests;
 mod time;

@@ -6,8 +6,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Debugger, SavedScene};
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::picture::{MomentView, thumbnail};
-use tilescope_figures::{Pixels, to_pixels};
+use tilescope_drawing::picture::{MomentView, Thumbnail, thumbnail};
+use tilescope_figures::to_pixels;
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
@@ -23,24 +23,6 @@ const LAID_OUT: f64 = 3.0;
 const NEAR: f64 = 14.0;
 /// The pixels in a point of the picture shown, so that it is sharp on dense screens.
 const SHARPNESS: f64 = 2.0;
-
-/// A small picture.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Thumbnail {
-    /// Width and height in pixels.
-    pub size: [usize; 2],
-    /// Red, green, blue and opacity of each pixel, row by row.
-    pub rgba: Vec<u8>,
-}
-
-impl From<Pixels> for Thumbnail {
-    fn from(pixels: Pixels) -> Self {
-        Self {
-            size: [pixels.width as usize, pixels.height as usize],
-            rgba: pixels.rgba,
-        }
-    }
-}
 
 /// Everything that a picture depends on.
 struct ThumbnailKey {

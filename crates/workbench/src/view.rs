@@ -1,5 +1,5 @@
 //! The view of a session, as it is saved with the session: camera, layers, colours, panels, selection, clock, the second
-//! run. Views come from untrusted files: each part is checked by itself. `state/view.rs` makes and applies them.
+//! run. Views come from untrusted files: each part is checked by itself. `state/whole.rs` makes and applies them.
 
 use glam::DVec2;
 
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value, json};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::MAX_SAMPLES;
+use tilescope_drawing::camera::{Camera, MAX_OFFSET, is_near};
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 
@@ -14,10 +15,6 @@ use crate::appearance::Appearance;
 use crate::clock::{Playback, SPEEDS};
 use crate::compare::Comparison;
 use crate::layout::{Layout, text};
-use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
-
-/// The largest coordinate that a view may have, in r: no domain reaches so far from the origin.
-pub const MAX_OFFSET: f64 = 200_000.0;
 
 /// The widest view of a scene across its shorter side, in r.
 const MAX_RADII: f64 = 4.0 * MAX_OFFSET;
@@ -105,7 +102,7 @@ impl SavedView {
         };
         let mut view = now.clone();
         let camera = parts.take("camera", |Camera { center, scale }| {
-            sound_camera(center, scale)
+            Camera::checked(center, scale)
         });
         match parts.take("fitted", Some) {
             Some(true) => view.camera = None,
@@ -201,17 +198,6 @@ impl Parts<'_> {
             *value = taken;
         }
     }
-}
-
-/// Returns the camera at `center`, in r, with `scale` screen points per r; `None` if one is not valid.
-pub(crate) fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
-    let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
-    may_be.then_some(Camera { center, scale })
-}
-
-/// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
-pub(crate) fn is_near(place: DVec2) -> bool {
-    place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
 }
 
 /// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.

@@ -41,8 +41,8 @@ tasks! {
     crate::files::ReadTask,
     crate::state::export::ExportTask,
     crate::thumbnails::ThumbnailTask,
-    crate::lesson_picture::StepPictureTask,
-    crate::handout::HandoutTask,
+    tilescope_classroom::lesson_picture::StepPictureTask,
+    tilescope_classroom::handout::HandoutTask,
 }
 
 #[cfg(test)]

@@ -188,6 +188,7 @@ fn what_is_below_the_window_has_no_egui_in_its_tree() {
     assert!(below("tilescope-app").contains("egui"));
     for package in [
         "tilescope-workbench",
+        "tilescope-classroom",
         "tilescope-drawing",
         "tilescope-session",
     ] {

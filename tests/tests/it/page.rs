@@ -14,14 +14,15 @@ const BODY: usize = 15;
 
 /// For each crate the most long functions without a blank line, and the fewest comments in 1,000 lines of bodies. They are the
 /// counts of the day when the crate was last gone through: lower the first and raise the second with each pass.
-const LIMITS: [(&str, usize, usize); 21] = [
+const LIMITS: [(&str, usize, usize); 22] = [
     ("crates/analysis", 74, 16),
-    ("crates/app", 174, 11),
+    ("crates/app", 173, 11),
     ("crates/canvas", 25, 11),
+    ("crates/classroom", 23, 16),
     ("crates/cli", 39, 14),
     ("crates/core", 88, 12),
     ("crates/debugger", 30, 4),
-    ("crates/drawing", 16, 15),
+    ("crates/drawing", 16, 16),
     ("crates/figures", 27, 10),
     ("crates/formats", 44, 20),
     ("crates/gpu", 44, 15),
@@ -33,7 +34,7 @@ const LIMITS: [(&str, usize, usize); 21] = [
     ("crates/tilescope", 1, 47),
     ("crates/trusted", 0, 45),
     ("crates/ui", 8, 8),
-    ("crates/workbench", 143, 14),
+    ("crates/workbench", 115, 16),
     ("web/app", 4, 14),
     ("web/pack", 5, 22),
 ];

@@ -2,10 +2,10 @@
 //! a question is open, actions that would show its answer are refused.
 
 use egui::{Key, KeyboardShortcut};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::Direction;
 use tilescope_lessons::{Control, DraftCommand};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::state::State;
 
 use super::{Action, List, Menu, NONE};

@@ -2,11 +2,11 @@
 //! clickers send, and single letters for the tools. `web/page/notes.js` has the same keys for the notes on a page.
 
 use egui::{Key, KeyboardShortcut};
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::{Talk, TalkCommand, Tool};
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, WindowCommand};
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneList;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
 
 use super::{Action, COMMAND, List, Menu, NONE, SHIFT};
 

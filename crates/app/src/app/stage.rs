@@ -1,14 +1,14 @@
 //! The two windows of a talk: the stage on the projector, the notes on the lecturer's screen. Either may be closed and
 //! opened again, and they can exchange screens. What they show is in `panels/lesson/stage.rs` and `notes.rs` beside it; what
-//! the talk's commands do is in `workbench/src/state/talk.rs`. Begin with `App::show_talk`.
+//! the talk's commands do is in `classroom/src/room/talk.rs`. Begin with `App::show_talk`.
 
 use egui::{
     Context, Rect, Ui, Vec2, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId, vec2,
 };
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_session::look::Look;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::TalkCommand;
 
 use super::App;
 use crate::actions;

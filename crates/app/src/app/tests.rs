@@ -3,6 +3,7 @@
 
 use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::{EventKind, Target};
 use tilescope_session::sentence::happened;
 
@@ -13,7 +14,6 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 
 /// A window without a display.

@@ -6,6 +6,7 @@ use egui::{
     ColorImage, Id, ProgressBar, Response, RichText, ScrollArea, TextureHandle, TextureOptions, Ui,
 };
 use tilescope_drawing::palette::Palette;
+use tilescope_drawing::picture::Thumbnail;
 use tilescope_session::words::capital;
 use tilescope_ui::focus;
 use tilescope_ui::widgets::Known;
@@ -13,7 +14,6 @@ use tilescope_ui::widgets::Known;
 use super::context::PanelContext;
 use crate::actions::NO_EVENTS_OF_LEVELS;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::thumbnails::Thumbnail;
 
 /// Shows the content of a panel, which scrolls independently of other panels of the same tab.
 pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {

@@ -1,6 +1,7 @@
 //! The chips above the canvas that switch its layers.
 
 use egui::{RichText, Ui, vec2};
+use tilescope_classroom::room::HIDDEN_LAYER;
 use tilescope_session::layers::Layer;
 use tilescope_session::verification::Verdict;
 use tilescope_ui::language::Worded;
@@ -9,7 +10,6 @@ use tilescope_ui::widgets::{Kebab, Known, chip, explain};
 use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command};
-use tilescope_workbench::state::HIDDEN_LAYER;
 
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";

@@ -19,6 +19,10 @@ use egui::{
     Align, Button, CollapsingHeader, FontId, Frame, Label, Layout, Margin, Response, RichText,
     ScrollArea, Ui, vec2,
 };
+use tilescope_classroom::graded::{FULL_MARKS, Outcome};
+use tilescope_classroom::lesson_labels::{LessonLabels, lesson_labels};
+use tilescope_classroom::lessons::{LessonCommand, OpenLesson};
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Question, letter};
@@ -27,11 +31,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Known, icon_button, primary_button};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::graded::{FULL_MARKS, Outcome};
-use tilescope_workbench::lesson_labels::{LessonLabels, lesson_labels};
-use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::TalkCommand;
 
 use super::common::{divide, read_out};
 use super::embedded;

@@ -4,6 +4,8 @@ use egui::{
     Align, Atom, Button, Color32, FontId, IdSalt, Layout, Popup, PopupCloseBehavior, RichText,
     Role, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_classroom::lesson_labels::lesson_labels;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::language::Worded;
@@ -16,8 +18,6 @@ use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::FileCommand;
-use tilescope_workbench::lesson_labels::lesson_labels;
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::state::State;
 
 /// Minimum room behind the menus, in screen points, to show the run's name.

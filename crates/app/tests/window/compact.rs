@@ -4,6 +4,7 @@ use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
@@ -11,7 +12,6 @@ use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::Settings;
 

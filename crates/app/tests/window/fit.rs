@@ -5,6 +5,7 @@ use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_core::Parameter;
 use tilescope_debugger::{Direction, Listings, Target};
 use tilescope_session::selection::Selection;
@@ -17,7 +18,6 @@ use tilescope_workbench::command::{
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::{find, node, opened_at, settle};

@@ -3,12 +3,12 @@
 
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::Direction;
 use tilescope_lessons::DraftCommand;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::AppearanceCommand;
-use tilescope_workbench::lessons::LessonCommand;
 
 use crate::support::{find, node, opened_at, settle, text};
 

@@ -6,11 +6,11 @@ use egui::Shape;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_debugger::{Direction, Listings};
 use tilescope_lessons::DraftCommand;
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
-use tilescope_workbench::talk::TalkCommand;
 
 use crate::lesson::drafts;
 use crate::support::{opened_at, settle};

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::frame_texts::{asked, leaks};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::Direction;
 use tilescope_lessons::shipped;
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
 
 use crate::support::{opened_at, settle};
 

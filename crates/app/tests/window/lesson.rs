@@ -4,10 +4,10 @@ use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::Direction;
 use tilescope_lessons::{Answer, Control, DraftCommand};
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
 
 use crate::support::{opened, settle};
 

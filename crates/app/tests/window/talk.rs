@@ -5,11 +5,11 @@ use egui::{Color32, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::{Cover, TalkCommand};
 use tilescope_lessons::{plain, shipped};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::AppearanceCommand;
-use tilescope_workbench::lessons::LessonCommand;
-use tilescope_workbench::talk::{Cover, TalkCommand};
 
 use crate::support::{find, node, opened_at, settle, text};
 

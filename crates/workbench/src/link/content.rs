@@ -1,12 +1,12 @@
 //! The content of a link, as values. `write.rs` writes it as text, `read.rs` reads it.
 
+use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_core::{NestedRequest, Parameters, radius_estimate};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::recipe::Recipe;
 
 use super::MAX_SAMPLES;
-use crate::lessons::WantedLesson;
 use crate::view::SavedView;
 
 /// How a link names a moment of a run.

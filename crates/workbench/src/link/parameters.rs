@@ -8,10 +8,10 @@ use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
     MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameter, ParameterKind, Parameters, Variant,
 };
-use tilescope_session::words::grouped;
+use tilescope_session::words::{grouped, quoted};
 
 use super::text::{exact, finite};
-use super::warnings::{LinkWarnings, quoted};
+use super::warnings::LinkWarnings;
 use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
 /// Returns the parameters in the order in which links have them: the seed first, as the part that is changed most.

@@ -6,26 +6,27 @@ use std::collections::hash_map::Entry;
 
 use glam::DVec2;
 
+use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
 use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, WithinLevel};
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
+use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
-use tilescope_session::words::grouped;
+use tilescope_session::words::{grouped, quoted};
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, in_links, link_key};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::view::{read_layers, read_scene_view, read_selection};
-use super::warnings::{LinkWarnings, quoted};
+use super::warnings::LinkWarnings;
 use super::write::{LINKS, NESTED, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
-use crate::lessons::WantedLesson;
-use crate::view::{sound_camera, speed, whole_run};
+use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
 const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
@@ -233,7 +234,7 @@ impl LinkReader {
     fn look(&mut self, content: &mut LinkContent) {
         content.view.camera = self.take("camera", |text| {
             let [x, y, scale] = numbers(text)?;
-            sound_camera(DVec2::new(x, y), scale)
+            Camera::checked(DVec2::new(x, y), scale)
         });
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
             let (layers, unknown) = read_layers(&layers);

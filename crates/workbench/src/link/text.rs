@@ -5,6 +5,7 @@ use base64::alphabet::URL_SAFE;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Serialize;
 use serde_json::Value;
+use tilescope_session::words::slug;
 
 /// The decimals of numbers that need not be exact: a thousandth of a screen point at most scales.
 const DECIMALS: i32 = 6;
@@ -111,11 +112,6 @@ pub fn name<T: Serialize>(choice: &T) -> String {
 /// Returns the one of `all` that has this name.
 pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
     all.iter().find(|one| name(*one) == text).copied()
-}
-
-/// Returns a name of the window as written in links: in lower case, with hyphens.
-pub(crate) fn slug(name: &str) -> String {
-    name.to_lowercase().replace(' ', "-")
 }
 
 #[cfg(test)]

@@ -2,18 +2,18 @@
 
 use glam::DVec2;
 use serde_json::{Map, Value, json};
+use tilescope_drawing::camera::is_near;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use super::read::COLOURINGS;
 use super::text::{exact, finite, name, named, numbers, rounded};
-use super::write::layer_name;
-use crate::view::{SavedView, SceneCamera, is_near};
+use crate::view::{SavedView, SceneCamera};
 
 /// Returns layers as a list of their names.
 pub(super) fn layers_text(layers: Layers) -> String {
-    layers.iter().map(layer_name).collect::<Vec<_>>().join(",")
+    layers.iter().map(Layer::key).collect::<Vec<_>>().join(",")
 }
 
 /// Returns the layers of a list, and the unknown names in it. If all names are unknown, the layers are `None`, those of the
@@ -21,7 +21,7 @@ pub(super) fn layers_text(layers: Layers) -> String {
 pub(super) fn read_layers(names: &str) -> (Option<Layers>, Vec<&str>) {
     let (mut layers, mut unknown) = (Layers::none(), Vec::new());
     for name in names.split(',').filter(|name| !name.is_empty()) {
-        match Layer::ALL.into_iter().find(|&l| layer_name(l) == name) {
+        match Layer::ALL.into_iter().find(|&l| l.key() == name) {
             Some(layer) if !layers.has(layer) => layers.toggle(layer),
             Some(_) => {}
             None => unknown.push(name),

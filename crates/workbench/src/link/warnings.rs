@@ -1,9 +1,7 @@
-//! Warnings about parts of a link, limited in number and length.
+//! Warnings about parts of a link, limited in number.
 
 /// The most warnings that are kept; others are counted.
 const MAX_WARNINGS: usize = 8;
-/// The most characters of quoted text.
-const QUOTED: usize = 40;
 
 /// Warnings about parts of a link that were changed or ignored.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,23 +45,12 @@ impl LinkWarnings {
     }
 }
 
-/// Returns a text from outside, shortened and on one line, so that it can be shown.
-#[must_use]
-pub fn quoted(text: &str) -> String {
-    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    let mut shown: String = text.chars().take(QUOTED).map(plain).collect();
-    if text.chars().nth(QUOTED).is_some() {
-        shown.push('\u{2026}');
-    }
-    shown
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn warnings_are_limited_in_number_and_length() {
+    fn warnings_are_limited_in_number() {
         let mut warnings = LinkWarnings::default();
         assert!(warnings.is_empty() && warnings.text().is_empty());
         for k in 0..1_000 {
@@ -72,7 +59,5 @@ mod tests {
         let sentences = warnings.sentences();
         assert_eq!(sentences.len(), MAX_WARNINGS + 1);
         assert_eq!(sentences[MAX_WARNINGS], "992 more parts were left out.");
-        assert_eq!(quoted("a\nb"), "a\u{fffd}b");
-        assert_eq!(quoted(&"x".repeat(99)).chars().count(), QUOTED + 1);
     }
 }

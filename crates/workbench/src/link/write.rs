@@ -3,20 +3,19 @@
 use std::ops::Range;
 
 use serde_json::Value;
+use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::{NestedRequest, Parameters, WithinLevel};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
+use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
-use tilescope_session::layers::Layer;
 use tilescope_session::words::counted;
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
-use super::text::{base64, escaped, item, name, rounded, slug};
+use super::text::{base64, escaped, item, name, rounded};
 use super::view::{layers_text, scene_view_text, selection_text};
 use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
-use crate::lessons::WantedLesson;
-use tilescope_drawing::camera::Camera;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -25,14 +24,6 @@ pub struct Link {
     pub fragment: String,
     /// The settings that the link leaves out, as phrases such as "the panel layout".
     pub left_out: Vec<String>,
-}
-
-/// Returns the name of a layer in a link.
-pub(crate) fn layer_name(layer: Layer) -> String {
-    match layer {
-        Layer::Circumcircles => "circumcircles".to_owned(),
-        layer => slug(layer.name()),
-    }
 }
 
 /// The keys of nested levels: how many, their number of samples, and their order within a level.

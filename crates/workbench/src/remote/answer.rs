@@ -2,25 +2,26 @@
 //! does, by commands, but for views and runs that no command has.
 
 use serde_json::{Value, json};
+use tilescope_classroom::Classroom;
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::room::NO_LESSON;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
-use tilescope_session::layers::{Layers, SessionKind};
+use tilescope_drawing::camera::Camera;
+use tilescope_session::layers::{Layer, Layers, SessionKind};
 use tilescope_session::sentence::happened;
 use tilescope_session::verification::Verdict;
-use tilescope_session::words::{grouped, stage_name};
+use tilescope_session::words::{grouped, quoted, slug, stage_name};
 
 use super::{self as remote, LessonRequest, Request, RequestError, Wanted, read};
-use crate::classroom::Classroom;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
-use crate::lessons::LessonCommand;
-use crate::link::{choice_name, layer_name, quoted, slug};
+use crate::link::choice_name;
 use crate::scenes::SceneCommand;
+use crate::state::State;
 use crate::state::run_view::none_there;
-use crate::state::{NO_LESSON, State};
-use crate::talk::TalkCommand;
 use crate::view::AUTOMATIC;
-use tilescope_drawing::camera::Camera;
 
 const QUESTION_OPEN: &str = "a question of the lesson is open; answer it, or close the lesson";
 const NO_EVENTS: &str = "this session has no events; seek a stage";
@@ -164,7 +165,7 @@ fn seek_stage(state: &mut State, stage: &str) -> Result<(), RequestError> {
     let stages = need_session(state)?.stages.iter();
     let names: Vec<String> = stages.map(|&stage| slug(&stage_name(stage))).collect();
     let Some(index) = state.runs().first.stage_named(stage) else {
-        let (stage, names) = (crate::link::quoted(stage), names.join(", "));
+        let (stage, names) = (quoted(stage), names.join(", "));
         return refused(format!("there is no stage \"{stage}\"; there are {names}"));
     };
     state.apply(Command::Time(TimeCommand::ShowStage(index)));
@@ -213,7 +214,7 @@ fn look_as_wanted(state: &mut State, wanted: &Wanted) {
 fn view_json(state: &State) -> Value {
     let camera = state.view().camera;
     let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
-    let names = |layers: Layers| json!(layers.iter().map(layer_name).collect::<Vec<_>>());
+    let names = |layers: Layers| json!(layers.iter().map(Layer::key).collect::<Vec<_>>());
     let layers = state.appearance().chosen_layers.map(names);
     json!({
         "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),

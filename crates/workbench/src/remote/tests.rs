@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use tilescope_core::{Parameters, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
-use tilescope_session::words::{grouped, stage_name};
+use tilescope_session::words::{grouped, slug, stage_name};
 
 use super::{MAX_BYTES, REQUESTS, Request, TARGETS, read};
 use crate::clock::Clock;
-use crate::link::{self, COLOURINGS, choice_name, layer_name, slug};
+use crate::link::{self, COLOURINGS, choice_name};
 
 const README: &str = include_str!("../../../../web/README.md");
 
@@ -61,7 +61,7 @@ fn every_name_is_documented() {
             "stages",
             words(stages.map(|stage| slug(&stage_name(stage)))),
         ),
-        ("layers", words(Layer::ALL.map(layer_name))),
+        ("layers", words(Layer::ALL.map(Layer::key))),
         ("colourings", words(COLOURINGS.each_ref().map(choice_name))),
         ("looks", words(Look::ALL.each_ref().map(choice_name))),
         (

@@ -1,10 +1,10 @@
 //! Announcements for screen readers: the last event or stage, the verdict and the notice, each when it changes.
 
+use tilescope_classroom::lessons::Lessons;
 use tilescope_session::sentence::{happened, name_in};
 use tilescope_session::words::grouped;
 
 use super::{Notice, RunView, Verification};
-use crate::lessons::Lessons;
 
 /// The texts announced last, and the announcement.
 #[derive(Default)]

@@ -38,9 +38,9 @@ mod tests {
         AppearanceCommand, Command, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
     };
     use crate::layout::Panel;
-    use crate::lessons::LessonCommand;
     use crate::scenes::{SceneCommand, SceneList};
     use crate::tour::tour;
+    use tilescope_classroom::lessons::LessonCommand;
     use tilescope_core::Parameter;
     use tilescope_debugger::Direction;
     use tilescope_lessons::shipped::TEMPLATE;

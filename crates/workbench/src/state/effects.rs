@@ -1,6 +1,8 @@
 //! The interface between parts of the state: the data that a part may use while it applies a command, and the effects that
 //! it asks for, which the state carries out in their order.
 
+use tilescope_classroom::room::StepView;
+use tilescope_classroom::{self as classroom, Classroom};
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
 use tilescope_session::incoming::NamedBytes;
@@ -13,7 +15,6 @@ use super::parts::JobContext;
 use super::scenes::{SceneSource, Scenes};
 use super::undo::{History, Made};
 use super::{Appearance, ExportSource, Exports, Form, Notice, RunView, State, Time};
-use crate::classroom::{self, Classroom, StepView};
 use crate::clock::Clock;
 use crate::command::{Command, Which};
 use crate::device::EngineChoice;
@@ -54,6 +55,10 @@ pub(super) enum Effect {
     EndLoop,
     /// Choose the unit of a tick.
     Clock(Clock),
+    /// Close the sheet of files.
+    CloseFileSheet,
+    /// Close the notice.
+    CloseNotice,
     /// Append a sentence to the notice, or show a new one.
     Add(String),
     /// Take what was read from a file or written.
@@ -169,6 +174,8 @@ impl State {
                 Effect::Stops(stops) => {
                     self.on(Which::First, |run, context| run.put_stops(stops, context));
                 }
+                Effect::CloseFileSheet => self.files.sheet = None,
+                Effect::CloseNotice => self.messages.notice = None,
                 Effect::Add(text) => self.messages.add(&text, false),
                 Effect::Done(done) => self.take_done(*done),
                 Effect::Pause => self.time.playback.stop(),

@@ -1,6 +1,6 @@
 //! Exports in the state: the commands of the export sheet, and whether an export may begin. Begin with
 //! [`Exports::prospect`], which says what would be exported or why nothing can be, and [`Exports::job`]. `outcome.rs` starts
-//! the export and shows the notice at its end. While a question of a lesson is open, `state/lessons.rs` refuses
+//! the export and shows the notice at its end. While a question of a lesson is open, `state.rs` refuses
 //! all commands of the sheet before they arrive here.
 
 use std::ops::Range;
@@ -16,7 +16,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
-use super::effects::Context;
+use super::effects::{Context, Effect};
 use super::{RunView, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
@@ -84,6 +84,9 @@ impl Exports {
         }
         match command {
             ExportCommand::Open(kind) => {
+                // One sheet at a time, and what the notice says is not about it.
+                context.ask(Effect::CloseFileSheet);
+                context.ask(Effect::CloseNotice);
                 self.sheet.get_or_insert_default().scenes = source.scenes().len();
                 self.choose(kind, source);
             }

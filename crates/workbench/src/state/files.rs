@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::room::TextFile;
 use tilescope_session::combining::SavedCombination;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
@@ -12,13 +14,11 @@ use tilescope_sets::region;
 
 use super::effects::{Context, Effect};
 use super::{FileState, Notice, RunView};
-use crate::classroom::TextFile;
 use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, MAX_RECENT, Purpose,
     ReadTask, SESSION_NAME, SaveTask,
 };
-use crate::lessons::LessonCommand;
 
 mod outcome;
 

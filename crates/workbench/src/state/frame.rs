@@ -3,6 +3,9 @@
 
 use std::path::PathBuf;
 
+use tilescope_classroom::Classroom;
+use tilescope_classroom::lessons::{Lessons, ResultsToStore};
+use tilescope_classroom::talk::Talks;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::look::Look;
@@ -12,12 +15,9 @@ use super::{
     Past, Runs, Scenes, State, Time, WindowState,
 };
 use crate::analysis::Analysis;
-use crate::classroom::Classroom;
 use crate::embedding::Embedding;
 use crate::files::Delivery;
 use crate::layout::{Layout, Panel};
-use crate::lessons::{Lessons, ResultsToStore};
-use crate::talk::Talks;
 
 /// What the window knows at the beginning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

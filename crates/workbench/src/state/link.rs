@@ -2,14 +2,14 @@
 //! opens links: the run is made first; then moment, view and the rest are applied.
 
 use serde_json::{Value, json};
+use tilescope_classroom::lessons::{LessonSource, Lessons, WantedLesson};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
-use tilescope_session::words::{counted, grouped, stage_name};
+use tilescope_session::words::{counted, grouped, quoted, slug, stage_name};
 
 use super::{Form, RunView, Runs};
 use crate::layout::Layout;
-use crate::lessons::{LessonSource, Lessons, WantedLesson};
-use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
+use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment};
 use crate::view::SavedView;
 
 /// A link whose run is being made.
@@ -255,7 +255,7 @@ impl RunView {
                 Some("The link asked for an event, and this run has none".to_owned())
             }
             (NamedMoment::Stage(name), ..) => {
-                Some(format!("This run has no stage \"{}\"", link::quoted(name)))
+                Some(format!("This run has no stage \"{}\"", quoted(name)))
             }
         };
         if let Some(missed) = missed {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use emath::Rect;
 use serde_json::json;
 use tilescope_core::{Parameter, Search, Variant};
+use tilescope_drawing::camera::{Camera, MIN_SCALE};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::verification::{Witness, WitnessMark};
@@ -397,8 +398,7 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // A camera from a link, a session or a page that embeds the window.
         let mut view = state.view();
-        view.camera =
-            crate::view::sound_camera([10.0, 10.0].into(), tilescope_drawing::camera::MIN_SCALE);
+        view.camera = Camera::checked([10.0, 10.0].into(), MIN_SCALE);
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera shows the domain; the pattern is fitted.

@@ -45,8 +45,8 @@ mod tests {
     use crate::draft::Choice;
     use crate::export::{ExportCommand, ExportKind};
     use crate::files::FileCommand;
-    use crate::lessons::LessonCommand;
     use crate::scenes::SceneCommand;
+    use tilescope_classroom::lessons::LessonCommand;
     use tilescope_core::Parameter;
 
     fn apply(state: &mut State, command: Command) {

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use serde_json::json;
+use tilescope_classroom::Classroom;
+use tilescope_classroom::lessons::OpenLesson;
 use tilescope_core::Parameters;
 use tilescope_debugger::Debugger;
 use tilescope_drawing::camera::Camera;
@@ -21,7 +23,6 @@ use super::files::Saving;
 use super::link::{Arriving, LinkSource};
 use super::undo::{History, HistoryStep, Memento};
 use super::{Appearance, Form, State};
-use crate::classroom::Classroom;
 use crate::clock::Clock;
 use crate::command::{Command, FormCommand, TimeCommand, Which};
 use crate::draft::Draft;
@@ -30,7 +31,6 @@ use crate::files::{
     render,
 };
 use crate::layout::{Layout, Panel};
-use crate::lessons::OpenLesson;
 use crate::link::{self, Link, LinkContent, LinkWarnings};
 use crate::rules::UndoPart;
 use crate::scenes::SceneList;
@@ -455,9 +455,15 @@ impl State {
 impl State {
     /// Applies a command of files.
     pub(super) fn apply_to_files(&mut self, command: FileCommand) {
-        if command == FileCommand::Last {
-            return self.reopen_last();
+        match self.files.take_lesson(&command) {
+            Some(Ok(lesson)) => {
+                return self.in_class(|class, context| class.apply(lesson, context));
+            }
+            Some(Err(why)) => return self.tell(why, true),
+            None if command == FileCommand::Last => return self.reopen_last(),
+            None => {}
         }
+
         let saves = |form: &FileForm| form.purpose == Purpose::Save;
         let is_saved = command == FileCommand::Go && self.files.sheet.as_ref().is_some_and(saves);
         let saving = is_saved.then(|| Saving {

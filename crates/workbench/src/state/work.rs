@@ -1,6 +1,7 @@
 //! Background work in the state: starts it, takes its results, waits for it. Every frame calls [`State::advance`]; tests and
 //! scripts call [`State::settle`].
 
+use tilescope_classroom::Classroom;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::{MakeError, Session};
@@ -8,7 +9,6 @@ use tilescope_session::words::sentence;
 
 use super::run_view::{Made, TRANSITION_SECS};
 use super::{Messages, State, Which};
-use crate::classroom::Classroom;
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::files::FileCommand;

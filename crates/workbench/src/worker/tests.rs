@@ -5,6 +5,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::TalkCommand;
 use tilescope_debugger::{Debugger, Event, LineId, digest};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
@@ -22,10 +24,8 @@ use crate::compare::{CompareCommand, ComparePreset};
 use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
-use crate::lessons::LessonCommand;
 use crate::scenes::SceneCommand;
 use crate::state::{State, Verification};
-use crate::talk::TalkCommand;
 
 type Reply = Result<Vec<u8>, TaskError>;
 

@@ -4,14 +4,14 @@
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Button, FontId, Label, Response, RichText, Stroke, TextEdit, Ui};
+use tilescope_classroom::lesson_labels::LessonLabels;
+use tilescope_classroom::lessons::{LessonCommand, OpenLesson};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Control, DraftCommand, Item, Mark, Row, RowWord};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lesson_labels::LessonLabels;
-use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 
 use super::{curves, issue, text};
 

@@ -1,12 +1,12 @@
 //! The list of lessons, each with how many of its questions are answered, and the learner's results.
 
 use egui::{Button, CursorIcon, Label, RichText, TextEdit, Ui};
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Lesson, shipped};
 use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::State;
 

@@ -6,13 +6,13 @@ use egui::{
     vec2,
 };
 use glam::DVec2;
+use tilescope_classroom::lessons::{Mark, OpenLesson};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{MarkKind, Segment};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
-use tilescope_workbench::lessons::{Mark, OpenLesson};
 use tilescope_workbench::state::State;
 
 /// Room between a label and the sides of its ground.

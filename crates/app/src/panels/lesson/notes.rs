@@ -6,17 +6,17 @@ use egui::{
     Align, Button, CentralPanel, Color32, FontId, Frame, Id, Label, Layout, Margin, RichText,
     ScrollArea, Sense, TextEdit, Ui, vec2,
 };
+use tilescope_classroom::lesson_picture::StepPicture;
+use tilescope_classroom::lessons::OpenLesson;
+use tilescope_classroom::pen::pen_color;
+use tilescope_classroom::talk::{Cover, Talk, TalkCommand, Tool, advised};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Advice, Vote};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lesson_picture::StepPicture;
-use tilescope_workbench::lessons::OpenLesson;
-use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool, advised};
 
 use super::super::common::thumbnail_texture;
 use super::{counts_text, text};

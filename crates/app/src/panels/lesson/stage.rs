@@ -6,17 +6,17 @@ use egui::{
     Margin, Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2,
 };
 use glam::DVec2;
+use tilescope_classroom::lesson_labels::LessonLabels;
+use tilescope_classroom::lessons::OpenLesson;
+use tilescope_classroom::pen::pen_color;
+use tilescope_classroom::talk::{Cover, Talk, TalkCommand, Tool};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Control, Progress, Question, RightShare, Vote, letter};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lesson_labels::LessonLabels;
-use tilescope_workbench::lessons::OpenLesson;
-use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool};
 
 use super::answers::Answers;
 use super::{counts_text, labels, text};
@@ -356,7 +356,7 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
 fn code(ui: &Ui, state: &State) {
     let address = state.talk_address();
     let rect = state.runs().first.viewport;
-    let modules = tilescope_workbench::talk::code(&address);
+    let modules = tilescope_classroom::talk::code(&address);
     egui::Area::new(Id::unique("code for phones"))
         .order(Order::Foreground)
         .pivot(Align2::CENTER_CENTER)

@@ -2,11 +2,11 @@
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Label, Response, Ui};
+use tilescope_classroom::lessons::OpenLesson;
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Style, spans};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
-use tilescope_workbench::lessons::OpenLesson;
 
 /// Shows paragraphs of the current step, translated and with the numbers of its run; those that begin with "- " are
 /// items of a list.

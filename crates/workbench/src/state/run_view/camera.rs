@@ -2,16 +2,16 @@
 
 use emath::Rect;
 use glam::DVec2;
+use tilescope_classroom::room::CanvasView;
 use tilescope_core::{RunEvent, Stage};
+use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use tilescope_session::selection::Selection;
 use tilescope_session::units::{self, radii};
 use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::RunView;
-use crate::classroom::CanvasView;
 use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
-use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 
 /// The smallest distance of a selection from the edge of the view, in screen points.
 const IN_VIEW: f32 = 32.0;

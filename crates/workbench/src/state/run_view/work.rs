@@ -59,6 +59,13 @@ impl RunView {
         }
     }
 
+    /// Cancels the session that is being made.
+    pub(in crate::state) fn cancel(&self) {
+        if let Some(job) = &self.sampling {
+            job.cancel();
+        }
+    }
+
     /// Becomes a run that was set aside. Breakpoints, watches and scenes stay, and the canvas keeps its size.
     pub(in crate::state) fn put_back(&mut self, run: Self, context: &mut Context) {
         let (stops, viewport) = (self.take_stops(), self.viewport);

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::settled;
 use crate::command::Command;
-use crate::lessons::LessonCommand;
+use tilescope_classroom::lessons::LessonCommand;
 
 /// The part of the page that shows a question.
 const SCRIPT: &str = include_str!("../../../../../web/page/lesson.js");

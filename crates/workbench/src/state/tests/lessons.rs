@@ -1,5 +1,7 @@
 //! Lessons in the state.
 
+use tilescope_classroom::lesson_labels::lesson_labels;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::{Direction, Recording};
 use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
@@ -8,8 +10,6 @@ use super::*;
 use crate::command::{DebugCommand, LinkCommand};
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
-use crate::lesson_labels::lesson_labels;
-use crate::lessons::LessonCommand;
 use crate::scenes::SceneCommand;
 use glam::DVec2;
 use tilescope_lessons::results::Results;

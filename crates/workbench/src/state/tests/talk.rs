@@ -1,12 +1,11 @@
 //! Presenter mode in the state.
 
+use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::talk::{Cover, Talk, TalkCommand, advised};
 use tilescope_lessons::{DraftCommand, Question, Vote, shipped};
 
 use super::*;
-use crate::lessons::LessonCommand;
 use crate::scenes::{SceneCommand, SceneList};
-use crate::talk::advised;
-use crate::talk::{Cover, Talk, TalkCommand};
 use tilescope_lessons::{Advice, RightShare};
 
 fn talk(state: &mut State, command: TalkCommand) {
@@ -261,7 +260,7 @@ fn a_handout_with_answers_or_notes_is_refused_while_a_question_is_open() {
             path: None,
         };
         state.apply(Command::Talk(handout));
-        assert!(state.classroom.talks.handout.is_none());
+        assert!(!state.classroom.talks.makes_handout());
     }
     let notice = &state.messages.notice.as_ref().expect("a notice").text;
     assert!(notice.contains("what comes next"), "{notice}");

@@ -1,4 +1,4 @@
-//! Lessons: their commands, the lesson that is open, and the answer that is being put together. `state/lessons.rs` carries
+//! Lessons: their commands, the lesson that is open, and the answer that is being put together. `room/lessons.rs` carries
 //! out the commands; the crate `tilescope-lessons` reads lessons, asks questions and grades answers.
 
 use std::path::PathBuf;
@@ -92,7 +92,7 @@ pub struct OpenLesson {
     /// The hint, if it was asked for.
     pub hint: Option<String>,
     /// The whole run of the step.
-    pub(crate) run: Option<Arc<Recording>>,
+    pub run: Option<Arc<Recording>>,
     /// The camera that the learner has chosen, to be kept at the moment that is shown next.
     pub(crate) zoom: Option<Camera>,
     /// Seeds of practice that did not have the moment.
@@ -300,7 +300,9 @@ impl Lessons {
         language.map_or_else(|| english.to_owned(), |language| language.text(english))
     }
 
-    pub(crate) fn learner(&self) -> Option<&Learner> {
+    /// Returns the learner in the lesson that is open.
+    #[must_use]
+    pub fn learner(&self) -> Option<&Learner> {
         self.open.as_ref().map(|open| &open.learner)
     }
 
@@ -370,7 +372,8 @@ impl OpenLesson {
     }
 
     /// Returns the place that the camera shows and how many r around it; None for the whole domain.
-    pub(crate) fn camera(&self) -> Option<([f64; 2], f64)> {
+    #[must_use]
+    pub fn camera(&self) -> Option<([f64; 2], f64)> {
         self.learner.camera()
     }
 

@@ -11,7 +11,9 @@ use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::{DARK, LIGHT, Palette};
-use tilescope_drawing::picture::{MomentView, PictureView, at as on_picture, color, thumbnail};
+use tilescope_drawing::picture::{
+    MomentView, PictureView, Thumbnail, at as on_picture, color, thumbnail,
+};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, MarkKind, Translation, record};
 use tilescope_session::jobs::{Job, Monitor};
@@ -22,9 +24,7 @@ use tilescope_session::session::Session;
 use tilescope_session::task::Task;
 
 use crate::lessons::{LessonSource, OpenLesson};
-use crate::link::layer_name;
 use crate::pen::PenStroke;
-use crate::thumbnails::Thumbnail;
 
 /// The radius of the circle around a marked place.
 const MARK_RADIUS: f32 = 7.0;
@@ -176,7 +176,7 @@ fn marks(
 pub(crate) fn layers_named(names: &[String]) -> Layers {
     let mut chosen = Layers::none();
     for layer in Layer::ALL {
-        if names.contains(&layer_name(layer)) {
+        if names.contains(&layer.key()) {
             chosen.toggle(layer);
         }
     }

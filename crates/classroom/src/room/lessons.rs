@@ -17,10 +17,10 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
-use crate::classroom::{CanvasView, Classroom, Context, Effect, StepView, TextFile};
 use crate::graded::FULL_MARKS;
 use crate::lesson_picture::layers_named;
 use crate::lessons::{GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
+use crate::room::{CanvasView, Classroom, Context, Effect, StepView, TextFile};
 
 /// The name of files with results.
 const RESULTS: &str = "tilescope-results";
@@ -262,7 +262,7 @@ impl Classroom {
     }
 
     /// Reads the lesson's file again if it has changed.
-    pub(crate) fn follow_lesson_file(&mut self, context: &mut Context) {
+    pub fn follow_lesson_file(&mut self, context: &mut Context) {
         let Some(open) = &self.lessons.open else {
             return;
         };

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use tilescope_lessons::{Question, spans};
 
-use crate::classroom::{CanvasView, Classroom};
+use crate::room::{CanvasView, Classroom};
 use crate::talk::{Cover, advised};
 
 impl Classroom {

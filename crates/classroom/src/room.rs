@@ -13,6 +13,14 @@ use tilescope_session::layers::Layers;
 use crate::lessons::{Lessons, OpenLesson};
 use crate::talk::Talks;
 
+mod lesson_told;
+mod lessons;
+mod talk;
+mod talk_told;
+
+pub use lesson_told::NO_LESSON;
+pub use lessons::HIDDEN_LAYER;
+
 /// Lessons and talks.
 #[derive(Default)]
 pub struct Classroom {

@@ -1,5 +1,5 @@
 //! Presenter mode: a lesson on a projector, led by a clicker, with the lecturer's notes on another screen. Begin with
-//! [`Talk`]; `state/talk.rs` carries out its commands.
+//! [`Talk`]; `room/talk.rs` carries out its commands.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -238,6 +238,14 @@ impl Talk {
         let all = self.parts.iter().map(of).sum();
         let this = here.get(step).copied().unwrap_or(0.0);
         [earlier + before, this, all]
+    }
+}
+
+impl Talks {
+    /// Returns whether a handout is being made.
+    #[must_use]
+    pub const fn makes_handout(&self) -> bool {
+        self.handout.is_some()
     }
 }
 

@@ -4,12 +4,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
 use tilescope_lessons::{Control, DraftCommand, Lesson, Progress, Span, Translation, spans};
+use tilescope_session::words::quoted;
 
-use crate::classroom::{Classroom, Context, Effect};
 use crate::graded::FULL_MARKS;
 use crate::lesson_labels::lesson_labels;
 use crate::lessons::{LessonCommand, Lessons, OpenLesson, WantedLesson};
-use crate::link::quoted;
+use crate::room::{Classroom, Context, Effect};
 
 /// Why a request is refused that needs a lesson.
 pub const NO_LESSON: &str = "no lesson is open";

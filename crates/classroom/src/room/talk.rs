@@ -3,19 +3,19 @@
 
 use std::path::PathBuf;
 
+use tilescope_drawing::camera::Camera;
 use tilescope_lessons::results::ClassVote;
 use tilescope_lessons::{Lesson, Question, Vote, shipped};
 use tilescope_session::task;
 
-use crate::classroom::{CanvasView, Classroom, Context, Effect, TextFile};
 use crate::handout::HandoutTask;
 use crate::lesson_picture::{PictureKey, PictureStyle, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
+use crate::room::{CanvasView, Classroom, Context, Effect, TextFile};
 use crate::talk::{
     Cover, HandoutFile, Kept, RestoredStep, Talk, TalkCommand, TalkPart, TalkRecord, Tool,
 };
-use crate::view::sound_camera;
 
 /// Width and height of the picture of the next step, in points.
 const NEXT: [f64; 2] = [440.0, 330.0];
@@ -304,7 +304,8 @@ impl Classroom {
     }
 
     /// Returns everything that another window needs to continue this talk.
-    pub(crate) fn kept_of_talk(&self, canvas: &CanvasView) -> Kept {
+    #[must_use]
+    pub fn kept_of_talk(&self, canvas: &CanvasView) -> Kept {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Kept::default();
         };
@@ -367,7 +368,7 @@ impl Classroom {
                 // The text comes from a page's store, which anyone can change.
                 camera: kept
                     .camera
-                    .and_then(|kept| sound_camera(kept.center, kept.scale)),
+                    .and_then(|kept| Camera::checked(kept.center, kept.scale)),
             });
             self.go_in_talk(index, context);
         }
