@@ -17,6 +17,17 @@ pub(crate) struct BorderLine {
 }
 
 impl BorderLine {
+    /// Returns whether the line runs through a rectangle.
+    #[inline]
+    fn meets(&self, rect: &Rect) -> bool {
+        let (first, end) = if self.axis == 0 {
+            (rect.min.x, rect.max.x)
+        } else {
+            (rect.min.y, rect.max.y)
+        };
+        (first.into()..end.into()).contains(&self.at)
+    }
+
     /// Returns the place of the line that is as far from `a` as from `b`, rounded half up, or `None` if the two lie
     /// straight across the line from each other.
     fn as_far_from(&self, a: I64Vec2, b: I64Vec2) -> Option<I64Vec2> {
@@ -30,19 +41,22 @@ impl BorderLine {
     }
 }
 
-/// The border of a domain, in coordinates that may begin anywhere.
+/// Lines of the border of a domain, in coordinates that may begin anywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Border {
-    /// Left, right, lower and upper line; `None` where nothing ends the domain.
-    lines: Option<[BorderLine; 4]>,
+    lines: [Option<BorderLine>; 4],
 }
 
 impl Border {
-    /// Returns the border of a domain, which has no lines if the domain is periodic.
-    pub fn of(domain: &Domain) -> Self {
+    /// Returns the border of a domain in coordinates that begin at `origin`: its left, right, lower and upper line, or
+    /// none if the domain is periodic.
+    pub fn of(domain: &Domain, origin: I64Vec2) -> Self {
+        if domain.is_periodic() {
+            return Self::default();
+        }
         let line = |axis, at: i32, inward| BorderLine {
             axis,
-            at: at.into(),
+            at: i64::from(at) - origin[axis],
             inward,
         };
         let (width, height) = (domain.width(), domain.height());
@@ -53,7 +67,7 @@ impl Border {
             line(1, height, -1),
         ];
         Self {
-            lines: (!domain.is_periodic()).then_some(lines),
+            lines: lines.map(Some),
         }
     }
 
@@ -64,20 +78,26 @@ impl Border {
             ..line
         };
         Self {
-            lines: self.lines.map(|lines| lines.map(moved)),
+            lines: self.lines.map(|line| line.map(moved)),
         }
+    }
+
+    /// Returns the lines that run through a rectangle: those with its places on the border, and all that cross in it.
+    pub fn through(&self, rect: &Rect) -> Self {
+        Self {
+            lines: self.lines.map(|line| line.filter(|line| line.meets(rect))),
+        }
+    }
+
+    /// Returns whether a line runs through a rectangle.
+    #[inline]
+    pub fn meets(&self, rect: &Rect) -> bool {
+        self.lines.iter().flatten().any(|line| line.meets(rect))
     }
 
     /// Returns the lines.
     pub fn lines(&self) -> impl Iterator<Item = BorderLine> + use<> {
         self.lines.into_iter().flatten()
-    }
-
-    /// Returns whether a line runs through a rectangle.
-    pub fn meets(&self, rect: &Rect) -> bool {
-        let (min, max) = (I64Vec2::from(rect.min), I64Vec2::from(rect.max));
-        self.lines()
-            .any(|line| (min[line.axis]..max[line.axis]).contains(&line.at))
     }
 
     /// Returns the places of the border at which a gap may be deepest that has a sample at `own`: those as far from it as
@@ -116,7 +136,8 @@ mod tests {
     fn a_border_has_lines_corners_and_places_between_samples() {
         let domain = Domain::from_units(20 * R, 10 * R, Boundary::Bounded);
         let origin = I64Vec2::new(3, 5);
-        let border = Border::of(&domain).seen_from(origin);
+        let border = Border::of(&domain, I64Vec2::ZERO).seen_from(origin);
+        assert_eq!(border, Border::of(&domain, origin));
         let (right, top) = (i64::from(20 * R) - 3, i64::from(10 * R) - 5);
 
         let corners: Vec<[i64; 2]> = border.corners().map(|c| c.to_array()).collect();
@@ -137,9 +158,11 @@ mod tests {
             min: Point::new(x, R),
             max: Point::new(x + 8, R + 8),
         };
-        let border = Border::of(&domain(Boundary::Bounded));
+        let border = Border::of(&domain(Boundary::Bounded), I64Vec2::ZERO);
         assert!(border.meets(&rect(0)) && border.meets(&rect(20 * R)));
         assert!(!border.meets(&rect(1)) && !border.meets(&rect(20 * R - 8)));
-        assert!(!Border::of(&domain(Boundary::Periodic)).meets(&rect(0)));
+        assert_eq!(border.through(&rect(0)).lines().count(), 1);
+        let periodic = Border::of(&domain(Boundary::Periodic), I64Vec2::ZERO);
+        assert!(!periodic.meets(&rect(0)));
     }
 }

@@ -8,7 +8,6 @@
 
 use glam::I64Vec2;
 
-use crate::border::Border;
 use crate::circumcentre::circumcentre;
 use crate::error::SampleError;
 use crate::grid::{NearSample, SampleGrid};
@@ -18,7 +17,7 @@ use crate::progress::Meter;
 use crate::record::{Recorder, RunEvent, Verdict};
 use crate::run::Iteration;
 use crate::samples::{Fate, Origin, Samples, Sites};
-use crate::stages::detect::{DETECTOR_REACH, Reach, clamped};
+use crate::stages::detect::{DETECTOR_REACH, Reach, border_in_reach, clamped};
 use crate::stages::eliminate::keep_rest;
 
 /// The state of Algorithm 4: the set `C` and the marks.
@@ -207,7 +206,8 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let at = samples.points[pivot as usize];
-        let border = Border::of(&self.domain).seen_from(at.into());
+        let reach = Reach::new(&self.domain, self.search, at);
+        let border = border_in_reach::<T>(&self.domain, at, reach);
         let position = |m: &NearSample| m.offset.as_i64vec2();
         for (place, other) in border.places(I64Vec2::ZERO, others, position) {
             let sites = match other {

@@ -29,7 +29,7 @@ impl LevelFrame {
             origin,
             sides: [domain.width(), domain.height()],
             periodic: domain.is_periodic(),
-            border: Border::of(domain).seen_from(origin),
+            border: Border::of(domain, origin),
             ..Self::default()
         }
     }

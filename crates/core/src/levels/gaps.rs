@@ -362,7 +362,8 @@ impl Candidates<'_> {
 
     /// Adds the candidates on the lines and corners of a closed border.
     fn on_border(&self, found: &mut Vec<Point>) {
-        let border = self.region.frame.border.seen_from(self.pixel.min.into());
+        let through = self.region.frame.border.through(&self.pixel.rect());
+        let border = through.seen_from(self.pixel.min.into());
         for (k, a) in self.sites.iter().enumerate() {
             let others = &self.sites[k + 1..];
             for (place, other) in border.places(a.as_i64vec2(), others, |b| b.as_i64vec2()) {

@@ -26,7 +26,7 @@ use glam::{DVec2, I64Vec2, IVec2};
 use crate::border::Border;
 use crate::circumcentre::circumcentre;
 use crate::grid::SampleGrid;
-use crate::lattice::{Domain, Point, R, R_SQUARED};
+use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
 use crate::parameters::Search;
 use crate::record::{Recorder, RunEvent, Verdict};
 use crate::samples::{Fate, Samples};
@@ -80,6 +80,20 @@ impl Reach {
             },
         }
     }
+}
+
+/// Returns the border as a detector at `at` sees it: the lines in its reach, and all lines if a record is to show the
+/// places that are too far.
+pub(crate) fn border_in_reach<T: Recorder>(domain: &Domain, at: Point, reach: Reach) -> Border {
+    let border = Border::of(domain, at.into());
+    if T::ENABLED {
+        return border;
+    }
+    let Reach { radius, .. } = reach;
+    border.through(&Rect {
+        min: Point::new(-radius, -radius),
+        max: Point::new(radius + 1, radius + 1),
+    })
 }
 
 /// Returns the detectors of iteration 1, by id: survivors within [`DETECTOR_REACH`] of a sample
@@ -161,7 +175,8 @@ impl<'a> Detection<'a> {
     ) {
         recorder.record(RunEvent::Detect { sample: id });
         self.reach = Reach::new(&self.domain, self.search, at);
-        self.start_cell(at);
+        let border = border_in_reach::<T>(&self.domain, at, self.reach);
+        self.start_cell(&border);
         if T::ENABLED {
             self.record_search(id, at, recorder);
         }
@@ -189,7 +204,7 @@ impl<'a> Detection<'a> {
                 && self.cell.may_concern(site.offset.as_ivec2())
         }));
         self.find_circumcentres(own, at, out, recorder);
-        self.find_on_border(own, at, out, recorder);
+        self.find_on_border(&border, own, at, out, recorder);
     }
 
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
@@ -207,12 +222,12 @@ impl<'a> Detection<'a> {
         });
     }
 
-    /// Starts the relaxed cell of a sample at `at` with all places that may be candidates.
-    fn start_cell(&mut self, at: Point) {
+    /// Starts the relaxed cell of a detector with all places that may be candidates.
+    fn start_cell(&mut self, border: &Border) {
         let reach = f64::from(self.reach.radius);
         let (mut min, mut max) = (DVec2::splat(-reach), DVec2::splat(reach));
         // Beyond a border there are no candidates.
-        for line in Border::of(&self.domain).seen_from(at.into()).lines() {
+        for line in border.lines() {
             let (axis, offset) = (line.axis, line.at as f64);
             if line.inward > 0 {
                 min[axis] = min[axis].max(offset);
@@ -261,12 +276,12 @@ impl<'a> Detection<'a> {
 
     fn find_on_border<T: Recorder>(
         &self,
+        border: &Border,
         own: Site,
         at: Point,
         out: &mut Vec<Candidate>,
         recorder: &mut T,
     ) {
-        let border = Border::of(&self.domain).seen_from(at.into());
         for (centre, other) in border.places(own.offset, &self.concerned, |site| site.offset) {
             match other {
                 Some(m) => self.examine(at, centre, &[own, *m], out, recorder, || {

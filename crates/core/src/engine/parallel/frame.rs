@@ -3,6 +3,7 @@
 
 use glam::I64Vec2;
 
+use crate::border::Border;
 use crate::lattice::{Domain, Point, R, Rect};
 
 /// Cells have sides of 2^15 units, one radius.
@@ -28,6 +29,8 @@ pub struct Frame {
     pub sides: [i32; 2],
     /// Whether the plane repeats with these sides.
     pub periodic: bool,
+    /// The closed border of the domain, in the frame's coordinates.
+    pub(crate) border: Border,
 }
 
 impl Frame {
@@ -66,6 +69,7 @@ impl Frame {
             };
             min[axis] = (i64::from(low[axis]) - frame.origin[axis]) as i32;
         }
+        frame.border = Border::of(domain, frame.origin);
         let [x, y] = min;
         frame.window = Rect {
             min: Point::new(x, y),

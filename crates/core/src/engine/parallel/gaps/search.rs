@@ -3,7 +3,6 @@
 use fearless_simd::Simd;
 use glam::{DVec2, I64Vec2};
 
-use crate::border::Border;
 use crate::circumcentre::circumcentre;
 use crate::lattice::{Point, R, R_SQUARED, Rect};
 
@@ -120,8 +119,19 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
         }
-        if !rules.domain.is_periodic() {
+        if !rules.domain.is_periodic() && self.frame.border.meets(&self.pixel_rect(searched)) {
             self.search_border(simd, gaps, rules, searched, unsure);
+        }
+    }
+
+    /// Returns the places of a pixel in the frame.
+    fn pixel_rect(&self, searched: SearchedPixel) -> Rect {
+        let (column, row) = self.frame.column_row(searched.cell);
+        let (x, y) = corner(searched.number);
+        let min = Point::new((column << CELL_BITS) + x, (row << CELL_BITS) + y);
+        Rect {
+            min,
+            max: Point::new(min.x + PIXEL_SIDE, min.y + PIXEL_SIDE),
         }
     }
 
@@ -135,18 +145,11 @@ impl<const TAGS: bool> Region<TAGS> {
         searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
+        // Places in other pixels are found there. Sites are offsets from the cell's lowest point.
+        let through = self.frame.border.through(&self.pixel_rect(searched));
         let (column, row) = self.frame.column_row(searched.cell);
         let cell = Point::new(column << CELL_BITS, row << CELL_BITS);
-        let border = Border::of(&rules.domain).seen_from(self.frame.origin + I64Vec2::from(cell));
-        let (x, y) = corner(searched.number);
-        let pixel = Rect {
-            min: Point::new(x, y),
-            max: Point::new(x + PIXEL_SIDE, y + PIXEL_SIDE),
-        };
-        // Places in other pixels are found there.
-        if !border.meets(&pixel) {
-            return;
-        }
+        let border = through.seen_from(cell.into());
 
         let near = if searched.wide {
             &gaps.wide
