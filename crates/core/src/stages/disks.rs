@@ -187,8 +187,9 @@ impl DiskGrid {
     pub fn covers(&self, point: Point) -> bool {
         let Radius { units, .. } = self.radius;
         // The point's own cell nearly always answers when it holds a sample.
-        let mut own = self.cells[self.cell_at(point)].iter();
-        own.any(|p| p.x != EMPTY.x && self.radius.covers(*p - point))
+        let own = &self.cells[self.cell_at(point)];
+        let mut held = own.iter().take_while(|slot| slot.x != EMPTY.x);
+        held.any(|p| self.radius.covers(*p - point))
             || self.any_near(point, units, |offset| self.radius.covers(offset))
     }
 
@@ -201,11 +202,17 @@ impl DiskGrid {
         out: &mut Vec<Point>,
     ) {
         near.clear();
-        // A sample that covers a quarter covers its lowest point, and these lie around the middle of the lowest quarter.
         let half = cell.side / 2;
-        let middle = Point::new(cell.min.x + half / 2, cell.min.y + half / 2);
-        self.any_near(middle, self.radius.units + (half + 1) / 2, |offset| {
-            near.push(offset + half / 2);
+        let middle = Point::new(cell.min.x + half, cell.min.y + half);
+        // A sample that covers a quarter covers its corner beside the cell's middle, less than 2 units away. A quarter cut
+        // off by the rectangle may lack that corner, but holds its lowest place.
+        let is_whole = self.extent(cell) == IVec2::splat(cell.side - 1);
+        let reach = self.radius.units + if is_whole { 2 } else { cell.side };
+        let limit = i64::from(reach) * i64::from(reach);
+        self.any_near(middle, reach, |offset| {
+            if offset.as_i64vec2().length_squared() <= limit {
+                near.push(offset + half);
+            }
             false
         });
 
