@@ -186,6 +186,7 @@ fn set_parameter(
         let said = error.value(value.py());
         PyTypeError::new_err(format!("argument '{name}': {said}"))
     };
+
     match &parameter.row().kind {
         ParameterKind::Real { place, .. } => *place(parameters) = real(name, value)?,
         ParameterKind::Whole(place) => *place(parameters) = whole(name, value)?,
