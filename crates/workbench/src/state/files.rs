@@ -9,11 +9,15 @@ use tilescope_session::combining::SavedCombination;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task;
-use tilescope_session::words::{last_part, sentence};
+use tilescope_session::words::last_part;
+#[cfg(not(target_arch = "wasm32"))]
+use tilescope_session::words::sentence;
 use tilescope_sets::region;
 
+#[cfg(not(target_arch = "wasm32"))]
+use super::Notice;
 use super::effects::{Context, Effect};
-use super::{FileState, Notice, RunView};
+use super::{FileState, RunView};
 use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, MAX_RECENT, Purpose,

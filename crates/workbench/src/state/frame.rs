@@ -123,6 +123,7 @@ impl State {
     }
 
     /// Puts another notice, or none, in place of the one that is shown, which is returned.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn exchange_notice(&mut self, notice: Option<Notice>) -> Option<Notice> {
         std::mem::replace(&mut self.messages.notice, notice)
     }
