@@ -433,7 +433,7 @@ fn the_analysis() {
             "analysis.status",
             "Event *, finish: * samples, 0 conflicts, 0 open places.",
         ),
-        ("analysis.number-1", "Samples: *, reference 27,8*"),
+        ("analysis.number-samples", "Samples: *, reference 27,8*"),
         (
             "chart.P",
             "Chart: Radial mean power P(\u{3bd}) over frequency*reference: highest*",
@@ -461,7 +461,7 @@ fn the_analysis() {
             "file: noise.csv (unit square assumed), judged at r = 0.02",
         ),
         ("chart.P", "* noise.csv: highest*"),
-        ("analysis.number-1", "Samples: *, file 900"),
+        ("analysis.number-samples", "Samples: *, file 900"),
     ]);
     window.typed(&[(Parameter::Radius, "0.03")]);
     window.after([Command::Run]);
