@@ -19,6 +19,7 @@ use tilescope_debugger::{
     query,
 };
 
+use crate::error::LessonError;
 use crate::fields::Field;
 use crate::parameters::{MAX_SAMPLES, set_parameter};
 use crate::sets::{self, PointSet, position, radii};
@@ -250,11 +251,15 @@ impl Now {
                 value: value.to_owned(),
                 line: 0,
             };
-            // TODO: an unknown name changes nothing; should it be refused?
-            if let Some(parameter) = Parameter::all().find(|it| it.key() == key) {
-                set_parameter(&mut parameters, parameter, &field)
-                    .map_err(|error| wrong(error.message))?;
-            }
+            // A misspelt name would compare the run with itself.
+            let Some(parameter) = Parameter::all().find(|it| it.key() == key) else {
+                let keys: Vec<&str> = Parameter::all().map(Parameter::key).collect();
+                return Err(wrong(
+                    LessonError::unknown(0, "parameter", key, &keys).message,
+                ));
+            };
+            set_parameter(&mut parameters, parameter, &field)
+                .map_err(|error| wrong(error.message))?;
         }
 
         let domain = parameters

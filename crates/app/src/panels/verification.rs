@@ -194,7 +194,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
 /// Returns what a number of the catalogue means.
 fn meaning(key: &str) -> &'static str {
-    number(key).map_or("", |number| number.meaning)
+    let found = number(key);
+    debug_assert!(found.is_some(), "the catalogue has no number {key}");
+    found.map_or("", |number| number.meaning)
 }
 
 /// Shows the measures of the set, each with its meaning.

@@ -19,12 +19,11 @@ impl Lessons {
     /// after the question's moment.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let lessons = self;
-        if lessons.lists {
-            let labels = lesson_labels(&lessons.language);
-            return json!({ "list": self.list_json(), "language": lessons.language, "labels": labels });
+        if self.lists {
+            let labels = lesson_labels(&self.language);
+            return json!({ "list": self.list_json(), "language": self.language, "labels": labels });
         }
-        let Some(open) = &lessons.open else {
+        let Some(open) = &self.open else {
             return Value::Null;
         };
         let learner = &open.learner;
@@ -37,20 +36,20 @@ impl Lessons {
                 .collect()
         };
         let after = (!learner.is_open()).then(|| paragraphs(&step.after));
-        let labels = lesson_labels(&lessons.language);
+        let labels = lesson_labels(&self.language);
         let steps = lesson.steps.iter().map(|step| {
             let gate = step.gate.as_ref();
             json!({
                 "name": step.name,
                 "title": learner.words(&step.title),
-                "score": gate.and_then(|gate| lessons.shown_score(lesson, &gate.name)),
+                "score": gate.and_then(|gate| self.shown_score(lesson, &gate.name)),
             })
         });
         json!({
             "lesson": lesson.name,
             "form": lesson.form,
             "title": learner.words(&lesson.title),
-            "language": lessons.language,
+            "language": self.language,
             "step": step.name,
             "index": learner.index(),
             "steps": steps.collect::<Value>(),
@@ -60,28 +59,27 @@ impl Lessons {
             "fault": open.fault.as_ref().map(|fault| self.in_words(&fault.to_string())),
             "waits": open.fault.is_none() && learner.scene().is_none(),
             "practice": learner.practised(),
-            "question": QuestionTold::of(open, &lessons.language),
+            "question": QuestionTold::of(open, &self.language),
             "lacking": open.lacking.as_deref().map(|lacking| self.in_words(lacking)),
-            "verdict": open.verdict(&lessons.language),
+            "verdict": open.verdict(&self.language),
             "sentence": open.feedback.as_ref().and_then(|said| said.sentence.as_deref()).map(spans),
             "hint": open.hint.as_deref().map(spans),
             "asked_to_give_up": learner.is_asked_to_give_up(),
             "reasons": open.reasons().iter().map(|reason| self.in_words(reason)).collect::<Value>(),
             "may_go_on": learner.may_go_on(),
-            "answers": lessons.last.as_ref().map_or(0, |last| last.number),
+            "answers": self.last.as_ref().map_or(0, |last| last.number),
             "labels": labels,
         })
     }
 
     fn list_json(&self) -> Value {
-        let lessons = self;
-        let entries = lessons.shelf.iter().filter_map(|shipped| {
+        let entries = self.shelf.iter().filter_map(|shipped| {
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
             let german = Translation::read(&shipped.german).ok();
-            let german = german.filter(|_| lessons.language == "de");
+            let german = german.filter(|_| self.language == "de");
             let german = german.unwrap_or_default();
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();
-            let is_done = |gate: &&&String| lessons.results.of_gate(&shipped.name, gate).is_some();
+            let is_done = |gate: &&&String| self.results.of_gate(&shipped.name, gate).is_some();
             let done = gates.iter().filter(is_done);
             Some(json!({
                 "name": shipped.name,
@@ -95,11 +93,11 @@ impl Lessons {
         });
         json!({
             "lessons": entries.collect::<Value>(),
-            "answered": lessons.results.entries.len(),
-            "votes": lessons.results.votes.len(),
-            "share": lessons.results.share(),
-            "learner": lessons.results.learner,
-            "asked_to_clear": lessons.asks_to_clear,
+            "answered": self.results.entries.len(),
+            "votes": self.results.votes.len(),
+            "share": self.results.share(),
+            "learner": self.results.learner,
+            "asked_to_clear": self.asks_to_clear,
         })
     }
 

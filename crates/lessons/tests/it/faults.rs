@@ -258,6 +258,11 @@ fn claims_that_do_not_hold_are_faults_at_their_lines() {
         ("claim-mean: samples() > many", "allowed are numbers"),
         ("claim: sampels() > 0", "samples"),
         ("claim: samples()", "true or false"),
+        // A name that is no parameter's would compare the run with itself.
+        (
+            "claim: measure_with(\"density\", \"laef=10\") > 0",
+            "Did you mean \"leaf\"?",
+        ),
     ] {
         let error = fault(&claiming(claim)).unwrap_or_else(|| panic!("{claim}: no fault"));
         assert_eq!(error.line, 11, "{claim}: {error}");
@@ -269,6 +274,7 @@ fn claims_that_do_not_hold_are_faults_at_their_lines() {
         "claim: samples() > 10",
         "claim-mean: samples() > 10",
         "claim-mean: samples() < 1000000",
+        "claim: measure_with(\"density\", \"leaf=10\") > 0",
     ] {
         assert_eq!(fault(&claiming(claim)), None, "{claim}");
     }
