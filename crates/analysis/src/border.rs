@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// A line of the border of a bounded region: where the coordinate along an axis is 0, or where it is the region's extent. Nowhere
-/// else is it said that there are four of them, parallel to the axes.
+/// A line of the border of a bounded region: the coordinate along an axis is 0, or the region's extent. Both judges list the
+/// lines by it, so that the four cases of a rectangle stand in one place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BorderLine {
     /// The axis that the line is perpendicular to.

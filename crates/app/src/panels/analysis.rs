@@ -85,7 +85,6 @@ impl<'a> Sets<'a> {
     }
 }
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
     show(ui, &AnalysisContext::of(state), commands);
 });

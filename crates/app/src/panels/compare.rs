@@ -28,7 +28,6 @@ pub struct CompareContext<'a> {
     pub parting: Option<&'static str>,
 }
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
     show(ui, &CompareContext::of(state), commands);
 });

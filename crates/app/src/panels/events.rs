@@ -22,7 +22,6 @@ use tilescope_workbench::state::{FoundEvents, MAX_FOUND};
 /// Height of a row, unless enlarged for touch.
 const ROW: f32 = 20.0;
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the panel.

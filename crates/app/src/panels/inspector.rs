@@ -20,7 +20,6 @@ use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 /// Rows of a history shown at once.
 const MAX_ROWS: usize = 200;
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the inspector.

@@ -14,7 +14,6 @@ use tilescope_workbench::command::{AppearanceCommand, Command};
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the chips.

@@ -14,7 +14,6 @@ use tilescope_drawing::brushed::{BrushedCause, Cause};
 use tilescope_drawing::looks::level_age;
 use tilescope_workbench::command::{AppearanceCommand, Command};
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
     show(ui, &PanelContext::of(state), state.causes(), commands);
 });

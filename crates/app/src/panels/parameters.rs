@@ -73,7 +73,6 @@ pub(super) fn field_width(ui: &Ui) -> f32 {
     (ui.available_width() - UNIT_WIDTH).clamp(least, most)
 }
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
     show(ui, &FormContext::of(state), commands);
 });

@@ -34,7 +34,6 @@ pub const NO_TIMES: &str = "no timestamps on this adapter";
 const COMPARED: &str = "After the last pass of a stage everything is compared with the CPU's sequential engine: \
      blocks, tiles, samples, origins, fates, iterations, result.";
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
     let refusal = state.gpu().passes_refusal(&state.runs().first);
     // The engine is all that is missing.

@@ -128,7 +128,6 @@ struct Seen {
     placed: Arc<Placed>,
 }
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows the panel. When the moment changes, its line is brought into the middle; a user may scroll on from there.

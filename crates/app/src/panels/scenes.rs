@@ -20,7 +20,6 @@ use tilescope_workbench::scenes::{SceneCommand, SceneList, split_caption};
 use tilescope_workbench::state::State;
 use tilescope_workbench::thumbnails::THUMBNAIL_SIZE;
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
     let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
     show(ui, state, keys_of(state, &run_on), commands);

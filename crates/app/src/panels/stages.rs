@@ -17,7 +17,6 @@ use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the table.

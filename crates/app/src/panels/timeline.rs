@@ -128,7 +128,6 @@ pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     sentence_height(ctx, context, SIZE, width).max(LINE) + next + ABOVE_CONTROLS + track
 }
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
     show(ui, &TimeContext::of(state), commands);
 });

@@ -138,7 +138,6 @@ fn explanation(context: &PanelContext<'_>) -> String {
 /// What the limit of the covering radius is.
 const TOLERATED: &str = "A set counts as maximal if its covering radius is at most (1 + 2^-15) r: positions are rounded to a lattice of which r is 2^15 units.";
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the verifier's numbers. The rows are shown before their values are known.

@@ -9,7 +9,6 @@ use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
 
-/// What the tile shows.
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
 /// Shows the panel.
