@@ -8,14 +8,14 @@
 use std::env::var_os;
 
 /// Returns how many of a test's cases to try: a sixteenth in `tests/run --fast` (`TILESCOPE_FAST=1`), all in `tests/run
-/// --slow` (`TILESCOPE_SLOW=1`), otherwise a quarter; at least one.
+/// --slow` (`TILESCOPE_SLOW=1`), otherwise an eighth; at least one.
 #[must_use]
 pub fn cases(all: u32) -> u32 {
     let on = |name| var_os(name).is_some_and(|value| value == "1");
     let share = match (on("TILESCOPE_SLOW"), on("TILESCOPE_FAST")) {
         (true, _) => 1,
         (false, true) => 16,
-        (false, false) => 4,
+        (false, false) => 8,
     };
     all.div_ceil(share)
 }

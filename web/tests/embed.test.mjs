@@ -309,7 +309,7 @@ test("the example page works", async (t) => {
   await shows(page, LECTURE);
 });
 
-test("the example page shows a player of this machine, and of no other place", async (t) => {
+slowTest("the example page shows a player of this machine, and of no other place", async (t) => {
   const other = await serve();
   t.after(other.stop);
   const near = await example(t, `?player=${encodeURIComponent(`${other.address}/?engine=cpu`)}`, { origins: [other.address] });
@@ -461,7 +461,7 @@ slowTest("the page around a frame scrolls by the wheel and by one finger; with C
   await page.evaluate(() => (document.body.style.height = ""));
 });
 
-test("frames out of view begin when they are asked or come into view, and so they do after a loss", async (t) => {
+slowTest("frames out of view begin when they are asked or come into view, and so they do after a loss", async (t) => {
   const { address } = await host();
   const frames = [0, 3_000, 6_000].map(
     (top) => `<iframe src="${address}/?embed=player&engine=cpu&display=webgl&origin=ORIGIN#v=1&radius=0.04"

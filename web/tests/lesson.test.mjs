@@ -19,7 +19,7 @@ async function opened(t, fragment, settings) {
 /** The samples that a sentence names. @param {string} sentence */
 const numbers = (sentence) => [...sentence.matchAll(/\b\d+\b(?![.,]\d| r)/g)].map(([number]) => Number(number));
 
-test("lesson 5 is done, from its first step to its last, by roles and names alone", async (t) => {
+slowTest("lesson 5 is done, from its first step to its last, by roles and names alone", async (t) => {
   const { page, lesson, button } = await opened(t, "lesson=survivors");
   assert.equal(await lesson.getByRole("heading", { level: 2 }).textContent(), "Too close");
   await button("Next").click();
@@ -182,8 +182,10 @@ function unknownPart(text, known) {
   return rest.replace(/\b[A-Zr]\b|[\d\s.,:;/()\u2013=\u2191\u2193%-]/g, "");
 }
 
-for (const [lesson, step] of [["survivors", "one-of-two"], ["survivors", "next-lost"], ["maximal", "dart"], ["spectrum", "white-to-blue"]]) {
-  test(`while ${lesson}/${step} is asked, a screen reader finds no text beside those that the program has for the frame`, async (t) => {
+// The first question shows the most: a picture, options and names of samples.
+for (const [k, [lesson, step]] of [["survivors", "one-of-two"], ["survivors", "next-lost"], ["maximal", "dart"], ["spectrum", "white-to-blue"]].entries()) {
+  const declare = k === 0 ? test : slowTest;
+  declare(`while ${lesson}/${step} is asked, a screen reader finds no text beside those that the program has for the frame`, async (t) => {
     const { server, context } = await contextOf(t);
     const page = await context.newPage();
     await page.goto(`${server.address}/?engine=cpu#radius=0.05`);

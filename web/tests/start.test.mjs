@@ -203,7 +203,7 @@ async function doled(t, server) {
   return { address: `http://127.0.0.1:${own.address().port}`, allow };
 }
 
-test("where the browser does not report the size of the canvas, the program draws all the same", async (t) => {
+slowTest("where the browser does not report the size of the canvas, the program draws all the same", async (t) => {
   const { page } = await started(t, "?engine=cpu", {
     prepare: (context) =>
       context.addInitScript(() => {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
-import { IS_SLOW, folder, native, until } from "./harness.mjs";
+import { IS_SLOW, folder, native, slowTest, until } from "./harness.mjs";
 import { contextOf } from "./shared.mjs";
 
 /** Opens pages of one browser. */
@@ -20,7 +20,7 @@ async function notesOf(notes) {
   return { here, title: () => here.getByRole("heading").textContent(), next: notes.getByRole("button", { name: /PageDown/ }) };
 }
 
-test("notes open beside the stage, lead it, and each may be closed and opened again", async (t) => {
+slowTest("notes open beside the stage, lead it, and each may be closed and opened again", async (t) => {
   const { address, context } = await browsing(t);
   const stage = await context.newPage();
   await stage.goto(`${address}/?engine=cpu#lesson=survivors`);
