@@ -1,5 +1,9 @@
 //! L2 discrepancies of the unit square by their closed forms, which take all pairs. The region is scaled to the unit
-//! square; its border counts, periodic or not. Nothing is approximated, so the number of samples is limited.
+//! square; its border counts, periodic or not. Nothing is approximated.
+//!
+//! A pair's term is a product of `p(the larger) + q(the smaller)` over both axes. Among samples of which one half lies
+//! left of the other, it is therefore a sum of products of a factor of one sample and a factor of the other: pairs between
+//! the halves are added up while both, sorted by y, are merged.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -22,74 +26,230 @@ pub struct Discrepancy {
     pub centered: f64,
 }
 
-/// Rows of pairs per parallel task.
-const CHUNK: usize = 64;
+// Sums for both forms are two values: of the star discrepancy first, then of the centred one.
+
+/// Samples whose pairs are added one by one: fewer take longer to merge.
+const FEW: usize = 32;
+
+/// Samples that one thread does without a report.
+const CHUNK: usize = 4096;
 
 impl Discrepancy {
-    /// Samples at most: five thousand million pairs, some seconds.
-    pub const MAX_SAMPLES: usize = 100_000;
-
-    /// Returns the discrepancies of a set. Time grows with the square of the number of samples; the result
-    /// does not depend on threads.
+    /// Returns the discrepancies of a set. Time grows as that of sorting the samples, and the result does not depend
+    /// on threads. The sums over pairs are right to a relative 1e-13.
     ///
     /// # Errors
     ///
-    /// No sample, more than [`Self::MAX_SAMPLES`], samples outside the region.
+    /// No sample, samples outside the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        let (count, limit) = (points.len(), Self::MAX_SAMPLES);
-        if count > limit {
-            return Err(MeasureError::TooMany { count, limit });
-        }
         check_set(points, region, 1)?;
-        let monitor = Monitor::begin(control, (count * (count + 1) / 2) as u64)?;
+        let monitor = Monitor::begin(control, work(points.len()))?;
         let extent = DVec2::new(region.width, region.height);
-        let points: Vec<_> = (points.iter())
+        let mut points: Vec<_> = (points.par_iter())
             .map(|&point| DVec2::from(point) / extent)
             .collect();
-        let chunks = points.par_chunks(CHUNK).enumerate();
-        let sums: Vec<[f64; 4]> = chunks
-            .map(|(chunk, ends)| {
-                let first = chunk * CHUNK;
-                let mut sums = [0.0; 4];
-                let mut work = 0;
-                for (index, end) in ends.iter().enumerate() {
-                    let row = row(&points[..first + index], *end);
-                    sums = [0, 1, 2, 3].map(|part| sums[part] + row[part]);
-                    work += first + index + 1;
-                }
-                monitor.advance(work as u64)?;
-                Ok(sums)
-            })
-            .collect::<Result<_, VerifyError>>()?;
-        let total = [0, 1, 2, 3].map(|part| sums.iter().map(|sum| sum[part]).sum::<f64>());
-        let n = count as f64;
-        let star = 1.0 / 9.0 - total[0] / (2.0 * n) + total[1] / (n * n);
-        let centered = 169.0 / 144.0 - 2.0 * total[2] / n + total[3] / (n * n);
+
+        // Sums of chunks are added in their sequence, so that they do not depend on threads.
+        let sum = |value: fn(DVec2) -> DVec2| -> DVec2 {
+            let chunks = points.par_chunks(CHUNK);
+            let sums = chunks.map(|chunk| rounded(chunk.iter().map(|&a| value(a))));
+            rounded(sums.collect::<Vec<DVec2>>())
+        };
+        let (singles, selves) = (sum(single), sum(|a| term(a, a)));
+        points.par_sort_by(|a, b| a.x.total_cmp(&b.x));
+        let mut room = points.clone();
+        let pairs = pairs(&mut points, &mut room, &monitor)?;
+
+        let n = points.len() as f64;
+        let single = singles / n;
+        let pair = (selves + 2.0 * pairs) / (n * n);
+        // Rounding may leave a tiny negative number.
+        let root = |square: f64| square.max(0.0).sqrt();
         Ok(Self {
-            // Rounding may leave a tiny negative number.
-            star: star.max(0.0).sqrt(),
-            centered: centered.max(0.0).sqrt(),
+            star: root(1.0 / 9.0 - 0.5 * single.x + pair.x),
+            centered: root(169.0 / 144.0 - 2.0 * single.y + pair.y),
         })
     }
 }
 
-/// For both forms: the single term of a sample, and its terms with all before, twice, and with itself.
-fn row(before: &[DVec2], b: DVec2) -> [f64; 4] {
-    let off = (b - 0.5).abs();
-    let mut pairs = [0.0; 2];
-    for &a in before {
-        pairs[0] += (1.0 - a.max(b)).element_product();
-        let offs = (a - 0.5).abs() + off;
-        pairs[1] += (1.0 + 0.5 * (offs - (a - b).abs())).element_product();
+/// Returns a sum that is rounded once.
+fn rounded(values: impl IntoIterator<Item = DVec2>) -> DVec2 {
+    let add = |sum: CompensatedSum, value| sum.plus(value);
+    let sum = values.into_iter().fold(CompensatedSum::default(), add);
+    sum.sum + sum.rest
+}
+
+/// A sum and what rounding took from it, after Knuth. The sums over pairs cancel to a millionth in large sets, and on
+/// lattices rounding goes one way.
+#[derive(Clone, Copy, Default)]
+struct CompensatedSum {
+    sum: DVec2,
+    rest: DVec2,
+}
+
+impl CompensatedSum {
+    fn plus(self, value: DVec2) -> Self {
+        let sum = self.sum + value;
+        let added = sum - self.sum;
+        let lost = (self.sum - (sum - added)) + (value - added);
+        Self {
+            sum,
+            rest: self.rest + lost,
+        }
     }
-    [
-        (1.0 - b * b).element_product(),
-        2.0 * pairs[0] + (1.0 - b).element_product(),
+}
+
+/// The single term of a sample.
+fn single(a: DVec2) -> DVec2 {
+    let off = (a - 0.5).abs();
+    DVec2::new(
+        (1.0 - a * a).element_product(),
         (1.0 + 0.5 * off - 0.5 * off * off).element_product(),
-        2.0 * pairs[1] + (1.0 + off).element_product(),
-    ]
+    )
+}
+
+/// The term of a pair.
+fn term(a: DVec2, b: DVec2) -> DVec2 {
+    let (larger, smaller) = (a.max(b), a.min(b));
+    DVec2::new(
+        (1.0 - larger).element_product(),
+        (high(larger) + low(smaller)).element_product(),
+    )
+}
+
+/// What the larger of two coordinates gives to a term of the centred form, `1 + |a - 1/2| / 2 + |b - 1/2| / 2 - |a - b| / 2`.
+fn high(a: DVec2) -> DVec2 {
+    1.0 + 0.5 * ((a - 0.5).abs() - a)
+}
+
+/// What the smaller one gives.
+fn low(a: DVec2) -> DVec2 {
+    0.5 * ((a - 0.5).abs() + a)
+}
+
+/// The work of [`pairs`], in samples.
+fn work(count: usize) -> u64 {
+    let merged = if count > CHUNK {
+        work(count / 2) + work(count - count / 2)
+    } else {
+        0
+    };
+    count as u64 + merged
+}
+
+/// Returns the sums over the pairs of samples that are sorted by x, and sorts them by y.
+fn pairs(
+    points: &mut [DVec2],
+    room: &mut [DVec2],
+    monitor: &Monitor<'_>,
+) -> Result<DVec2, VerifyError> {
+    let count = points.len();
+    let sum = if count > CHUNK {
+        let (left, right) = points.split_at_mut(count / 2);
+        let (left_room, right_room) = room.split_at_mut(count / 2);
+        let (left_sum, right_sum) = rayon::join(
+            || pairs(left, left_room, monitor),
+            || pairs(right, right_room, monitor),
+        );
+        left_sum? + right_sum? + merge(points, room)
+    } else {
+        pairs_of_chunk(points, room)
+    };
+    monitor.advance(count as u64)?;
+    Ok(sum)
+}
+
+/// The same on one thread.
+fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
+    let count = points.len();
+    if count <= FEW {
+        let before = |(index, &b): (usize, &DVec2)| {
+            let terms = points[..index].iter().map(|&a| term(a, b));
+            terms.sum::<DVec2>()
+        };
+        let sum = points.iter().enumerate().map(before).sum();
+        points.sort_by(|a, b| a.y.total_cmp(&b.y));
+        return sum;
+    }
+
+    let (left, right) = points.split_at_mut(count / 2);
+    let (left_room, right_room) = room.split_at_mut(count / 2);
+    pairs_of_chunk(left, left_room) + pairs_of_chunk(right, right_room) + merge(points, room)
+}
+
+/// Returns the sums over the pairs of a sample of the first half and one of the second, which lies to the right of it. Both halves are
+/// sorted by y, and all are afterwards.
+fn merge(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
+    let (left, right) = points.split_at(points.len() / 2);
+    let (mut below, mut above) = (LeftSums::default(), LeftSums::default());
+    for a in left {
+        above.add(*a, 1.0);
+    }
+
+    let mut sum = CompensatedSum::default();
+    let mut left = left.iter().peekable();
+    let mut right = right.iter().peekable();
+    for place in room.iter_mut() {
+        // Which of two equal ones is the larger does not matter.
+        if let Some(a) = left.next_if(|a| right.peek().is_none_or(|b| a.y <= b.y)) {
+            below.add(*a, 1.0);
+            above.add(*a, -1.0);
+            *place = *a;
+        } else if let Some(b) = right.next() {
+            sum = sum.plus(below.terms_below(*b) + above.terms_above(*b));
+            *place = *b;
+        }
+    }
+    points.copy_from_slice(room);
+    sum.sum + sum.rest
+}
+
+/// Sums over samples that lie left of others.
+#[derive(Clone, Copy, Default)]
+struct LeftSums {
+    count: f64,
+    /// Of `low` along x and y, and of their product.
+    low: DVec2,
+    low_low: f64,
+    /// Of `high` along y, and of its product with `low` along x.
+    high_y: f64,
+    low_high: f64,
+    /// Of `1 - y`, for the star discrepancy.
+    star: f64,
+}
+
+impl LeftSums {
+    fn add(&mut self, a: DVec2, sign: f64) {
+        let (low, high) = (low(a), high(a));
+        self.count += sign;
+        self.low += sign * low;
+        self.low_low += sign * low.x * low.y;
+        self.high_y += sign * high.y;
+        self.low_high += sign * low.x * high.y;
+        self.star += sign * (1.0 - a.y);
+    }
+
+    /// The terms of a sample with these, which lie below it.
+    fn terms_below(&self, b: DVec2) -> DVec2 {
+        let high = high(b);
+        let of_low = high.y * self.low.x + self.low_low;
+        DVec2::new(
+            (1.0 - b.x) * (1.0 - b.y) * self.count,
+            high.x * (high.y * self.count + self.low.y) + of_low,
+        )
+    }
+
+    /// The terms of a sample with these, which lie above it.
+    fn terms_above(&self, b: DVec2) -> DVec2 {
+        let (low, high) = (low(b), high(b));
+        let of_low = self.low_high + low.y * self.low.x;
+        DVec2::new(
+            (1.0 - b.x) * self.star,
+            high.x * (self.high_y + low.y * self.count) + of_low,
+        )
+    }
 }

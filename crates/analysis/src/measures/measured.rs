@@ -41,7 +41,7 @@ pub enum Part {
     Smooth,
     /// The Voronoi cells.
     Cells,
-    /// The discrepancies. They take the square of the number of samples in time.
+    /// The discrepancies.
     Discrepancy,
 }
 
@@ -104,7 +104,7 @@ pub struct MeasuredSet {
     pub curve: Option<Arc<PowerCurve>>,
     /// The order of the cells, unless two samples are equal.
     pub order: Option<Arc<Order>>,
-    /// The discrepancies, unless the set is too large for them.
+    /// The discrepancies.
     pub discrepancy: Option<Discrepancy>,
     /// The parts that were measured, also those that are not defined for this set.
     known: Vec<Part>,
@@ -174,10 +174,7 @@ impl MeasuredSet {
             }
             Part::Cells => self.order = self.order_of(points, control)?.map(Arc::new),
             Part::Discrepancy => {
-                self.discrepancy = match Discrepancy::of(points, region, control) {
-                    Err(MeasureError::TooMany { .. }) => None,
-                    found => Some(found?),
-                };
+                self.discrepancy = Some(Discrepancy::of(points, region, control)?);
             }
         }
         self.know(part);

@@ -186,11 +186,11 @@ catalogue! {
     {
         key: "star_discrepancy", name: "L2 star discrepancy", decimals: 6,
         needs: Some(Part::Discrepancy), value: |set| Some(set.discrepancy?.star),
-        meaning: "How far the share of samples in boxes from the lower left corner is from the area of the boxes, in quadratic mean. It is measured of up to 100,000 samples.",
+        meaning: "How far the share of samples in boxes from the lower left corner is from the area of the boxes, in quadratic mean.",
     }
     {
         key: "centered_discrepancy", name: "L2 centred discrepancy", decimals: 6,
         needs: Some(Part::Discrepancy), value: |set| Some(set.discrepancy?.centered),
-        meaning: "The same deviation for boxes from the nearest corner, together with the projections onto the axes. It is measured of up to 100,000 samples.",
+        meaning: "The same deviation for boxes from the nearest corner, together with the projections onto the axes.",
     }
 }

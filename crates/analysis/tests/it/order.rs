@@ -111,6 +111,94 @@ fn discrepancies_are_those_of_their_definitions() {
     assert!((other.star - found.star).abs() > 1e-5);
 }
 
+/// The squares of both discrepancies by their closed forms as printed, over all pairs.
+fn squares_by_pairs(points: &[[f64; 2]]) -> [f64; 2] {
+    let n = points.len() as f64;
+    let product = |factor: &dyn Fn(usize) -> f64| factor(0) * factor(1);
+    let off = |x: f64| (x - 0.5).abs();
+    let (mut star, mut centered) = (1.0 / 9.0, 169.0 / 144.0);
+
+    for a in points {
+        star -= product(&|i| 1.0 - a[i] * a[i]) / (2.0 * n);
+        centered -= 2.0 / n * product(&|i| 1.0 + 0.5 * off(a[i]) - 0.5 * off(a[i]).powi(2));
+        let (mut star_pairs, mut centered_pairs) = (0.0, 0.0);
+        for b in points {
+            star_pairs += product(&|i| 1.0 - a[i].max(b[i]));
+            centered_pairs +=
+                product(&|i| 1.0 + 0.5 * off(a[i]) + 0.5 * off(b[i]) - 0.5 * (a[i] - b[i]).abs());
+        }
+        star += star_pairs / (n * n);
+        centered += centered_pairs / (n * n);
+    }
+    [star, centered]
+}
+
+#[test]
+fn discrepancies_are_those_of_all_pairs() {
+    let (unit, mut random) = (bounded(1.0, 1.0), Random::new(61));
+    let mut sets = vec![
+        vec![[0.0, 0.0]],
+        vec![[1.0, 1.0]],
+        vec![[0.3, 0.8], [0.3, 0.8]],
+        vec![[0.3, 0.8], [0.7, 0.2]],
+    ];
+    for count in [2, 3, 31, 32, 33, 64, 65, 100, 1000, 3000] {
+        sets.push(random.points(count, unit));
+        // Few different coordinates: ties along both axes, and equal samples.
+        let coarse = |x: f64| (x * 8.0).round() / 8.0;
+        let ties = random.points(count, unit);
+        sets.push(ties.iter().map(|p| p.map(coarse)).collect());
+    }
+    let (lattice, _) = square(40, 40);
+    sets.push(lattice.iter().map(|p| p.map(|x| x / 40.0)).collect());
+    // A column and a row.
+    sets.push((0..200).map(|i| [0.25, f64::from(i) / 200.0]).collect());
+    sets.push(
+        (0..200)
+            .map(|i| [f64::from(199 - i) / 200.0, 0.75])
+            .collect(),
+    );
+
+    for points in &sets {
+        let found = Discrepancy::of(points, unit, &go_on).expect("a discrepancy");
+        let [star, centered] = squares_by_pairs(points);
+        assert!(
+            (found.star.powi(2) - star).abs() < 1e-14,
+            "{}",
+            points.len()
+        );
+        assert!((found.centered.powi(2) - centered).abs() < 1e-13);
+    }
+
+    // The control: a sample that is moved by a thousandth is noticed.
+    let mut moved = sets.pop().expect("a row");
+    moved[100][1] += 1e-3;
+    let found = Discrepancy::of(&moved, unit, &go_on).expect("a discrepancy");
+    moved[100][1] -= 1e-3;
+    assert!((found.star.powi(2) - squares_by_pairs(&moved)[0]).abs() > 1e-9);
+}
+
+/// Beyond what could be summed over pairs: a lattice factors into lines.
+#[test]
+fn a_large_lattice_has_the_discrepancy_of_its_lines() {
+    let side = 512_u32;
+    let (lattice, region) = square(side, side);
+    let moved: Vec<_> = lattice.iter().map(|p| p.map(|x| x + 0.5)).collect();
+    let found = Discrepancy::of(&moved, region, &go_on).expect("a discrepancy");
+
+    let n = f64::from(side);
+    let line: Vec<f64> = (0..side).map(|i| (f64::from(i) + 0.5) / n).collect();
+    let mean = |value: &dyn Fn(f64, f64) -> f64| {
+        let pairs = line.iter().flat_map(|&a| line.iter().map(move |&b| (a, b)));
+        pairs.map(|(a, b)| value(a, b)).sum::<f64>() / (n * n)
+    };
+    let off = |x: f64| (x - 0.5).abs();
+    let single = mean(&|a, _| 1.0 + 0.5 * off(a) - 0.5 * off(a).powi(2));
+    let pair = mean(&|a, b| 1.0 + 0.5 * (off(a) + off(b) - (a - b).abs()));
+    let expected = 169.0 / 144.0 - 2.0 * single.powi(2) + pair.powi(2);
+    assert!((found.centered.powi(2) - expected).abs() < 1e-13);
+}
+
 #[test]
 fn noise_has_its_known_mean_discrepancies() {
     let (mut random, unit, sets, count) = (Random::new(59), bounded(1.0, 1.0), 400, 100);
@@ -191,15 +279,6 @@ fn what_cannot_be_measured_is_named() {
         pairs(0.5, 0),
         MeasureError::BadCount { count: 0, .. }
     ));
-    let many = vec![[0.5, 0.5]; Discrepancy::MAX_SAMPLES + 1];
-    let refused = Discrepancy::of(&many, unit, &go_on).expect_err("a refusal");
-    assert_eq!(
-        refused,
-        MeasureError::TooMany {
-            count: 100_001,
-            limit: 100_000
-        }
-    );
     // Three samples in a bounded region all have border cells.
     let bordered = Order::of(&three, bounded(1.0, 1.0), &go_on);
     assert!(matches!(
