@@ -77,6 +77,10 @@ fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
     }
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
+        // No number lies between: after 60 rounds of 200.
+        if middle <= low || middle >= high {
+            break;
+        }
         if f(middle) > 0.0 {
             low = middle;
         } else {
