@@ -5,6 +5,7 @@
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
 //! witnesses; [`StreamVerifier`] gives the same in bounded memory;
 //! [`measures`] has spectra by a fast transform, distances, order and uniformity;
+//! [`live`] keeps measures while samples come and go;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
@@ -41,6 +42,7 @@ mod grid;
 mod input;
 mod judge;
 mod levels;
+pub mod live;
 pub mod measures;
 mod monitor;
 mod number;

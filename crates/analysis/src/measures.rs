@@ -49,6 +49,11 @@ mod tiles;
 mod uniformity;
 mod window;
 
+pub(crate) use coarse::CoarseSums;
+pub(crate) use nufft::TransformPlan;
+pub(crate) use radial::AnnulusTable;
+pub(crate) use spread::Sample;
+
 pub use bins::PairBins;
 pub use blue_noise::PowerCurve;
 pub use coarse::CoarsePower;
@@ -131,7 +136,7 @@ fn check_length(name: &'static str, count: usize, expected: usize) -> Result<(),
 }
 
 /// Refuses a value outside a closed range, and NaN.
-fn check_range(
+pub(crate) fn check_range(
     name: &'static str,
     value: f64,
     [least, most]: [f64; 2],

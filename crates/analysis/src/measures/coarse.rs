@@ -1,6 +1,8 @@
 //! A periodogram on a coarser grid, for display: means over rectangles of frequencies. Every frequency of the window
 //! counts, except zero and those of an incomplete rim.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use super::check_count;
@@ -41,17 +43,91 @@ impl CoarsePower {
             let window = [x0, x1, y0, y1];
             return Err(MeasureError::EmptyWindow { window });
         }
-        let [(half_x, side), (half_y, row_side)] = reach.map(|reach| division(reach, most));
-        let power = (-half_y..=half_y)
-            .flat_map(|y| (-half_x..=half_x).map(move |x| [x * side, y * row_side]))
-            .map(|center| mean(periodogram, center, [side, row_side]));
-        Ok(Self {
-            size: 2 * half_x as usize + 1,
-            rows: 2 * half_y as usize + 1,
+        let mut sums = CoarseSums::new(reach, most, 1);
+        let [x, y] = reach;
+        for (row, ky) in (-y..=y).enumerate() {
+            let of_structure = |k: &[i64; 2]| *k != [0, 0];
+            let power = |kx| {
+                Some([kx, ky])
+                    .filter(of_structure)
+                    .and_then(|k| periodogram.at(k))
+            };
+            let powers: Vec<f64> = (-x..=x).map(|kx| power(kx).unwrap_or(0.0)).collect();
+            sums.add_row(row, &powers);
+        }
+        Ok(sums.picture())
+    }
+}
+
+/// A picture in the making, from rows of powers at the multiples of a frequency.
+pub(crate) struct CoarseSums {
+    /// Parts on either side of the middle one, and the frequencies along a side: along x and along y.
+    divisions: [(i64, i64); 2],
+    /// For each part along x and along y its multiples, counted from the lowest one on.
+    parts: [Vec<Range<usize>>; 2],
+    /// Row by row.
+    sums: Vec<f64>,
+}
+
+impl CoarseSums {
+    /// Returns the sums of no row, of the multiples of `step` up to `reach`, in at most `most` parts along an axis.
+    pub fn new(reach: [i64; 2], most: usize, step: i64) -> Self {
+        let divisions = reach.map(|reach| division(reach, most));
+        let parts = [0, 1].map(|axis| {
+            let (half, side) = divisions[axis];
+            let lowest = -(reach[axis] / step);
+            let multiples_below = |k: i64| ((k - 1).div_euclid(step) + 1 - lowest) as usize;
+            let part = |part: i64| {
+                let first = part * side - (side - 1) / 2;
+                multiples_below(first)..multiples_below(first + side)
+            };
+            (-half..=half).map(part).collect::<Vec<_>>()
+        });
+        Self {
+            sums: vec![0.0; parts[0].len() * parts[1].len()],
+            divisions,
+            parts,
+        }
+    }
+
+    /// Adds the powers at the multiples along x of a multiple along y, both counted from the lowest on. That of zero
+    /// must be given as 0.
+    pub fn add_row(&mut self, row: usize, powers: &[f64]) {
+        let [columns, rows] = &self.parts;
+        // Rows of an incomplete rim are in no part.
+        let Some(part) = rows.iter().position(|part| part.contains(&row)) else {
+            return;
+        };
+
+        let sums = &mut self.sums[part * columns.len()..][..columns.len()];
+        for (sum, column) in sums.iter_mut().zip(columns) {
+            *sum = powers[column.clone()].iter().fold(*sum, |sum, p| sum + p);
+        }
+    }
+
+    /// Returns the means.
+    pub fn picture(&self) -> CoarsePower {
+        let [columns, rows] = &self.parts;
+        let counts = rows
+            .iter()
+            .flat_map(|row| columns.iter().map(|column| row.len() * column.len()));
+        let middle = self.sums.len() / 2;
+        let power = (self.sums.iter().zip(counts))
+            .enumerate()
+            .map(|(part, (sum, count))| {
+                // The zero frequency counts for nothing.
+                let count = count - usize::from(part == middle);
+                sum / count as f64
+            });
+
+        let [(_, side), (_, row_side)] = self.divisions;
+        CoarsePower {
+            size: columns.len(),
+            rows: rows.len(),
             side: side as usize,
             row_side: row_side as usize,
             power: power.collect(),
-        })
+        }
     }
 }
 
@@ -63,18 +139,6 @@ fn division(reach: i64, most: usize) -> (i64, i64) {
         .find(|side| 2 * parts(*side) < most as i64)
         .unwrap_or(2 * reach + 1);
     (parts(side), side)
-}
-
-/// The mean over a rectangle of frequencies but zero.
-fn mean(periodogram: &Periodogram, [x, y]: [i64; 2], [side, row_side]: [i64; 2]) -> f64 {
-    let around = |middle: i64, side: i64| middle - (side - 1) / 2..=middle + (side - 1) / 2;
-    let along_x = around(x, side);
-    let frequencies = around(y, row_side).flat_map(|ky| along_x.clone().map(move |kx| [kx, ky]));
-    let powers = frequencies
-        .filter(|k| *k != [0, 0])
-        .filter_map(|k| periodogram.at(k));
-    let (sum, count) = powers.fold((0.0, 0), |(sum, count), power| (sum + power, count + 1));
-    sum / f64::from(count)
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ pub(super) const TOGETHER: usize = 8;
 
 /// An axis of the grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct GridAxis {
+pub(crate) struct GridAxis {
     /// The frequency in the middle, removed from the samples by a phase.
     pub middle: i64,
     /// Offsets from the middle go from `-below` to `above`.
@@ -111,14 +111,14 @@ fn smooth_size(least: usize) -> usize {
 
 /// How a window is transformed. Real weights on a grid about zero need no phases, half the memory
 /// and half the transforms; a window far off zero is cheaper when moved there.
-pub(super) struct TransformPlan {
+pub(crate) struct TransformPlan {
     /// Along x, the slow axis of the grid, and along y.
     pub axes: [GridAxis; 2],
     pub real: bool,
 }
 
 /// The transform at the frequencies of a plan.
-pub(super) struct Transform {
+pub(crate) struct Transform {
     axes: [GridAxis; 2],
     real: bool,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.

@@ -38,11 +38,14 @@ impl Taper {
 
     /// The weight at a place of the unit square.
     fn weight(self, at: DVec2) -> f64 {
+        at.map(|x| self.weight_along(x)).element_product()
+    }
+
+    /// The weight along an axis from 0 to 1: that of a place is the product of both.
+    pub(crate) fn weight_along(self, x: f64) -> f64 {
         match self {
             Self::Flat => 1.0,
-            Self::Hann => at
-                .map(|x| (std::f64::consts::PI * x).sin().powi(2))
-                .element_product(),
+            Self::Hann => (std::f64::consts::PI * x).sin().powi(2),
         }
     }
 
@@ -55,6 +58,15 @@ impl Taper {
             _ => 0.0,
         };
         frequency.map(along).iter().product()
+    }
+
+    /// The part of the mean density, which is subtracted from the phase factor of every sample.
+    pub(crate) fn mean_factor(self, frequency: [i64; 2]) -> f64 {
+        match self {
+            // Only the mean density of a tapered set reaches beyond the zero frequency.
+            Self::Flat => 0.0,
+            Self::Hann => self.transform(frequency) / self.transform([0, 0]),
+        }
     }
 }
 
@@ -87,11 +99,7 @@ impl Weighed {
 
     /// The part of the mean density, which is subtracted from the phase factor of every sample.
     pub fn mean_factor(&self, frequency: [i64; 2]) -> f64 {
-        match self.taper {
-            // Only the mean density of a tapered set reaches beyond the zero frequency.
-            Taper::Flat => 0.0,
-            Taper::Hann => self.taper.transform(frequency) / self.taper.transform([0, 0]),
-        }
+        self.taper.mean_factor(frequency)
     }
 
     /// The sum whose square is the power, from the transform of the weights.

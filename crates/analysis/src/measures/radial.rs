@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::check_range;
 use super::error::MeasureError;
 use super::periodogram::{Periodogram, unit_lengths};
+use crate::region::Region;
 
 /// The frequencies whose length lies in a half-open interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
@@ -55,14 +56,21 @@ impl RadialProfile {
         let (reach, most) = reach(periodogram);
         let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
         let mut sums = vec![AnnulusSums::default(); whole];
+        let mut lengths = vec![0.0; whole];
+
         for [length, power] in periodogram.half_plane(most) {
-            let annulus = ((length - 0.5) / width).floor().max(0.0) as usize;
+            let annulus = annulus_of(length, width);
             if let Some(sums) = sums.get_mut(annulus) {
-                sums.add(length, power);
+                sums.add(power);
+                lengths[annulus] += length;
             }
         }
+
+        let annuli = sums.iter().zip(lengths);
         Ok(Self {
-            annuli: sums.iter().filter_map(AnnulusSums::annulus).collect(),
+            annuli: annuli
+                .filter_map(|(sums, length)| sums.annulus(length))
+                .collect(),
             samples: periodogram.samples,
             sets: periodogram.sets,
         })
@@ -111,32 +119,126 @@ fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
         )
 }
 
+/// The annulus of a length.
+fn annulus_of(length: f64, width: f64) -> usize {
+    ((length - 0.5) / width).floor().max(0.0) as usize
+}
+
 /// Sums over an annulus, one frequency of each pair; the spread is kept as in Welford 1962.
 #[derive(Clone, Copy, Default)]
 struct AnnulusSums {
     count: u64,
-    length: f64,
     mean: f64,
     squares: f64,
 }
 
 impl AnnulusSums {
-    fn add(&mut self, length: f64, power: f64) {
+    fn add(&mut self, power: f64) {
         self.count += 1;
-        self.length += length;
         let before = power - self.mean;
         self.mean += before / self.count as f64;
         self.squares += before * (power - self.mean);
     }
 
-    fn annulus(&self) -> Option<Annulus> {
+    /// The annulus whose lengths have this sum.
+    fn annulus(&self, length: f64) -> Option<Annulus> {
         let variance = self.squares / (self.count.checked_sub(1)?) as f64;
         let ratio = variance / (self.mean * self.mean);
         Some(Annulus {
-            frequency: self.length / self.count as f64,
+            frequency: length / self.count as f64,
             power: self.mean,
             anisotropy_db: 10.0 * ratio.log10(),
             count: 2 * self.count,
         })
+    }
+}
+
+/// The annuli of the multiples of a frequency about zero: made once, for the profiles of many sets.
+#[derive(Clone, Debug)]
+pub(crate) struct AnnulusTable {
+    /// The annulus of each frequency of a quarter, row by row; frequencies beyond the last annulus have the next index.
+    annuli: Vec<u32>,
+    columns: usize,
+    /// Sums of the lengths in each annulus.
+    lengths: Vec<f64>,
+}
+
+impl AnnulusTable {
+    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`.
+    pub fn new([columns, rows]: [usize; 2], step: usize, region: Region, width: f64) -> Self {
+        let scale = unit_lengths(region);
+        let [x_unit, y_unit] = scale;
+        let [reach_x, reach_y] = [columns, rows].map(|count| (count * step) as f64);
+        let whole = annulus_of((reach_x * x_unit).min(reach_y * y_unit), width);
+
+        let mut annuli = Vec::with_capacity(columns * rows);
+        let mut lengths = vec![0.0; whole + 1];
+        for y in 0..rows {
+            let along_y = (y * step) as f64 * y_unit;
+            let length = |x: usize| ((x * step) as f64 * x_unit).hypot(along_y);
+            let row: Vec<f64> = (0..columns).map(length).collect();
+
+            let first = annuli.len();
+            annuli.extend((row.iter()).map(|length| annulus_of(*length, width).min(whole) as u32));
+            for x in half_row(columns, y) {
+                lengths[annuli[first + x] as usize] += row[x];
+            }
+        }
+        Self {
+            annuli,
+            columns,
+            lengths,
+        }
+    }
+
+    /// Returns sums to which powers are added row by row.
+    pub fn sums(&self) -> ProfileSums<'_> {
+        ProfileSums {
+            table: self,
+            sums: vec![AnnulusSums::default(); self.lengths.len()],
+        }
+    }
+}
+
+/// The columns of a row whose frequencies stand for their opposites, too, without their signs and from the lowest on: of
+/// the row of zero those above zero.
+fn half_row(columns: usize, row: usize) -> impl Iterator<Item = usize> {
+    let below = if row == 0 { 0 } else { columns };
+    let above = usize::from(row == 0);
+    (1..below).rev().chain(above..columns)
+}
+
+/// A profile in the making: that of [`RadialProfile::of`] on the same powers.
+pub(crate) struct ProfileSums<'a> {
+    table: &'a AnnulusTable,
+    sums: Vec<AnnulusSums>,
+}
+
+impl ProfileSums<'_> {
+    /// Adds a row, zero or above, of powers from `x = 1 - columns` to `columns - 1`. Rows come one after the other.
+    pub fn add_row(&mut self, row: usize, powers: &[f64]) {
+        let columns = self.table.columns;
+        let annuli = &self.table.annuli[row * columns..][..columns];
+        // Opposite frequencies of the row of zero are one pair, and zero is in no annulus.
+        let first = if row == 0 { columns } else { 0 };
+
+        let columns = half_row(columns, row).map(|x| annuli[x]);
+        for (annulus, power) in columns.zip(&powers[first..]) {
+            self.sums[annulus as usize].add(*power);
+        }
+    }
+
+    /// Returns the profile of one set.
+    pub fn profile(&self, samples: f64) -> RadialProfile {
+        // The last ones are beyond all whole annuli.
+        let whole = self.sums.len() - 1;
+        let annuli = self.sums[..whole].iter().zip(&self.table.lengths);
+        RadialProfile {
+            annuli: annuli
+                .filter_map(|(sums, length)| sums.annulus(*length))
+                .collect(),
+            samples,
+            sets: 1,
+        }
     }
 }

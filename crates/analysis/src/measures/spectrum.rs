@@ -72,23 +72,39 @@ impl Spectrum {
     pub fn of(periodogram: &Periodogram) -> Result<Self, MeasureError> {
         let profile = RadialProfile::of(periodogram, Self::annulus_width(periodogram))?;
         let picture = CoarsePower::of(periodogram, Self::PICTURE_CELLS)?;
-        let half = [picture.size * picture.side, picture.rows * picture.row_side]
-            .map(|frequencies| 0.5 * frequencies as f64 / periodogram.samples.sqrt());
-        let scale = unit_lengths(periodogram.region);
+        let region = periodogram.region;
         Ok(Self {
-            bands: bands(&profile, periodogram.region)?,
+            bands: bands(&profile, region)?,
+            ..Self::without_bands(profile, picture, region)
+        })
+    }
+
+    /// Returns the shown parts from radial means and a picture of a set.
+    pub(crate) fn without_bands(
+        profile: RadialProfile,
+        picture: CoarsePower,
+        region: Region,
+    ) -> Self {
+        let half = [picture.size * picture.side, picture.rows * picture.row_side]
+            .map(|frequencies| 0.5 * frequencies as f64 / profile.samples.sqrt());
+        let scale = unit_lengths(region);
+        Self {
+            bands: None,
             picture_reach: [0, 1].map(|axis| half[axis] * scale[axis]),
             profile,
             picture,
-        })
+        }
     }
 
     /// Returns the width of the annuli of a periodogram, by [`Periodogram::length`]: that of [`Self::ANNULI`] of them in the window, and
     /// at least 1.
     #[must_use]
     pub fn annulus_width(periodogram: &Periodogram) -> f64 {
-        let [x, y] = unit_lengths(periodogram.region);
-        let window = &periodogram.window;
+        Self::width_in(&periodogram.window, periodogram.region)
+    }
+
+    pub(crate) fn width_in(window: &FrequencyWindow, region: Region) -> f64 {
+        let [x, y] = unit_lengths(region);
         let longest = (window.x.end as f64 * x).min(window.y.end as f64 * y);
         (longest / Self::ANNULI).max(1.0)
     }

@@ -17,7 +17,7 @@ const TILE: usize = 64;
 
 /// A sample of the unit torus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     /// From 0 to 1, both included.
     pub at: DVec2,
     pub weight: f64,

@@ -6,6 +6,7 @@ mod blue_noise;
 mod distances;
 mod distant_pairs;
 mod judges;
+mod live_spectrum;
 mod numbers;
 mod order;
 mod periodogram;

@@ -1,0 +1,455 @@
+//! The spectrum of a set that changes. The sums behind the powers are in [`super::waves`]; windows, annuli and pictures
+//! are those of [`crate::measures`].
+
+use std::ops::ControlFlow;
+use std::sync::OnceLock;
+
+use glam::DVec2;
+
+use super::plane::Plane;
+use super::waves::{ONE, ProductSums, WaveChange, WaveSums, write_powers};
+use crate::domain::Domain;
+use crate::measures::{
+    AnnulusTable, CoarseSums, FrequencyWindow, MeasureError, Periodogram, Sample, Spectrum, Taper,
+    TransformPlan, check_range,
+};
+use crate::monitor::{Control, Monitor};
+use crate::region::Region;
+
+/// The squared weight of a sample in whole units at most, 2^90: sums of 2^36 samples fit into 128 bits, and those of
+/// samples next to the border are still exact to six digits.
+const SQUARE_UNITS: f64 = (1_u128 << 90) as f64;
+
+/// The time of a transform in that of products: for a sample, and for a frequency. Both are measured by the example
+/// `live`, on one thread.
+const PRODUCTS_PER_SAMPLE: u64 = 1000;
+const PRODUCTS_PER_FREQUENCY: u64 = 3000;
+
+/// The standard deviation of a transform by the rounding of one sample, in units: four products are rounded to whole
+/// ones, which leaves `sqrt(4/12)`, and waves to 32 bits, which adds a little.
+const UNITS_OFF: f64 = 0.65;
+
+/// The spectrum of the samples on a plane, kept while they come and go: the powers of [`Periodogram::of`] on the window
+/// of [`Spectrum::window`].
+///
+/// Powers depend on the samples alone, bit for bit, however they came about by [`Self::insert`] and [`Self::remove`].
+#[derive(Clone, Debug)]
+pub struct LiveSpectrum {
+    plane: Plane,
+    region: Region,
+    taper: Taper,
+    /// The frequencies are multiples of it.
+    stride: u32,
+    /// The largest frequencies along x and y that are kept.
+    most: [i64; 2],
+    sums: WaveSums,
+    count: usize,
+    /// The sum of the squared weights.
+    squares: i128,
+    /// Samples when the sums were last renewed, and changes since.
+    renewed: [usize; 2],
+    /// The annuli of the frequencies that are shown for this number of samples.
+    annuli: OnceLock<AnnulusTable>,
+}
+
+impl LiveSpectrum {
+    /// The largest stride: at least one in nine frequencies is kept.
+    pub const MAX_STRIDE: u32 = 3;
+
+    /// Sums are to be renewed before an error of them, by five standard deviations, reaches this part of `sqrt(N)`.
+    pub const MAX_ERROR: f64 = 1e-4;
+
+    /// Returns the spectrum of no sample. `samples` is the largest number that will be there: the frequencies that
+    /// [`Spectrum::window`] has for it are kept. More samples than that are measured, too, only not as far. Of the
+    /// frequencies along each axis every `stride`-th is kept.
+    ///
+    /// At most 1,024 frequencies along each axis are kept, 4 sums of 8 bytes for each two of opposite y: 34 MB, and
+    /// 4.2 million products for each change, for half a million samples or more on a square at stride 1, and a ninth of
+    /// both at stride 3.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::OutOfRange`] for a radius of 0 or a stride of 0 or above [`Self::MAX_STRIDE`];
+    /// [`MeasureError::Set`] for a plane without a width or height.
+    pub fn new(plane: Plane, samples: usize, stride: u32) -> Result<Self, MeasureError> {
+        let range = |name, value: u32, most: u32| {
+            check_range(name, f64::from(value), [1.0, f64::from(most)])
+        };
+        range("the radius in units", plane.radius, u32::MAX)?;
+        range("the stride of frequencies", stride, Self::MAX_STRIDE)?;
+        let region = plane.region_in_radii();
+        Domain::new(region)?;
+
+        let most = most_of(&Spectrum::window(samples as f64, region));
+        let [columns, rows] = counts(most, stride);
+        Ok(Self {
+            plane,
+            region,
+            taper: Taper::for_boundary(plane.boundary),
+            stride,
+            most,
+            sums: WaveSums::new(columns, rows, stride),
+            count: 0,
+            squares: 0,
+            renewed: [0; 2],
+            annuli: OnceLock::new(),
+        })
+    }
+
+    /// Returns the part of the frequencies that is kept: 1, a fourth or a ninth.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        f64::from(self.stride).powi(-2)
+    }
+
+    /// Returns the number of samples.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Adds the sample at a place of the plane, and returns the steps that it took. On a bounded plane the places go
+    /// up to width and height, on a torus they repeat.
+    pub fn insert(&mut self, _id: u32, place: [i32; 2]) -> u64 {
+        self.change(place, 1);
+        self.cost_of_change()
+    }
+
+    /// Takes away a sample that was added at this place, and returns the steps that it took.
+    pub fn remove(&mut self, _id: u32, place: [i32; 2]) -> u64 {
+        self.change(place, -1);
+        self.cost_of_change()
+    }
+
+    fn change(&mut self, place: [i32; 2], sign: i8) {
+        let (at, weights) = self.weighed(place);
+        self.sums.change(&WaveChange {
+            at,
+            weights,
+            sign: f64::from(sign),
+        });
+        self.squares += i128::from(sign) * squared(weights);
+
+        let before = self.shown();
+        self.count = self.count.saturating_add_signed(isize::from(sign));
+        self.renewed[1] += 1;
+        if self.shown() != before {
+            self.annuli = OnceLock::new();
+        }
+    }
+
+    /// Returns a place in parts of the plane, and its weights along x and y.
+    fn weighed(&self, place: [i32; 2]) -> ([f64; 2], [f64; 2]) {
+        let at = [0, 1].map(|axis| f64::from(place[axis]) / f64::from(self.plane.size[axis]));
+        (at, at.map(|x| self.taper.weight_along(x)))
+    }
+
+    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns them. By changes the
+    /// powers have the same bits as ever; by a transform they are right to [`crate::measures::NUFFT_ERROR`].
+    pub fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+        let by_changes = self.cost_of_change() * samples.len() as u64;
+        if by_changes > self.cost_of_transform(samples.len())
+            && let Ok(steps) = self.renew(samples, &|_| ControlFlow::Continue(()))
+        {
+            return steps;
+        }
+
+        self.clear();
+        for (_, place) in samples {
+            self.change(*place, 1);
+        }
+        by_changes
+    }
+
+    fn clear(&mut self) {
+        let [columns, rows] = counts(self.most, self.stride);
+        self.sums = WaveSums::new(columns, rows, self.stride);
+        (self.count, self.squares, self.renewed) = (0, 0, [0; 2]);
+        self.annuli = OnceLock::new();
+    }
+
+    /// Replaces all samples by a transform in 64 bits, which takes all rounding out of the sums, and returns the steps.
+    /// On several threads, in the time of a [`Periodogram::of`].
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::Cancelled`] if `control` breaks. The old samples are still there then.
+    pub fn renew(
+        &mut self,
+        samples: &[(u32, [i32; 2])],
+        control: Control<'_>,
+    ) -> Result<u64, MeasureError> {
+        let stride = i64::from(self.stride);
+        let plan = TransformPlan::new(&about_zero(self.most.map(|most| most / stride)))?;
+        let monitor = Monitor::begin(control, plan.work(samples.len()))?;
+
+        let mut squares = 0;
+        let weighed = samples.iter().map(|(_, place)| {
+            let (_, weights) = self.weighed(*place);
+            squares += squared(weights);
+            // Each stride-th frequency of the plane is a frequency of the plane that is folded so many times.
+            let at = [0, 1].map(|axis| {
+                let size = i64::from(self.plane.size[axis]);
+                (i64::from(place[axis]) * stride).rem_euclid(size) as f64 / size as f64
+            });
+            let weight = weights[0] * weights[1];
+            let at = DVec2::from(at);
+            Sample { at, weight }
+        });
+        let transform = plan.run(&weighed.collect::<Vec<_>>(), &monitor)?;
+
+        self.sums
+            .replace(|column, row| transform.at([column as i64, row]));
+        self.squares = squares;
+        self.count = samples.len();
+        self.renewed = [samples.len(), 0];
+        self.annuli = OnceLock::new();
+        Ok(self.cost_of_transform(samples.len()))
+    }
+
+    /// Returns the steps of a change: products that are added to sums.
+    #[must_use]
+    pub fn cost_of_change(&self) -> u64 {
+        let [columns, rows] = counts(self.most, self.stride);
+        WaveSums::products(columns, rows)
+    }
+
+    /// Returns about the steps of a new beginning with so many samples.
+    #[must_use]
+    pub fn cost_of_rebuild(&self, samples: usize) -> u64 {
+        let by_changes = self.cost_of_change() * samples as u64;
+        by_changes.min(self.cost_of_transform(samples))
+    }
+
+    /// Returns about the steps of a transform, by its time in that of products.
+    fn cost_of_transform(&self, samples: usize) -> u64 {
+        let [columns, rows] = counts(self.most, self.stride);
+        PRODUCTS_PER_SAMPLE * samples as u64 + PRODUCTS_PER_FREQUENCY * (columns * rows) as u64
+    }
+
+    /// Returns the standard deviation by which rounding moves a sum, in parts of the root of the sum of the squared weights,
+    /// which is `sqrt(N)` on a torus.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        // What comes and goes leaves nothing: at most the samples of both ends differ.
+        let [before, changes] = self.renewed;
+        let rounded = changes.min(before + self.count) as f64;
+        if rounded == 0.0 {
+            return 0.0;
+        }
+        UNITS_OFF * (rounded / self.square_sum()).sqrt() / ONE
+    }
+
+    /// Returns whether sums are off by so much that they must be renewed: after a set of which nearly nothing is left,
+    /// and of a few samples that all lie at the border of a bounded plane, where they weigh next to nothing. Otherwise never:
+    /// with a million times as many changes as samples the error is still below the limit.
+    #[must_use]
+    pub fn must_renew(&self) -> bool {
+        5.0 * self.error() >= Self::MAX_ERROR
+    }
+
+    fn square_sum(&self) -> f64 {
+        self.squares as f64 / SQUARE_UNITS
+    }
+
+    /// Returns a spectrum of the same samples that keeps every `stride`-th of the frequencies along each axis; `None` unless this
+    /// one keeps all, and for a stride of 0 or above [`Self::MAX_STRIDE`].
+    #[must_use]
+    pub fn thinned(&self, stride: u32) -> Option<Self> {
+        let is_finer = self.stride == 1 && (1..=Self::MAX_STRIDE).contains(&stride);
+        is_finer.then(|| Self {
+            stride,
+            sums: self.sums.thinned(stride as usize),
+            annuli: OnceLock::new(),
+            ..self.clone()
+        })
+    }
+
+    /// Returns the power at a frequency in cycles per width and height, as [`Periodogram::of`] has it; `None` where that is
+    /// not kept, and of no sample.
+    #[must_use]
+    pub fn power(&self, frequency: [i64; 2]) -> Option<f64> {
+        let stride = i64::from(self.stride);
+        let is_kept =
+            |axis: usize| frequency[axis] % stride == 0 && frequency[axis].abs() <= self.most[axis];
+        if self.count == 0 || !is_kept(0) || !is_kept(1) {
+            return None;
+        }
+
+        let [column, row] = frequency.map(|k| k / stride);
+        // Opposite frequencies have the same power.
+        let column = if row < 0 { -column } else { column };
+        let mut reader = RowReader::new(self);
+        let powers = reader.row(row.unsigned_abs() as usize);
+        powers
+            .get((powers.len() / 2).checked_add_signed(column as isize)?)
+            .copied()
+    }
+
+    /// Returns the periodogram on the window of [`Spectrum::window`] for this number of samples, or what is kept of it.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::TooFew`] without samples; [`MeasureError::OutOfRange`] unless all frequencies are kept.
+    pub fn periodogram(&self) -> Result<Periodogram, MeasureError> {
+        self.check_not_empty()?;
+        check_range(
+            "the stride of a periodogram",
+            f64::from(self.stride),
+            [1.0; 2],
+        )?;
+        let window = about_zero(self.shown());
+        let [columns, rows] = counts(self.shown(), 1);
+        let mut power = vec![0.0; window.columns() * window.rows()];
+
+        let mut reader = RowReader::new(self);
+        for row in 0..rows {
+            let all = reader.row(row);
+            let middle = all.len() / 2;
+            let powers = &all[middle + 1 - columns..middle + columns];
+            let above = (rows - 1 + row) * window.columns();
+            power[above..][..powers.len()].copy_from_slice(powers);
+            let below = (rows - 1 - row) * window.columns();
+            for (power, opposite) in power[below..].iter_mut().zip(powers.iter().rev()) {
+                *power = *opposite;
+            }
+        }
+        Ok(Periodogram {
+            window,
+            region: self.region,
+            samples: self.count as f64,
+            sets: 1,
+            power,
+        })
+    }
+
+    /// Returns the parts of the periodogram that are shown, without bands: those of [`Spectrum::of`], which takes far
+    /// longer. Where not all frequencies are kept, annuli are at least as wide as the stride, so that none is empty,
+    /// and a cell of the picture is the mean of those that are kept.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::TooFew`] without samples.
+    pub fn spectrum(&self) -> Result<Spectrum, MeasureError> {
+        self.check_not_empty()?;
+        let (shown, stride) = (self.shown(), i64::from(self.stride));
+        let [columns, rows] = counts(shown, self.stride);
+        let table = self.annuli.get_or_init(|| self.annuli_of(shown));
+        let mut profile = table.sums();
+        let mut picture = CoarseSums::new(shown, Spectrum::PICTURE_CELLS, stride);
+
+        let mut reader = RowReader::new(self);
+        for row in 0..rows {
+            let all = reader.row_without_zero(row);
+            let middle = all.len() / 2;
+            let powers = &mut all[middle + 1 - columns..middle + columns];
+            profile.add_row(row, powers);
+            picture.add_row(rows - 1 + row, powers);
+            if row > 0 {
+                powers.reverse();
+                picture.add_row(rows - 1 - row, powers);
+            }
+        }
+
+        let profile = profile.profile(self.count as f64);
+        Ok(Spectrum::without_bands(
+            profile,
+            picture.picture(),
+            self.region,
+        ))
+    }
+
+    fn annuli_of(&self, shown: [i64; 2]) -> AnnulusTable {
+        let width = Spectrum::width_in(&about_zero(shown), self.region);
+        let width = width.max(f64::from(self.stride));
+        let frequencies = counts(shown, self.stride);
+        AnnulusTable::new(frequencies, self.stride as usize, self.region, width)
+    }
+
+    /// The largest frequencies that are shown for this number of samples.
+    fn shown(&self) -> [i64; 2] {
+        let wanted = most_of(&Spectrum::window(self.count as f64, self.region));
+        [0, 1].map(|axis| wanted[axis].min(self.most[axis]))
+    }
+
+    fn check_not_empty(&self) -> Result<(), MeasureError> {
+        if self.count == 0 {
+            return Err(MeasureError::TooFew { count: 0, limit: 1 });
+        }
+        Ok(())
+    }
+}
+
+/// Reads the powers of a spectrum, row by row.
+struct RowReader<'a> {
+    spectrum: &'a LiveSpectrum,
+    /// One over the sum of the squared weights, in squared units; 0 where samples weigh nothing and have no power.
+    scale: f64,
+    /// The sum of the weights, in units.
+    total: f64,
+    sums: Vec<ProductSums>,
+    powers: Vec<f64>,
+}
+
+impl<'a> RowReader<'a> {
+    fn new(spectrum: &'a LiveSpectrum) -> Self {
+        let mut sums = Vec::new();
+        spectrum.sums.row(0, &mut sums);
+        let squares = spectrum.square_sum() * ONE * ONE;
+        Self {
+            spectrum,
+            scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
+            total: sums[0][0][0],
+            sums,
+            powers: Vec::new(),
+        }
+    }
+
+    /// Returns the powers in a row, zero or above, from the lowest to the highest column.
+    fn row(&mut self, row: usize) -> &mut [f64] {
+        let spectrum = self.spectrum;
+        spectrum.sums.row(row, &mut self.sums);
+        let stride = spectrum.stride as usize;
+        // The mean density reaches no farther than the first frequencies.
+        for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
+            let frequency = [column, row].map(|index| (index * stride) as i64);
+            self.sums[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
+        }
+
+        let [columns, _] = counts(spectrum.most, spectrum.stride);
+        self.powers.resize(2 * columns - 1, 0.0);
+        write_powers(&self.sums, self.scale, &mut self.powers);
+        &mut self.powers
+    }
+
+    /// Returns [`Self::row`] with 0 in place of the power at zero.
+    fn row_without_zero(&mut self, row: usize) -> &mut [f64] {
+        let powers = self.row(row);
+        if row == 0 {
+            powers[powers.len() / 2] = 0.0;
+        }
+        powers
+    }
+}
+
+/// The largest frequencies of a window about zero.
+fn most_of(window: &FrequencyWindow) -> [i64; 2] {
+    [window.x.end - 1, window.y.end - 1]
+}
+
+fn about_zero([x, y]: [i64; 2]) -> FrequencyWindow {
+    FrequencyWindow {
+        x: -x..x + 1,
+        y: -y..y + 1,
+    }
+}
+
+/// The multiples of a stride from zero to the largest frequencies.
+fn counts(most: [i64; 2], stride: u32) -> [usize; 2] {
+    most.map(|most| (most / i64::from(stride)) as usize + 1)
+}
+
+/// The squared weight of a sample, in whole units.
+fn squared([x, y]: [f64; 2]) -> i128 {
+    ((x * y).powi(2) * SQUARE_UNITS) as i128
+}

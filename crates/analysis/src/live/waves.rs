@@ -1,0 +1,237 @@
+//! Sums of `w exp(-2 pi i k.x)` over samples, kept by changes. A wave of two axes is a product of two short tables, so that
+//! a sample costs four products for each two frequencies `(kx, ky)` and `(kx, -ky)`.
+//!
+//! Every product is rounded to a whole number of units before it is added, and sums of whole numbers are exact. So a
+//! sample that goes takes away just what it brought, and a sum depends on the samples alone, not on how they came
+//! about: nothing drifts. Changes wait until [`BATCH`] of them are added in one pass over the sums, which are larger
+//! than the nearest caches.
+
+use std::f64::consts::TAU;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
+use rustfft::num_complex::Complex;
+
+/// Frequencies that are summed side by side: one vector of 256 bits, two of 128.
+const LANES: usize = 8;
+/// Changes that are added together. The waves of twice as many no longer fit into the nearest cache.
+pub(super) const BATCH: usize = 8;
+/// Units of the product of two waves at most. One more bit, and [`ROUNDING`] would no longer round.
+pub(super) const ONE: f64 = (1 << 22) as f64;
+/// 3 * 2^22. A sum with it lies between 2^23 and 2^24, where numbers of 32 bits are whole: so the sum is rounded, and its
+/// bits count units from those of this number.
+const ROUNDING: f32 = 12_582_912.0;
+
+/// Values of neighbouring columns.
+type Lanes<T> = [T; LANES];
+
+/// Cosines and sines of neighbouring columns.
+type WavePair = [Lanes<f32>; 2];
+
+/// Sums of four products at neighbouring columns: cos cos, sin sin, sin cos, cos sin, first along x, then along y.
+pub(super) type ProductSums = [Lanes<f64>; 4];
+
+/// Sums of waves at the frequencies `step * (column, row)`.
+#[derive(Clone, Debug)]
+pub(super) struct WaveSums {
+    step: f64,
+    columns: usize,
+    rows: usize,
+    /// Row by row, in blocks of columns.
+    sums: Vec<ProductSums>,
+    /// The waves along x of changes that wait, block by block; those along y, row by row.
+    along_x: Vec<[WavePair; BATCH]>,
+    along_y: Vec<[[f32; 2]; BATCH]>,
+    waiting: usize,
+}
+
+/// A sample's change to the sums.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WaveChange {
+    /// Its place in parts of the plane.
+    pub at: [f64; 2],
+    /// Its weights along x and y. Their product is that of the sample.
+    pub weights: [f64; 2],
+    /// 1 if it comes, -1 if it goes.
+    pub sign: f64,
+}
+
+impl WaveSums {
+    /// Returns the sums of no sample.
+    pub fn new(columns: usize, rows: usize, step: u32) -> Self {
+        let blocks = columns.div_ceil(LANES);
+        Self {
+            step: f64::from(step),
+            columns,
+            rows,
+            sums: vec![[[0.0; LANES]; 4]; blocks * rows],
+            along_x: vec![[[[0.0; LANES]; 2]; BATCH]; blocks],
+            along_y: vec![[[0.0; 2]; BATCH]; rows],
+            waiting: 0,
+        }
+    }
+
+    /// Returns the products that a change takes.
+    pub fn products(columns: usize, rows: usize) -> u64 {
+        4 * (columns.next_multiple_of(LANES) * rows) as u64
+    }
+
+    /// Adds a sample or takes it away.
+    pub fn change(&mut self, change: &WaveChange) {
+        let index = self.waiting;
+        let wave = |axis: usize, scale: f64| {
+            // Powers of one phase: after 1,024 of them they are off by less than 1e-12, where 32 bits leave 3e-8.
+            let (sin, cos) = (TAU * self.step * change.at[axis]).sin_cos();
+            let turn = Complex::new(cos, sin);
+            let first = Complex::new(change.weights[axis] * scale, 0.0);
+            std::iter::successors(Some(first), move |value| Some(value * turn))
+        };
+
+        let columns = self.along_x.iter_mut().flat_map(|block| {
+            let [cos, sin] = &mut block[index];
+            cos.iter_mut().zip(sin)
+        });
+        for ((cos, sin), value) in columns.zip(wave(0, ONE)) {
+            (*cos, *sin) = (value.re as f32, value.im as f32);
+        }
+        for (row, value) in self.along_y.iter_mut().zip(wave(1, change.sign)) {
+            row[index] = [value.re as f32, value.im as f32];
+        }
+
+        self.waiting += 1;
+        if self.waiting == BATCH {
+            self.settle();
+        }
+    }
+
+    /// Adds the changes that wait.
+    fn settle(&mut self) {
+        let (along_x, waiting) = (&self.along_x[..], self.waiting);
+        let rows = self.sums.chunks_exact_mut(along_x.len());
+        let rows = rows.zip(&self.along_y);
+        dispatch!(Level::new(), simd => add_rows(simd, rows, along_x, waiting));
+        self.waiting = 0;
+    }
+
+    /// Writes the sums of a row, with those of the changes that wait.
+    pub fn row(&self, row: usize, sums: &mut Vec<ProductSums>) {
+        let blocks = self.along_x.len();
+        sums.clear();
+        sums.extend_from_slice(&self.sums[row * blocks..][..blocks]);
+
+        if self.waiting > 0 {
+            let rows = std::iter::once((&mut sums[..], &self.along_y[row]));
+            dispatch!(Level::new(), simd => add_rows(simd, rows, &self.along_x, self.waiting));
+        }
+    }
+
+    /// Replaces all sums by those whose transforms at `(column, row)` and `(column, -row)` are given.
+    pub fn replace(&mut self, transform: impl Fn(usize, i64) -> Complex<f64>) {
+        self.waiting = 0;
+        let blocks = self.along_x.len();
+        for (index, block) in self.sums.iter_mut().enumerate() {
+            let row = (index / blocks) as i64;
+            let first = index % blocks * LANES;
+            for lane in 0..LANES.min(self.columns - first) {
+                let [up, down] = [row, -row].map(|row| transform(first + lane, row) * (0.5 * ONE));
+                let products = [
+                    up.re + down.re,
+                    down.re - up.re,
+                    -up.im - down.im,
+                    down.im - up.im,
+                ];
+                for (sums, product) in block.iter_mut().zip(products) {
+                    sums[lane] = product;
+                }
+            }
+        }
+    }
+
+    /// Returns every `stride`-th column and row of the same sums.
+    pub fn thinned(&self, stride: usize) -> Self {
+        let [columns, rows] = [self.columns, self.rows].map(|count| count.div_ceil(stride));
+        let mut thin = Self::new(columns, rows, 1);
+        thin.step = self.step * stride as f64;
+
+        let (blocks, mut whole) = (thin.along_x.len(), Vec::new());
+        for row in 0..rows {
+            self.row(row * stride, &mut whole);
+            for column in 0..columns {
+                let from = column * stride;
+                for part in 0..4 {
+                    thin.sums[row * blocks + column / LANES][part][column % LANES] =
+                        whole[from / LANES][part][from % LANES];
+                }
+            }
+        }
+        thin
+    }
+}
+
+/// Writes the squared transforms of a row of sums, multiplied by `scale`: from the middle on those at the columns, and
+/// before it, from there on down, those at the columns of the opposite row, which are those of the opposite columns.
+pub(super) fn write_powers(sums: &[ProductSums], scale: f64, powers: &mut [f64]) {
+    let columns = powers.len() / 2 + 1;
+    let mut first = 0;
+    for [a, b, c, d] in sums {
+        let power = |i: usize, sign: f64| {
+            let (re, im) = (a[i] - sign * b[i], c[i] + sign * d[i]);
+            scale * (re * re + im * im)
+        };
+        let [up, down] = [1.0, -1.0].map(|sign| std::array::from_fn(|i| power(i, sign)));
+        let [up, down]: [Lanes<f64>; 2] = [up, down];
+
+        let count = LANES.min(columns - first);
+        powers[columns - 1 + first..][..count].copy_from_slice(&up[..count]);
+        for (power, down) in powers[..columns - first].iter_mut().rev().zip(down) {
+            *power = down;
+        }
+        first += LANES;
+    }
+}
+
+#[expect(
+    clippy::inline_always,
+    reason = "it must become a part of what dispatch! compiles for the processor"
+)]
+#[inline(always)]
+fn add_rows<'a, S: Simd>(
+    simd: S,
+    rows: impl Iterator<Item = (&'a mut [ProductSums], &'a [[f32; 2]; BATCH])>,
+    along_x: &[[WavePair; BATCH]],
+    waiting: usize,
+) {
+    for (sums, along_y) in rows {
+        for (sums, waves) in sums.iter_mut().zip(along_x) {
+            add_block(simd, sums, &waves[..waiting], &along_y[..waiting]);
+        }
+    }
+}
+
+/// Adds changes at neighbouring columns of a row.
+#[expect(
+    clippy::inline_always,
+    reason = "it must become a part of what dispatch! compiles for the processor"
+)]
+#[inline(always)]
+fn add_block<S: Simd>(simd: S, sums: &mut ProductSums, along_x: &[WavePair], along_y: &[[f32; 2]]) {
+    let rounding = f32x8::splat(simd, ROUNDING);
+    // The bits of ROUNDING come with every product. Sums of so few products of 22 bits fit into 32.
+    let none = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
+    let mut units = [i32x8::splat(simd, none); 4];
+
+    for (x, y) in along_x.iter().zip(along_y) {
+        let [x_cos, x_sin] = [&x[0], &x[1]].map(|lanes| f32x8::from_slice(simd, lanes));
+        let [y_cos, y_sin] = [y[0], y[1]].map(|value| f32x8::splat(simd, value));
+        units[0] += (x_cos * y_cos + rounding).bitcast::<i32x8<S>>();
+        units[1] += (x_sin * y_sin + rounding).bitcast::<i32x8<S>>();
+        units[2] += (x_sin * y_cos + rounding).bitcast::<i32x8<S>>();
+        units[3] += (x_cos * y_sin + rounding).bitcast::<i32x8<S>>();
+    }
+
+    for (sums, units) in sums.iter_mut().zip(units) {
+        for (sum, unit) in sums.iter_mut().zip(units.as_slice()) {
+            *sum += f64::from(*unit);
+        }
+    }
+}
