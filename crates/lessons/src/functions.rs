@@ -580,92 +580,92 @@ impl Now {
     }
 }
 
+/// Registers functions about a moment: the name, the arguments, and the value.
+macro_rules! functions {
+    ($engine:ident, $now:ident; $($name:literal: |$of:ident $(, $argument:ident: $type:ty)*| $value:expr;)*) => {$(
+        let now = Arc::clone($now);
+        $engine.register_fn($name, move |$($argument: $type),*| { let $of = &now; $value });
+    )*};
+}
+
 /// Registers the functions about `now` for expressions.
 pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
-    macro_rules! function {
-        ($name:literal, |$of:ident $(, $argument:ident: $type:ty)*| $value:expr) => {{
-            let now = Arc::clone(now);
-            engine.register_fn($name, move |$($argument: $type),*| { let $of = &now; $value });
-        }};
-    }
     engine.register_fn("min", |a: i64, b: i64| a.min(b));
     engine.register_fn("max", |a: i64, b: i64| a.max(b));
     engine.register_fn("min", |a: f64, b: f64| a.min(b));
     engine.register_fn("max", |a: f64, b: f64| a.max(b));
-    function!("odd_run", |now| now.recording.run().parameters.seed % 2
-        == 1);
     engine.register_fn("exists", |value: Dynamic| !value.is_unit());
-    function!("next", |now, query: &str| now.nearest(query, true));
-    function!("previous", |now, query: &str| now.nearest(query, false));
-    function!("count", |now, query: &str| now
-        .events(query)
-        .map(|events| events.len() as i64));
-    function!("valid", |now, s: i64| now.status(s).is_valid());
-    function!("lost", |now, s: i64| now.is_lost(s));
-    function!("lost_to", |now, s: i64| sample_or_unit(now.lost_to(s)));
-    function!("kept", |now, s: i64| now.fate(s) == Some(Fate::Kept));
-    function!("inserted", |now, s: i64| now.is_inserted(s));
-    function!("own", |now, s: i64| matches!(
-        now.origin(s),
-        Some(Origin::Tiled { own: true, .. })
-    ));
-    function!("marked", |now, s: i64| now.is_marked(s));
-    function!("turn", |now, s: i64| now.turn_of(id(s)).saturating_add(1)
-        as i64);
-    function!("first_unsure", |now| now.first_unsure());
-    function!("unsure", |now, s: i64| now.unsure(s));
-    function!("samples", |now| now
-        .set()
-        .map(|set| set.points.len() as i64));
-    function!("conflicts", |now| now.conflicts());
-    function!("conflicts_of", |now, s: i64| now.conflicts_with(s).len()
-        as i64);
-    function!("conflict", |now, s: i64, k: i64| now.conflict(s, k));
-    function!("covered", |now, x: f64, y: f64| {
-        now.set().map(|set| {
-            set.nearest([x, y])
-                .is_some_and(|(_, distance)| distance <= 1.0)
-        })
-    });
-    function!("nearest", |now, x: f64, y: f64| {
-        now.set()
-            .map(|set| sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample)))
-    });
-    function!("far", |now, s: i64, x: f64, y: f64| now.far(s, [x, y]));
-    function!("apart", |now, a: rhai::Array, b: rhai::Array| now
-        .apart(a, b));
-    function!("gaps", |now| now
-        .tessellation()
-        .map(|found| found.gaps.len() as i64));
-    function!("deepest", |now| now.deepest());
-    function!("deepest_inside", |now, d: f64| now.deepest_inside(d));
-    function!("reach_of_losses", |now| now.reach_of(|s| now.is_lost(s)));
-    function!("reach_of_insertions", |now| now
-        .reach_of(|s| now.is_inserted(s)));
-    function!("reach_of_conflicts", |now| now
-        .reach_of(
-            |s| now.status(s).is_valid() && !now.conflicts_with(s).is_empty()
-        ));
-    function!("reach_of_detectors", |now| now.reach_of_detectors());
-    function!("clear_deepest", |now| now.clear_deepest());
-    function!("border", |now, x: f64, y: f64| now.border([x, y]));
-    function!("density_near", |now, d: f64| now.density(d, true));
-    function!("density_far", |now, d: f64| now.density(d, false));
-    function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
-    function!("seam", |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1);
-    function!("on_seam", |now, x: f64, y: f64| place(
-        now.seam(DVec2::new(x, y)).0.into()
-    ));
-    function!("position", |now, s: i64| maybe(now.point(s).map(place)));
-    function!("within", |now, x: f64, y: f64, d: f64| now.within(x, y, d));
-    function!("seam_of", |now, s: i64| now.seam_of(s));
-    function!("block_size", |now, b: i64| now.block_size(b));
-    function!("parameter", |now, name: &str| now.parameter(name));
-    function!("measure", |now, name: &str| now.measure(name, None));
-    function!("measure_with", |now, name: &str, changes: &str| now
-        .measure(name, Some(changes)));
-    function!("same_points", |now, engine: &str| now.same_points(engine));
-    function!("parts_at", |now, changes: &str| now.parts_at(changes));
+
+    register_events(engine, now);
+    register_samples(engine, now);
+    register_sets(engine, now);
+}
+
+/// Registers what expressions ask of events and of the run.
+fn register_events(engine: &mut Engine, now: &Arc<Now>) {
+    functions! { engine, now;
+        "next": |now, query: &str| now.nearest(query, true);
+        "previous": |now, query: &str| now.nearest(query, false);
+        "count": |now, query: &str| now.events(query).map(|events| events.len() as i64);
+        "odd_run": |now| now.recording.run().parameters.seed % 2 == 1;
+        "parameter": |now, name: &str| now.parameter(name);
+        "parts_at": |now, changes: &str| now.parts_at(changes);
+    }
+}
+
+/// Registers what became of a sample, named by its number.
+fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
+    functions! { engine, now;
+        "valid": |now, s: i64| now.status(s).is_valid();
+        "lost": |now, s: i64| now.is_lost(s);
+        "lost_to": |now, s: i64| sample_or_unit(now.lost_to(s));
+        "kept": |now, s: i64| now.fate(s) == Some(Fate::Kept);
+        "inserted": |now, s: i64| now.is_inserted(s);
+        "own": |now, s: i64| matches!(now.origin(s), Some(Origin::Tiled { own: true, .. }));
+        "marked": |now, s: i64| now.is_marked(s);
+        "turn": |now, s: i64| now.turn_of(id(s)).saturating_add(1) as i64;
+        "first_unsure": |now| now.first_unsure();
+        "unsure": |now, s: i64| now.unsure(s);
+        "position": |now, s: i64| maybe(now.point(s).map(place));
+        "far": |now, s: i64, x: f64, y: f64| now.far(s, [x, y]);
+        "seam_of": |now, s: i64| now.seam_of(s);
+        "conflicts_of": |now, s: i64| now.conflicts_with(s).len() as i64;
+        "conflict": |now, s: i64, k: i64| now.conflict(s, k);
+    }
+}
+
+/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures.
+fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
+    functions! { engine, now;
+        "samples": |now| now.set().map(|set| set.points.len() as i64);
+        "conflicts": |now| now.conflicts();
+        "covered": |now, x: f64, y: f64| now.set().map(|set| {
+            set.nearest([x, y]).is_some_and(|(_, distance)| distance <= 1.0)
+        });
+        "nearest": |now, x: f64, y: f64| now.set().map(|set| {
+            sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample))
+        });
+        "apart": |now, a: rhai::Array, b: rhai::Array| now.apart(a, b);
+        "gaps": |now| now.tessellation().map(|found| found.gaps.len() as i64);
+        "deepest": |now| now.deepest();
+        "deepest_inside": |now, d: f64| now.deepest_inside(d);
+        "reach_of_losses": |now| now.reach_of(|s| now.is_lost(s));
+        "reach_of_insertions": |now| now.reach_of(|s| now.is_inserted(s));
+        "reach_of_conflicts": |now| now.reach_of(|s| now.status(s).is_valid() && !now.conflicts_with(s).is_empty());
+        "reach_of_detectors": |now| now.reach_of_detectors();
+        "clear_deepest": |now| now.clear_deepest();
+        "border": |now, x: f64, y: f64| now.border([x, y]);
+        "density_near": |now, d: f64| now.density(d, true);
+        "density_far": |now, d: f64| now.density(d, false);
+        "deepest_near": |now, x: f64, y: f64| now.deepest_near(x, y);
+        "seam": |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1;
+        "on_seam": |now, x: f64, y: f64| place(now.seam(DVec2::new(x, y)).0.into());
+        "within": |now, x: f64, y: f64, d: f64| now.within(x, y, d);
+        "block_size": |now, b: i64| now.block_size(b);
+        "measure": |now, name: &str| now.measure(name, None);
+        "measure_with": |now, name: &str, changes: &str| now.measure(name, Some(changes));
+        "same_points": |now, engine: &str| now.same_points(engine);
+    }
 }
 
 /// Returns a value, or `()` if there is none.
