@@ -1,5 +1,6 @@
 //! What decides whether and how a command is carried out: [`Command::rules`]. Each command is named, none falls to a default, so
-//! that a new one does not compile until somebody has decided whether it can be undone, works in a frame, or shows an answer.
+//! that a new one does not compile until somebody has decided whether it can be undone, works in a frame, shows an answer, or
+//! names something by a number.
 #![deny(
     clippy::wildcard_enum_match_arm,
     clippy::match_wildcard_for_single_variants
@@ -11,7 +12,9 @@
 
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_classroom::talk::TalkCommand;
+use tilescope_debugger::Target;
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::selection::Selection;
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
@@ -40,6 +43,27 @@ pub enum UndoPart {
     Everything,
 }
 
+/// Something that a command names by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Numbered {
+    /// A sample.
+    Sample(u32),
+    /// An event.
+    Event(usize),
+    /// A moment, by the number of events before it.
+    Moment(usize),
+    /// A stage, or a level of nested ones.
+    Stage(usize),
+    /// A scene of the user's.
+    Scene(usize),
+    /// A breakpoint.
+    Breakpoint(usize),
+    /// A watch.
+    Watch(usize),
+    /// A pass of the GPU.
+    Pass(usize),
+}
+
 /// The rules of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each rule is its own")]
@@ -56,6 +80,16 @@ pub struct Rules {
     pub moves_camera: bool,
     /// Whether the command begins work of the user's own, which ends the tour.
     pub ends_tour: bool,
+    /// What the command names by numbers. It is refused if one of them is not there.
+    pub names: [Option<Numbered>; 2],
+}
+
+impl Rules {
+    /// Returns the rules of a command that names something.
+    const fn naming(self, item: Numbered) -> Self {
+        let names = [Some(item), None];
+        Self { names, ..self }
+    }
 }
 
 /// The rules of commands that only change what is shown of a moment up to an open question's.
@@ -65,6 +99,13 @@ const VIEW: Rules = Rules {
     reveals: false,
     moves_camera: false,
     ends_tour: false,
+    names: [None; 2],
+};
+
+/// The rules of commands that change breakpoints, watches or scenes.
+const STOPS: Rules = Rules {
+    undo: Some(UndoPart::Stops),
+    ..VIEW
 };
 
 /// The rules of commands that open something that frames do not show.
@@ -144,8 +185,17 @@ const fn form(command: &FormCommand) -> Rules {
 const fn time(command: &TimeCommand) -> Rules {
     // A run is held only up to an open question's moment: no move goes beyond it.
     match command {
-        TimeCommand::ShowStage(_)
-        | TimeCommand::StepBack
+        TimeCommand::ShowStage(index) => VIEW.naming(Numbered::Stage(*index)),
+        TimeCommand::Jump(at) => VIEW.naming(Numbered::Moment(*at)),
+        TimeCommand::Loop(Some(range)) => Rules {
+            names: [
+                Some(Numbered::Moment(range.start)),
+                Some(Numbered::Moment(range.end)),
+            ],
+            ..VIEW
+        },
+        TimeCommand::RunTo(Target::Sample(id), _) => VIEW.naming(Numbered::Sample(*id)),
+        TimeCommand::StepBack
         | TimeCommand::StepForward
         | TimeCommand::FirstStage
         | TimeCommand::LastStage
@@ -153,30 +203,28 @@ const fn time(command: &TimeCommand) -> Rules {
         | TimeCommand::Clock(_)
         | TimeCommand::Speed(_)
         | TimeCommand::WholeRun(_)
-        | TimeCommand::Jump(_)
         | TimeCommand::Step(..)
         | TimeCommand::RunTo(..)
         | TimeCommand::Continue(_)
         | TimeCommand::LoopStart
         | TimeCommand::LoopEnd
-        | TimeCommand::Loop(_) => VIEW,
+        | TimeCommand::Loop(None) => VIEW,
     }
 }
 
 const fn scene(command: &SceneCommand) -> Rules {
     match command {
-        SceneCommand::Add
-        | SceneCommand::Replace(_)
-        | SceneCommand::Caption(..)
-        | SceneCommand::Remove(_)
-        | SceneCommand::Move(..) => Rules {
-            undo: Some(UndoPart::Stops),
-            ..VIEW
+        SceneCommand::Add => STOPS,
+        SceneCommand::Replace(index)
+        | SceneCommand::Caption(index, _)
+        | SceneCommand::Remove(index) => STOPS.naming(Numbered::Scene(*index)),
+        SceneCommand::Move(from, to) => Rules {
+            names: [Some(Numbered::Scene(*from)), Some(Numbered::Scene(*to))],
+            ..STOPS
         },
-        SceneCommand::Show(_)
-        | SceneCommand::Step(_)
-        | SceneCommand::Offer(_)
-        | SceneCommand::Leave => VIEW,
+        SceneCommand::Show(index) => VIEW.naming(Numbered::Scene(*index)),
+        // A scene of the tour that has no such button does nothing.
+        SceneCommand::Step(_) | SceneCommand::Offer(_) | SceneCommand::Leave => VIEW,
         // The tour makes a run of its own.
         SceneCommand::Tour => Rules {
             reveals: true,
@@ -186,6 +234,7 @@ const fn scene(command: &SceneCommand) -> Rules {
 }
 
 const fn lesson(command: &LessonCommand) -> Rules {
+    // Their numbers are those of a list that the lesson shows; others change nothing.
     match command {
         LessonCommand::ToggleList
         | LessonCommand::Open(_)
@@ -246,20 +295,19 @@ const fn talk(command: &TalkCommand) -> Rules {
 }
 
 const fn debug(command: &DebugCommand) -> Rules {
-    let undo = match command {
-        DebugCommand::ToggleBreakpoint(_)
-        | DebugCommand::Condition(..)
-        | DebugCommand::Enable(..)
-        | DebugCommand::RemoveBreakpoint(_)
-        | DebugCommand::Watch(_)
-        | DebugCommand::EditWatch(..)
-        | DebugCommand::RemoveWatch(_) => Some(UndoPart::Stops),
-        DebugCommand::Why
-        | DebugCommand::SelectEvent(_)
-        | DebugCommand::ToggleEvent(_)
-        | DebugCommand::Query(_) => None,
-    };
-    Rules { undo, ..VIEW }
+    match command {
+        DebugCommand::ToggleBreakpoint(_) | DebugCommand::Watch(_) => STOPS,
+        DebugCommand::Condition(index, _)
+        | DebugCommand::Enable(index, _)
+        | DebugCommand::RemoveBreakpoint(index) => STOPS.naming(Numbered::Breakpoint(*index)),
+        DebugCommand::EditWatch(index, _) | DebugCommand::RemoveWatch(index) => {
+            STOPS.naming(Numbered::Watch(*index))
+        }
+        DebugCommand::SelectEvent(index) | DebugCommand::ToggleEvent(index) => {
+            VIEW.naming(Numbered::Event(*index))
+        }
+        DebugCommand::Why | DebugCommand::Query(_) => VIEW,
+    }
 }
 
 const fn view(which: Which, command: &ViewCommand) -> Rules {
@@ -273,20 +321,25 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         | ViewCommand::Fit
         | ViewCommand::FlyTo(..)
         | ViewCommand::Centre(_)
-        | ViewCommand::FlyToBlock(_)
-        | ViewCommand::GoToSample(_) => Rules {
+        | ViewCommand::FlyToBlock(_) => Rules {
             moves_camera: true,
             ..rules
         },
+        ViewCommand::GoToSample(id) => Rules {
+            moves_camera: true,
+            ..rules.naming(Numbered::Sample(*id))
+        },
+        ViewCommand::Pick(Selection::Sample(id)) => rules.naming(Numbered::Sample(*id)),
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
         // What one run's event, verdict or selection shows is that run's alone: the other camera stays.
         ViewCommand::GoToCurrent
         | ViewCommand::FlyToWitness(_)
         | ViewCommand::SelectMiddle
-        | ViewCommand::Pick(_)
+        | ViewCommand::Pick(Selection::Nothing | Selection::Place(_))
         | ViewCommand::Viewport(_)
         | ViewCommand::CopyPosition(_)
+        // The pointer may still be where a sample of the run before was: it then points at none.
         | ViewCommand::Hover(_) => rules,
     }
 }
@@ -306,6 +359,7 @@ const fn appearance(command: AppearanceCommand) -> Rules {
 }
 
 const fn window(command: &WindowCommand) -> Rules {
+    // The list of actions takes the last one for a larger number.
     match command {
         WindowCommand::ResetLayout
         | WindowCommand::OpenPanel(_)
@@ -327,9 +381,15 @@ const fn window(command: &WindowCommand) -> Rules {
 }
 
 const fn passes(command: &PassCommand) -> Rules {
+    // The passes are those of the whole run.
+    let rules = Rules {
+        reveals: true,
+        ..VIEW
+    };
     match command {
-        PassCommand::Select(_)
-        | PassCommand::Previous
+        PassCommand::Select(index) => rules.naming(Numbered::Pass(*index)),
+        // Buffers and rows are those of a pass that may still be on its way; others than it has change nothing.
+        PassCommand::Previous
         | PassCommand::Next
         | PassCommand::First
         | PassCommand::Last
@@ -344,11 +404,7 @@ const fn passes(command: &PassCommand) -> Rules {
         | PassCommand::Again
         | PassCommand::Path(_)
         | PassCommand::Export
-        // The passes are those of the whole run.
-        | PassCommand::Fault(_) => Rules {
-            reveals: true,
-            ..VIEW
-        },
+        | PassCommand::Fault(_) => rules,
     }
 }
 
