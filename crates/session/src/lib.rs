@@ -20,6 +20,7 @@
 
 pub mod combination;
 pub mod combining;
+pub mod draft;
 pub mod encoding;
 pub mod geometry;
 pub mod glossary;

@@ -25,7 +25,6 @@ pub mod compare;
 pub mod device;
 #[cfg(target_arch = "wasm32")]
 pub mod download;
-pub mod draft;
 pub mod embedding;
 pub mod export;
 pub mod files;
@@ -49,3 +48,4 @@ pub mod worker;
 
 pub use command::Command;
 pub use state::State;
+pub use tilescope_session::draft;

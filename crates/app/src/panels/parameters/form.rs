@@ -315,7 +315,7 @@ fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
 
 fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
     let menu = ui.menu_button("Presets", |ui| {
-        for preset in Preset::ALL {
+        for preset in Preset::all() {
             let row = ui.button(preset.name());
             row.known_as(format_args!("preset.{}", Kebab(preset)));
             if row.on_hover_text(preset.explanation()).clicked() {

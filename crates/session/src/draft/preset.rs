@@ -1,0 +1,121 @@
+//! Parameters to begin with, by name.
+
+use tilescope_core::{Boundary, Insertion, NestedRequest, Parameters, Search, WithinLevel};
+
+/// Parameters to begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// The session that the window opens with.
+    First,
+    /// Blocks at the lower end of the range that the paper recommends, 20 r to 40 r, and its bounded pattern.
+    SmallBlocks,
+    /// As many samples as in figure 11 of the paper.
+    Million,
+    /// Gaps are searched for within 2 r only, and some stay.
+    BreakIt,
+    /// Blocks in which the pattern repeats.
+    LargeBlocks,
+    /// Gaps are filled by uniform darts.
+    Uniform,
+    /// Nested levels.
+    Nested,
+}
+
+/// Every preset with its name and its description, in the order of the menu.
+const ROWS: [(Preset, &str, &str); 7] = [
+    (
+        Preset::First,
+        "The first session",
+        "About 10,000 samples in nine blocks: small enough to see every step.",
+    ),
+    (
+        Preset::SmallBlocks,
+        "Many small blocks",
+        "Blocks of at least 20 r, the smallest that the paper recommends, and its bounded pattern: more seams, more gaps.",
+    ),
+    (
+        Preset::Million,
+        "The paper's figure 11",
+        "A million samples, as many as the paper times. So large a run keeps its result only, without steps.",
+    ),
+    (
+        Preset::BreakIt,
+        "Break it",
+        "Gaps are searched for within 2 r only: some stay open, and the verdict shows where.",
+    ),
+    (
+        Preset::LargeBlocks,
+        "Blocks too large",
+        "Blocks larger than the pattern: it repeats within them, which the spectrum in Analysis shows as spikes.",
+    ),
+    (
+        Preset::Uniform,
+        "Uniform insertion",
+        "Gaps are filled by darts, uniformly over their area, instead of at circumcentres.",
+    ),
+    (
+        Preset::Nested,
+        "Nested levels",
+        "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many.",
+    ),
+];
+
+impl Preset {
+    /// Returns every preset.
+    pub fn all() -> impl Iterator<Item = Self> {
+        ROWS.iter().map(|row| row.0)
+    }
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        ROWS[self as usize].1
+    }
+
+    /// Returns its description, in a sentence.
+    #[must_use]
+    pub const fn explanation(self) -> &'static str {
+        ROWS[self as usize].2
+    }
+
+    /// Returns its parameters.
+    #[must_use]
+    pub fn parameters(self) -> Parameters {
+        let mut p = Parameters::default();
+        match self {
+            Self::First | Self::Nested => {}
+            Self::SmallBlocks => {
+                p.leaf = 20.0;
+                p.pattern.boundary = Boundary::Bounded;
+            }
+            Self::Million => p.radius = 0.000_835,
+            Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
+            Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
+            Self::Uniform => p.insertion = Insertion::Uniform,
+        }
+        p
+    }
+
+    /// Returns its nested levels, if it has any.
+    #[must_use]
+    pub fn nesting(self) -> Option<NestedRequest> {
+        (self == Self::Nested).then_some(NestedRequest {
+            levels: 6,
+            exactly: None,
+            order_within: WithinLevel::Random,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_stands_at_its_preset() {
+        for (index, preset) in Preset::all().enumerate() {
+            assert_eq!(preset as usize, index);
+        }
+    }
+}

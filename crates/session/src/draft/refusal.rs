@@ -1,0 +1,152 @@
+//! Why a draft cannot be run: texts that cannot be read, and errors of the core, each with the field that is at fault.
+
+use tilescope_core::{Parameter, ParameterError, Parameters, Variant};
+
+use super::{Draft, numbers};
+use crate::limits::{MAX_ON_A_PAGE, MAX_STAGED};
+use crate::words::{capital, grouped, sentence};
+
+/// A part of the form that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormPart {
+    /// The field of a parameter.
+    Field(Parameter),
+    /// The number of samples that sets the radius.
+    Samples,
+    /// The exact number of samples of nested levels.
+    Exactly,
+    /// Choices that exclude each other.
+    Choices,
+}
+
+impl FormPart {
+    /// Returns the name beside the field; `None` for choices, whose error names them.
+    #[must_use]
+    pub fn name(self) -> Option<String> {
+        match self {
+            Self::Field(parameter) => Some(capital(parameter.row().label)),
+            Self::Samples => Some("Samples".to_owned()),
+            Self::Exactly => Some("Exactly".to_owned()),
+            Self::Choices => None,
+        }
+    }
+}
+
+/// Why a draft cannot be run, and which part of the form that concerns.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DraftRefusal {
+    /// The part of the form.
+    pub part: FormPart,
+    /// The reason, as a sentence.
+    pub reason: String,
+}
+
+impl DraftRefusal {
+    /// Returns the reason with the name of its field, as it is said away from the field.
+    #[must_use]
+    pub fn with_name(&self) -> String {
+        match self.part.name() {
+            Some(name) => format!("{name}: {}", self.reason),
+            None => self.reason.clone(),
+        }
+    }
+}
+
+impl Draft {
+    /// Returns all errors, field by field: unreadable texts first, then errors of the core. If there are none, the draft can
+    /// be run.
+    #[must_use]
+    pub fn refusals(&self) -> Vec<DraftRefusal> {
+        let unreadable = |field| {
+            let (part, reason) = (FormPart::Field(field), self.unreadable(field)?);
+            Some(DraftRefusal { part, reason })
+        };
+        let mut refusals: Vec<DraftRefusal> = numbers().filter_map(unreadable).collect();
+        // The radius is still that of the last number of samples that could be read: a run would not be the one asked for.
+        let part = FormPart::Samples;
+        let wrong_count = self.count_refusal();
+        refusals.extend(wrong_count.map(|reason| DraftRefusal { part, reason }));
+
+        if let Err(error) = self.parameters.validate_sequential() {
+            let part = part_of(&error, &self.parameters);
+            if !refusals.iter().any(|refusal| refusal.part == part) {
+                let reason = sentence(&error.to_string());
+                refusals.push(DraftRefusal { part, reason });
+            }
+        } else if let Some(refusal) = self.nesting_refusal() {
+            refusals.push(refusal);
+        }
+
+        // Algorithm 4 as printed always records events, which limits its size.
+        let most = match self.parameters.variant {
+            Variant::Staged => MAX_ON_A_PAGE,
+            Variant::AsPrinted => MAX_STAGED,
+        };
+        let too_many = too_many(self.expected_samples(), most);
+        refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+        refusals
+    }
+
+    /// Returns why the nested levels cannot be made with these parameters, if some are asked for.
+    fn nesting_refusal(&self) -> Option<DraftRefusal> {
+        let request = self.nesting()?;
+        if let Err(reason) = self.exactly_read() {
+            let part = FormPart::Exactly;
+            return Some(DraftRefusal { part, reason });
+        }
+        let error = request.check(&self.parameters).err()?;
+        let part = match error {
+            ParameterError::Count { .. }
+            | ParameterError::OneLevel { .. }
+            | ParameterError::TooFewForLevels { .. } => FormPart::Exactly,
+            _ => FormPart::Choices,
+        };
+        let reason = sentence(&error.to_string());
+        Some(DraftRefusal { part, reason })
+    }
+}
+
+fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
+    FormPart::Field(match error {
+        // The limits of sides are in r: if the side suits the default radius, the radius is at fault.
+        ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }
+            if suits_default_radius(parameters) =>
+        {
+            Parameter::Radius
+        }
+        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => Parameter::Radius,
+        ParameterError::Side { name, .. }
+        | ParameterError::SideTooShort { name, .. }
+        | ParameterError::SideTooLong { name, .. } => match *name {
+            "height" => Parameter::Height,
+            _ => Parameter::Width,
+        },
+        ParameterError::Leaf { .. } => Parameter::Leaf,
+        ParameterError::PatternSide { .. } => Parameter::PatternSide,
+        _ => return FormPart::Choices,
+    })
+}
+
+fn suits_default_radius(parameters: &Parameters) -> bool {
+    let radius = Parameters::default().radius;
+    let domain = Parameters {
+        radius,
+        ..*parameters
+    }
+    .validate_sequential();
+    !matches!(
+        domain,
+        Err(ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. })
+    )
+}
+
+pub(super) fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
+    let expected = expected.filter(|expected| *expected > most)?;
+    let [expected, most] = [expected, most].map(|count| grouped(count as usize));
+    Some(DraftRefusal {
+        part: FormPart::Field(Parameter::Radius),
+        reason: format!(
+            "A run would have about {expected} samples; in a browser at most {most} are possible, in the native program more."
+        ),
+    })
+}
