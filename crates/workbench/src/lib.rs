@@ -32,7 +32,6 @@ pub mod finder;
 pub mod help;
 pub mod layout;
 pub mod link;
-pub mod passes;
 pub mod remote;
 pub mod rules;
 pub mod scene_lesson;
@@ -48,4 +47,5 @@ pub mod worker;
 
 pub use command::Command;
 pub use state::State;
+pub use tilescope_passes as passes;
 pub use tilescope_session::draft;

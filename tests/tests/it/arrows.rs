@@ -189,6 +189,7 @@ fn what_is_below_the_window_has_no_egui_in_its_tree() {
     for package in [
         "tilescope-workbench",
         "tilescope-classroom",
+        "tilescope-passes",
         "tilescope-drawing",
         "tilescope-session",
     ] {

@@ -14,7 +14,7 @@ use tilescope_ui::widgets::Known;
 use tilescope_canvas::sprites::{Sprite, Sprites, Stamp};
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::passes::OnCanvas;
-use tilescope_workbench::passes::placed::Rows;
+use tilescope_workbench::passes::canvas::Rows;
 
 /// More marks than this in view are left out.
 pub const MAX_MARKS: usize = 20_000;

@@ -17,7 +17,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::passes::placed::Rows;
+use tilescope_workbench::passes::canvas::Rows;
 use tilescope_workbench::passes::{PassCommand, PassSide};
 use tilescope_workbench::{Command, State};
 

@@ -7,8 +7,9 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::widgets::Known;
 
+use tilescope_workbench::passes::canvas::Rows;
 use tilescope_workbench::passes::model::Visit;
-use tilescope_workbench::passes::placed::{PlacedCounts, Rows};
+use tilescope_workbench::passes::placed::PlacedCounts;
 use tilescope_workbench::passes::{PassCommand, Passes};
 
 /// Shows the switch, and a remark on the rows that it draws.

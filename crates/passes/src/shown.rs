@@ -4,7 +4,7 @@ use tilescope_gpu::layout::{Access, Name};
 
 use super::filter::{Filter, FilterError};
 use super::model::Visit;
-use super::placed::{self, PlacedCounts, Rows};
+use super::placed::{self, PlacedCounts};
 use super::table::{BufferTable, PassSide};
 
 /// A choice of buffer, side and rows, and the rows shown.
@@ -91,17 +91,6 @@ impl ShownBuffer {
     #[must_use]
     pub const fn counts(&self) -> PlacedCounts {
         self.counts
-    }
-
-    /// Returns the rows to show on the canvas.
-    #[must_use]
-    pub fn on_canvas<'a>(&'a self, visit: &'a Visit) -> Option<Rows<'a>> {
-        Some(Rows {
-            table: visit.buffers.get(self.buffer)?,
-            places: visit.placed.get(self.buffer)?.side(self.side),
-            domain: &visit.domain,
-            shown: self,
-        })
     }
 
     /// Shows the buffer chosen last; if the pass lacks it, the first that it changed.

@@ -1,6 +1,7 @@
 //! The passes of a run on a GPU, one by one: their times, their buffers before and after, and the comparison with the CPU.
 //! Begin with [`Passes`], the state; [`PassCommand`]s change it, and `tilescope-app` shows it. All times are measured.
 
+pub mod canvas;
 pub mod csv;
 mod device;
 pub mod filter;
@@ -20,9 +21,9 @@ use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::Moment;
 use tilescope_session::words::sentence;
 
+pub use canvas::OnCanvas;
 pub use device::Fault;
 pub use model::{Badge, PassEntry, PassLine, Visit};
-pub use placed::OnCanvas;
 pub use shown::ShownBuffer;
 pub use table::PassSide;
 
@@ -233,7 +234,8 @@ impl Passes {
     }
 
     /// Returns the last stage that is complete after the selected pass. The blocks are complete before the first pass.
-    pub(crate) fn whole_stage(&self) -> Option<Stage> {
+    #[must_use]
+    pub fn whole_stage(&self) -> Option<Stage> {
         let passed = self.entries.get(..=self.selected?)?;
         let ends = |entry: &&PassEntry| entry.badge != Badge::Intermediate;
         let last = passed.iter().rev().find(ends);
@@ -297,14 +299,15 @@ impl Passes {
     }
 
     /// Returns where the selected row lies, in r, if it has a position.
-    pub(crate) fn picked_position(&self) -> Option<DVec2> {
+    #[must_use]
+    pub fn picked_position(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.places.of(rows.shown.picked()? as usize).first()?;
         Some(tilescope_session::units::position(placed::middle(spot)))
     }
 
     /// Notes the moment of the timeline at a command of the passes.
-    pub(crate) const fn note_moment(&mut self, moment: Option<Moment>) {
+    pub const fn note_moment(&mut self, moment: Option<Moment>) {
         self.moment = moment;
     }
 
@@ -361,7 +364,7 @@ impl Passes {
     }
 
     /// Returns the name and bytes of an exported file where there is no file system; taken once.
-    pub(crate) const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
+    pub const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
         self.download.take()
     }
 
