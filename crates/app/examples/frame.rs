@@ -83,7 +83,7 @@ fn pan(app: &mut App, number: u32) {
 
 /// One event back, one forward.
 fn step(app: &mut App, number: u32) {
-    if let Some((at, count)) = app.state.cursor() {
+    if let Some((at, count)) = app.state.runs().first.cursor() {
         let next = if number.is_multiple_of(2) && at > 0 {
             at - 1
         } else {
@@ -95,7 +95,12 @@ fn step(app: &mut App, number: u32) {
 
 /// Another prefix of nested levels in each frame, over the whole track.
 fn drag(app: &mut App, number: u32) {
-    let all = app.state.cursor().map_or(0, |(_, count)| count);
+    let all = app
+        .state
+        .runs()
+        .first
+        .cursor()
+        .map_or(0, |(_, count)| count);
     let prefix = all * (number as usize + 1) / FRAMES as usize;
     app.state.apply(Command::Time(TimeCommand::Jump(prefix)));
 }

@@ -519,9 +519,13 @@ fn layers(list: &mut List, state: &State) {
         .on_key(Key::T)
         .marked(state.appearance().chosen_layers.is_none());
     list.group();
-    let shown = state.appearance().layers(state.current_stage());
+    let shown = state
+        .appearance()
+        .layers(state.runs().first.current_stage());
     let is_nested = state.runs().first.kind() == SessionKind::Nested;
-    let hidden = state.lessons().hidden_layers(state.current_stage());
+    let hidden = state
+        .lessons()
+        .hidden_layers(state.runs().first.current_stage());
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let has_none = is_nested && !layer.is_of(SessionKind::Nested);
@@ -627,7 +631,7 @@ fn debug(list: &mut List, state: &State) {
             .on_key(Key::F9)
             .marked(is_set);
     }
-    let at_start = state.cursor().is_some_and(|(at, _)| at == 0);
+    let at_start = state.runs().first.cursor().is_some_and(|(at, _)| at == 0);
     let no_cause = at_start.then_some("Nothing has happened yet.");
     let why = Command::Debug(DebugCommand::Why);
     list.add("Why? Go to the cause of the last event", why)

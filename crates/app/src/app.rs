@@ -244,7 +244,10 @@ impl App {
             self.state.take_results(&results);
         }
         if is_default && let Ok(text) = std::fs::read_to_string(folder.last_session()) {
-            self.state.offer_session(text);
+            self.state.restore(Settings {
+                last_session: Some(text),
+                ..Settings::default()
+            });
         }
         self.kept = Some(folder);
     }

@@ -44,18 +44,21 @@ impl<'a> CanvasContext<'a> {
     /// Creates the context of a window's canvas.
     #[must_use]
     pub fn of(state: &'a State) -> Self {
+        let (runs, appearance, window) = (state.runs(), state.appearance(), state.window());
+        let causes = state.analysis().causes(&runs.first, window);
+        let clock = state.time().playback.clock;
         Self {
-            palette: Palette::of(state.appearance().look),
-            look: state.appearance().look,
-            runs: state.runs(),
+            palette: Palette::of(appearance.look),
+            look: appearance.look,
+            runs,
             subjects: [
-                state.subject(),
-                state.runs().second_subject(state.appearance()),
+                runs.subject(Which::First, appearance, causes),
+                runs.subject(Which::Second, appearance, None),
             ],
-            rows: state.buffers_on_canvas(),
-            is_embedded: state.window().embedding.is_some(),
+            rows: runs.first.buffers_on_canvas(window, appearance.look, clock),
+            is_embedded: window.embedding.is_some(),
             is_stage: state.talks().open.is_some(),
-            is_compact: state.window().drawer.arrangement.is_compact(),
+            is_compact: window.drawer.arrangement.is_compact(),
         }
     }
 }

@@ -18,7 +18,7 @@ pub use archive::{PackError, packed, unpacked};
 pub(crate) use disk::answered;
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::browse;
-pub use read::{Combined, Done, FileOutcome, FileSource, Opened, ReadTask, read};
+pub use read::{Done, FileOutcome, FileSource, Opened, ReadTask, SavedContent, read};
 pub use save::missing_folder;
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
@@ -178,13 +178,23 @@ impl Default for Delivery {
     }
 }
 
-/// The last session of an earlier use of the program, as [`crate::State::session_to_keep`] wrote it.
+/// The last session of an earlier use of the program, as [`crate::state::session_to_keep`] wrote it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LastSession {
     /// The text.
     pub text: String,
     /// Whether it was reopened since the start.
     pub is_reopened: bool,
+}
+
+impl LastSession {
+    /// Returns a session that was not reopened yet.
+    pub(crate) const fn new(text: String) -> Self {
+        Self {
+            text,
+            is_reopened: false,
+        }
+    }
 }
 
 /// The name of the last session, where files are named.

@@ -12,7 +12,7 @@
 //!
 //! let text = r#"[{"form": {"type": ["radius", "0.03"]}}, "run", {"time": "first-stage"}]"#;
 //! let Ok(state) = script::apply_all(script::read(text)?, |_| Ok::<_, Infallible>(()));
-//! assert_eq!(state.cursor().map(|(cursor, _)| cursor), Some(0));
+//! assert_eq!(state.runs().first.cursor().map(|(cursor, _)| cursor), Some(0));
 //! # Ok::<(), script::ScriptError>(())
 //! ```
 

@@ -13,7 +13,7 @@ use tilescope_session::verification::Verdict;
 use crate::command::{Command, ViewCommand, Which};
 use crate::files::FileCommand;
 use crate::remote::to_json;
-use crate::state::State;
+use crate::state::{Effect, Settings, State};
 
 /// The most commands of a script.
 pub const MAX_COMMANDS: usize = 100_000;
@@ -83,7 +83,10 @@ fn carry_out<E>(
     mut after: impl FnMut(&State, Option<Refusal>) -> Result<(), E>,
 ) -> Result<State, E> {
     let mut state = State::new(Arc::new(|| {}));
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     let canvas = Rect::from_min_size(Pos2::ZERO, vec2(CANVAS[0], CANVAS[1]));
     let canvas = ViewCommand::Viewport(canvas);
     state.apply(Command::View(Which::First, canvas));
@@ -119,7 +122,8 @@ fn refusal_before(state: &State, command: &Command) -> Option<String> {
 /// Applies a command and waits for its work. Returns why it was refused or failed, if it was.
 fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option<String> {
     // An older notice must not be taken for one about this command.
-    let before = state.exchange_notice(None);
+    let before = state.messages().notice.clone();
+    state.carry_out(Which::First, vec![Effect::CloseNotice]);
     state.apply(command.clone());
     state.settle();
 
@@ -128,7 +132,8 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
     let failed = notice.filter(|notice| notice.is_error && notice.folder.is_none());
     let failed = failed.map(|notice| notice.text.clone());
     if notice.is_none() && !matches!(command, Command::DismissNotice) {
-        state.exchange_notice(before);
+        let again = before.map(Effect::Tell);
+        state.carry_out(Which::First, again.into_iter().collect());
     }
 
     // The first command that would replace a file only asks; the same command once more is the answer.
@@ -163,7 +168,7 @@ pub fn run<E: From<ScriptError>>(
     if !each {
         print_state(&state)?;
     }
-    Ok(state.verdict().map(Verdict::valid))
+    Ok(state.runs().first.verdict().map(Verdict::valid))
 }
 
 #[cfg(test)]

@@ -4,36 +4,29 @@
 
 use tilescope_classroom::Classroom;
 use tilescope_classroom::room::HIDDEN_LAYER;
-use tilescope_core::Stage;
-use tilescope_core::combine::file::Layout;
 use tilescope_debugger::Target;
-use tilescope_drawing::subject::Subject;
-use tilescope_session::words::sentence;
+use tilescope_session::jobs::{Job, Wake};
+use tilescope_session::verification::Verdict;
 
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
-use crate::command::{
-    AppearanceCommand, Command, FormCommand, GpuCommand, LinkCommand, TimeCommand, ViewCommand,
-    Which,
-};
-use crate::device::EngineChoice;
-use crate::link::Link;
+use crate::command::{AppearanceCommand, Command, LinkCommand, TimeCommand, ViewCommand, Which};
+use crate::files::SaveTask;
+use crate::layout::Layout;
 use crate::rules::UndoPart;
+pub(crate) use effects::Effect;
 pub use export::{ExportSource, Exports};
+pub use files::session_to_keep;
 pub use form::Form;
-pub use frame::{FrameStart, Requests, Settings};
+pub use frame::{FrameStart, PageAddress, Requests, Settings};
 pub use gpu::GpuState;
 pub use link::not_copied;
 pub use page::PageStart;
 pub use parts::{FileState, Messages, Past, Runs};
 pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, RunView};
 pub use scenes::Scenes;
-use tilescope_session::combination::{CombineCommand, NINE};
-use tilescope_session::jobs::{Job, Wake};
-use tilescope_session::moment::ShownMoment;
-use tilescope_session::verification::Verdict;
 pub use time::Time;
-use undo::HistoryStep;
+use undo::{HistoryStep, Memento};
 pub use window::WindowState;
 
 /// Why a command is refused while a question is open.
@@ -147,54 +140,20 @@ impl State {
         state
     }
 
-    /// Returns the stage shown.
-    #[must_use]
-    pub fn current_stage(&self) -> Option<Stage> {
-        self.runs.first.current_stage()
-    }
-
-    /// Returns the verdict, once there is one.
-    #[must_use]
-    pub fn verdict(&self) -> Option<&Verdict> {
-        self.runs.first.verdict()
-    }
-
-    /// Returns the moment that is shown.
-    #[must_use]
-    pub fn shown(&self) -> Option<ShownMoment<'_>> {
-        self.runs.first.shown()
-    }
-
-    /// Returns the cursor, and how many events there are; `None` for a session without events.
-    #[must_use]
-    pub fn cursor(&self) -> Option<(usize, usize)> {
-        self.runs.first.cursor()
-    }
-
-    /// Returns the subject of the canvas.
-    #[must_use]
-    pub fn subject(&self) -> Option<Subject<'_>> {
-        let first = &self.runs.first;
-        Some(Subject {
-            causes: self.causes(),
-            ..first.subject(&self.appearance, self.runs.contrast(false))?
-        })
-    }
-
     /// Refuses a command that an open question does not allow, or that names something by a number that it does not have.
     /// Returns whether it is refused; a notice says why.
     fn refuse(&mut self, command: &Command) -> bool {
         let lessons = &self.classroom.lessons;
-        let hidden = || lessons.hidden_layers(self.current_stage());
+        let hidden = || lessons.hidden_layers(self.runs.first.current_stage());
         match command {
             Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
-                self.tell(HIDDEN_LAYER.to_owned(), false);
+                self.messages.tell(HIDDEN_LAYER.to_owned(), false);
             }
             _ if lessons.veil().is_some() && command.rules().reveals => {
-                self.tell(VEILED.to_owned(), false);
+                self.messages.tell(VEILED.to_owned(), false);
             }
             _ => match self.runs.index_refusal(command) {
-                Some(text) => self.tell(format!("{text}."), true),
+                Some(text) => self.messages.tell(format!("{text}."), true),
                 None => return false,
             },
         }
@@ -221,7 +180,7 @@ impl State {
         }
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
         let before = match command {
-            Command::Time(_) | Command::Debug(_) => Some(self.cursor()),
+            Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
             _ => None,
         };
@@ -231,7 +190,7 @@ impl State {
             Command::Redo => self.step_in_history(HistoryStep::Redo),
             command => match rules.undo {
                 Some(part) => {
-                    let before = self.memento();
+                    let before = Memento::of(self);
                     let remembered = command.clone();
                     self.dispatch(command);
                     self.remember(before, part, Some(&remembered));
@@ -242,46 +201,35 @@ impl State {
         }
         match before {
             // A conflict, say, that was looked for is to be seen: at the scale of the whole domain it is a speck.
-            Some(before) if seeks && self.cursor() != before => {
+            Some(before) if seeks && self.runs.first.cursor() != before => {
                 self.on(Which::First, |run, context| run.lead_to_event(context));
             }
-            Some(before) => self.follow_event(before),
-            None => {}
+            Some(before) if self.appearance.follows_events => {
+                self.on(Which::First, |run, context| {
+                    run.follow_event(before, context)
+                });
+            }
+            Some(_) | None => {}
         }
         self.follow();
     }
 
     /// Brings the parts into line with what has changed: layers with an open question, the second run with the first.
     pub(crate) fn follow(&mut self) {
-        let stage = self.current_stage();
+        let stage = self.runs.first.current_stage();
         let chosen = &mut self.appearance.chosen_layers;
         *chosen = self.classroom.lessons.permitted(*chosen, stage);
         self.runs.follow_first();
         self.time.follow_passes(&self.runs.first);
     }
 
-    /// Moves the camera to the current event, if it follows and the cursor is no longer `before`.
-    fn follow_event(&mut self, before: Option<(usize, usize)>) {
-        if self.appearance.follows_events && self.cursor() != before {
-            self.on(Which::First, |run, context| run.follow_event(context));
-        }
-    }
-
-    fn apply_to_form(&mut self, command: FormCommand) {
-        // The engine is shown among the parameters; to reset them resets it, too.
-        if command == FormCommand::Reset {
-            let automatic = GpuCommand::Engine(EngineChoice::Auto);
-            self.with(|state, context| state.gpu.apply(automatic, context));
-        }
-        self.form.apply(command);
-    }
-
     fn dispatch(&mut self, command: Command) {
+        // Below, `s` is the state and `c` the context.
         match command {
-            Command::Form(command) => self.apply_to_form(command),
-            Command::Gpu(command) => self.with(|state, context| state.gpu.apply(command, context)),
+            Command::Form(command) => self.with(|s, c| s.form.apply(command, c)),
+            Command::Gpu(command) => self.with(|s, c| s.gpu.apply(command, c)),
             Command::Run => self.run(),
-            Command::Combine(command) => self.combine(command),
+            Command::Combine(command) => self.with(|s, c| s.runs.read_layout(command, c)),
             Command::Cancel(which) => {
                 self.on(which, |run, _| run.cancel());
             }
@@ -291,97 +239,86 @@ impl State {
             Command::DismissNotice => self.messages.notice = None,
             Command::OpenFolder(folder) => self.files.folder_to_open = Some(folder),
             Command::Appearance(command) => {
-                let stage = self.current_stage();
+                let stage = self.runs.first.current_stage();
                 self.appearance.apply(command, stage);
-                self.end_flights();
+                self.runs.end_flights(&self.appearance);
             }
             Command::Window(command) => self.window.apply(command),
 
             // What is shown of the runs.
-            Command::OpenPasses => self.with(|state, context| {
-                state.runs.first.open_passes(&state.gpu, context);
-            }),
-            Command::Passes(command) => {
-                self.on(Which::First, |run, context| {
-                    run.apply_to_passes(command, context);
-                });
+            Command::OpenPasses => self.with(|s, c| s.runs.first.open_passes(&s.gpu, c)),
+            Command::Passes(command) => self.with(|s, c| s.runs.first.apply_to_passes(command, c)),
+            Command::Compare(command) => {
+                self.with(|s, c| s.runs.apply(command, &s.form, &s.gpu, c));
             }
-            Command::Compare(command) => self.with(|state, context| {
-                (state.runs).apply(command, &state.form, &state.gpu, context);
-            }),
             Command::Analysis(command) => {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
             }
-            Command::Debug(command) => {
-                self.on(Which::First, |run, context| {
-                    run.apply_to_debugger(command, context);
-                });
-            }
+            Command::Debug(command) => self.with(|s, c| s.runs.first.apply_to_debugger(command, c)),
             Command::Time(command) => {
-                self.in_time(|time, run, context| time.apply(command, run, context));
+                self.with(|s, c| s.time.apply(command, &mut s.runs.first, c));
             }
-            Command::View(which, command) => self.with_of(which, |state, context| match which {
-                Which::First => state.runs.first.apply_to_view(command, context),
-                Which::Second => state.runs.apply_to_second_view(command, context),
+            Command::View(which, command) => self.with_of(which, |s, c| match which {
+                Which::First => s.runs.first.apply_to_view(command, c),
+                Which::Second => s.runs.apply_to_second_view(command, c),
             }),
 
             // What is made of them.
-            Command::Scene(command) => self.in_scenes(|scenes, run, source, context| {
-                scenes.apply(command, run, source, context);
+            Command::Scene(command) => self.in_scenes(|scenes, run, source, c| {
+                scenes.apply(command, run, source, c);
             }),
-            Command::Lesson(command) => {
-                self.in_class(|class, context| class.apply(command, context));
+            Command::Lesson(command) => self.in_class(|class, c| class.apply(command, c)),
+            Command::Talk(command) => self.in_class(|class, c| class.apply_to_talk(command, c)),
+            Command::File(command) => {
+                let saved = self.files.saves(&command).then(|| SaveTask::of(self));
+                self.with(|s, c| s.files.apply(command, &s.runs.first, saved, c));
             }
-            Command::Talk(command) => {
-                self.in_class(|class, context| class.apply_to_talk(command, context));
-            }
-            Command::File(command) => self.apply_to_files(command),
-            Command::Export(command) => self.in_exports(|exports, source, delivery, context| {
-                exports.apply(command, source, delivery, context);
+            Command::Export(command) => self.in_exports(|exports, source, delivery, c| {
+                exports.apply(command, source, delivery, c);
             }),
-            Command::Link(LinkCommand::Copy) => self.copy_link(),
+            Command::Link(LinkCommand::Copy) => {
+                let link = self.link();
+                self.with(|s, c| link.copy(s.window.address.as_deref(), c));
+            }
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }
     }
 
-    fn copy_link(&mut self) {
-        let Link { fragment, left_out } = self.link();
-        let address = self.window.address.as_deref();
-        let text = link::copied_notice(&left_out, address);
-        let link = format!("{}#{fragment}", address.unwrap_or_default());
-        self.window.copied = Some(link);
-        self.tell(text, false);
+    /// Adds a step to undo for `command`, if it changed something since `before`.
+    fn remember(&mut self, before: Memento, part: UndoPart, command: Option<&Command>) {
+        let now = Memento::of(self);
+        self.past.history.remember(before, &now, part, command);
     }
 
-    /// Starts making a combination, or shows a notice with the fault of its layout.
-    fn combine(&mut self, command: CombineCommand) {
-        let text = match command {
-            CombineCommand::Nine => NINE.to_owned(),
-            CombineCommand::Text(text) => text,
-        };
-        (self.messages.notice, self.runs.arriving) = (None, None);
-        match Layout::from_json(text.as_bytes()) {
-            Ok(layout) => {
-                self.remember_run(UndoPart::Run);
-                self.start_combining(layout);
-            }
-            Err(error) => self.tell(sentence(&error.to_string()), true),
+    /// Adds the step of a run that is about to replace the current one, if there is one.
+    fn remember_run(&mut self, part: UndoPart) {
+        if self.runs.first.session.is_some() {
+            let now = Memento::of(self);
+            self.past.history.remember_run(part, now);
         }
     }
 
-    /// Sets the system's preference of reduced motion, which counts until the user chooses.
-    pub fn prefer_reduced_motion(&mut self, reduced: bool) {
-        self.appearance.prefer_reduced_motion(reduced);
-        self.end_flights();
+    /// Undoes or redoes a change.
+    fn step_in_history(&mut self, step: HistoryStep) {
+        let now = Memento::of(self);
+        let session = self.runs.first.session.as_ref();
+        let is_made = session.is_none_or(|session| session.has_recipe());
+        let typed = is_made.then(|| self.form.recipe());
+        let asked = self.messages.notice.as_ref();
+        let asked = asked.map(|notice| notice.text.clone());
+        self.with(|state, context| {
+            let history = &mut state.past.history;
+            history.step(step, now, typed, asked.as_deref(), context);
+        });
     }
 
-    /// Ends flights of cameras at their destinations if motion is reduced.
-    fn end_flights(&mut self) {
-        if self.appearance.reduced_motion {
-            for which in [Which::First, Which::Second] {
-                self.on(which, |run, _| run.end_flight());
-            }
+    /// Takes a layout that the user changed by dragging. Moving a panel can be undone.
+    pub fn replace_layout(&mut self, layout: Layout, is_moved: bool) {
+        let before = Memento::of(self);
+        self.window.layout = layout;
+        if is_moved {
+            self.remember(before, UndoPart::Layout, None);
         }
     }
 
@@ -415,7 +352,7 @@ mod tests;
 mod time;
 mod undo;
 mod unfinished;
-mod whole;
+mod view;
 mod window;
 mod work;
 

@@ -1,5 +1,5 @@
 //! The view of a session, as it is saved with the session: camera, layers, colours, panels, selection, clock, the second
-//! run. Views come from untrusted files: each part is checked by itself. `state/whole.rs` makes and applies them.
+//! run. Views come from untrusted files: each part is checked by itself. `state/view.rs` makes and applies them.
 
 use glam::DVec2;
 

@@ -10,8 +10,8 @@ use crate::circles::{product, sources};
 const MAX_FIELDS: usize = 12;
 /// The most functions of the state itself, which may change every part, and the most files with them. They are the counts of the
 /// day when the parts were last gone through: lower them with each pass.
-const MAX_FUNCTIONS: usize = 120;
-const MAX_FILES: usize = 5;
+const MAX_FUNCTIONS: usize = 59;
+const MAX_FILES: usize = 4;
 
 /// Returns the lines that decide about commands that they do not name: conditions, and arms of a match whose pattern is no
 /// variant.

@@ -35,7 +35,7 @@ const LIMITS: [(&str, usize, usize); 23] = [
     ("crates/tilescope", 1, 47),
     ("crates/trusted", 0, 45),
     ("crates/ui", 8, 8),
-    ("crates/workbench", 112, 16),
+    ("crates/workbench", 96, 16),
     ("web/app", 4, 14),
     ("web/pack", 5, 22),
 ];

@@ -21,7 +21,7 @@ use tilescope_workbench::command::LinkCommand;
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::remote::{ask, to_json};
-use tilescope_workbench::state::{PageStart, Settings, not_copied};
+use tilescope_workbench::state::{PageAddress, PageStart, Settings, not_copied};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
@@ -277,7 +277,10 @@ impl Tilescope {
     /// Follows the system's preference for reduced motion, unless the user chose otherwise in the app.
     pub fn prefer_reduced_motion(&self, reduced: bool) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
-            page.app.state.prefer_reduced_motion(reduced);
+            page.app.state.restore(Settings {
+                prefers_reduced_motion: Some(reduced),
+                ..Settings::default()
+            });
             page.ctx.request_repaint();
         }
     }
@@ -389,7 +392,13 @@ impl Page {
         let language = storage.and_then(|storage| restore(&mut app, storage, options));
         // A link may name another language.
         let languages = language.iter().chain(&options.languages);
-        app.state.begin_at(address(), preferred(languages));
+        app.state.restore(Settings {
+            page: Some(PageAddress {
+                address: address(),
+                language: preferred(languages),
+            }),
+            ..Settings::default()
+        });
         let language = language.or_else(|| Some(app.state.lessons().language.clone()));
 
         // Opening a link removes earlier notices.
@@ -508,7 +517,10 @@ impl Page {
             return;
         }
         self.told_secs = now_secs;
-        let talk = state.talk_json().to_string();
+        let talk = state
+            .classroom()
+            .talk_json(&state.runs().first.canvas_view())
+            .to_string();
         if talk != self.talk && self.stores {
             hooks::talk(&talk);
             self.talk = talk;

@@ -238,7 +238,7 @@ fn pointed_at(state: &State, name: &str, position: [f64; 2], radii: f64) -> [f64
     let far = |at: [f64; 2]| (at[0] - position[0]).hypot(at[1] - position[1]);
 
     let gap = || {
-        let tessellation = run.geometry.of(&state.shown()?)?;
+        let tessellation = run.geometry.of(&state.runs().first.shown()?)?;
         let mut deepest = tessellation.gaps.iter().map(|gap| gap.deepest.0.into());
         deepest.find(|&at| far(at) < 0.4 * radii)
     };

@@ -38,7 +38,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let stop = Command::Analysis(AnalysisCommand::Stop);
     list.add("Cancel measuring", stop)
         .refused(is_idle.then_some("Nothing is being measured."));
-    let shown = state.shown();
+    let shown = state.runs().first.shown();
     let is_stopped = shown.is_some_and(|shown| analysis.is_stopped(&shown));
     let resume = Command::Analysis(AnalysisCommand::Resume);
     list.add("Measure this moment", resume)

@@ -7,7 +7,7 @@ use super::{Action, COMMAND, List, Menu, SHIFT, Submenu};
 use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which, WindowCommand};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::state::State;
+use tilescope_workbench::state::{ExportSource, State};
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
@@ -35,7 +35,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         ("Export picture of this moment\u{2026}", ExportKind::Picture),
         ("Export animation\u{2026}", ExportKind::Animation),
     ] {
-        let refusal = state.export_source().kind_refusal(kind);
+        let refusal = ExportSource::of(&state).kind_refusal(kind);
         let refusal = refusal.map(|refusal| refusal.to_string());
         let action = toggle(list, name, sheet(kind), refusal.as_deref());
         match kind {

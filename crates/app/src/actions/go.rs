@@ -45,7 +45,7 @@ pub(super) fn add(list: &mut List, state: &State) {
                 .marked(state.time().playback.clock == clock);
         }
     });
-    let no_loop = no_events.filter(|_| state.cursor().is_none());
+    let no_loop = no_events.filter(|_| state.runs().first.cursor().is_none());
     let (on, back) = (no_events.or(at_end), no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
     steps(list, state, forwards, on);

@@ -6,6 +6,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Known, heading};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::state::session_to_keep;
 
 use super::App;
 
@@ -92,7 +93,7 @@ impl App {
 
     /// Writes the session for the next start, if it is not the one that was written last.
     pub(super) fn keep_session(&mut self) {
-        let (Some(kept), Some(text)) = (&self.kept, self.state.session_to_keep()) else {
+        let (Some(kept), Some(text)) = (&self.kept, session_to_keep(&self.state)) else {
             return;
         };
         if self.kept_session.as_ref() == Some(&text) {

@@ -99,7 +99,7 @@ impl Window {
     }
 
     fn cursor(&self) -> usize {
-        self.app.state.cursor().expect("events").0
+        self.app.state.runs().first.cursor().expect("events").0
     }
 
     /// Returns where the widget of an id is.
@@ -141,7 +141,7 @@ fn a_click_within_one_frame_goes_there_on_the_timeline() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         let mut window = Window::opened(size);
         let track = window.rect_of("moment");
-        let (_, len) = window.app.state.cursor().unwrap();
+        let (_, len) = window.app.state.runs().first.cursor().unwrap();
         let mut before = len;
         for part in [0.8, 0.35, 0.6] {
             // On the bar; its lower half has the names of the stages.
@@ -168,7 +168,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
     window.frame(keys(&[Key::Home, Key::ArrowRight, Key::ArrowRight]));
     assert_eq!(window.cursor(), 2);
     window.frame(keys(&[Key::End, Key::ArrowLeft]));
-    let (cursor, len) = window.app.state.cursor().unwrap();
+    let (cursor, len) = window.app.state.runs().first.cursor().unwrap();
     assert_eq!(cursor, len - 1);
     // Each run to an event begins at the end of the one before.
     window.frame(keys(&[Key::Home, Key::E, Key::E]));
@@ -212,7 +212,7 @@ fn is_event(id: &str) -> bool {
 fn the_tree_shows_the_last_event_wherever_one_goes() {
     let mut window = Window::opened([1440.0, 900.0]);
     window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
-    let (_, len) = window.app.state.cursor().unwrap();
+    let (_, len) = window.app.state.runs().first.cursor().unwrap();
     // Short and long jumps, both ways, into branches that were never expanded.
     let mut at = 7_usize;
     for step in 0..40 {
@@ -240,7 +240,7 @@ fn all_panels_show_the_same_moment() {
             let state = &window.app.state;
             let session = state.runs().first.session.as_ref().unwrap();
             (
-                state.cursor().unwrap().0,
+                state.runs().first.cursor().unwrap().0,
                 Arc::clone(session.recording().unwrap()),
             )
         };
@@ -321,7 +321,10 @@ fn sentences_are_whole() {
         ([844.0, 390.0], None, None),
     ] {
         let mut window = Window::opened(size);
-        window.app.state.embed(embedding);
+        window.app.state.restore(Settings {
+            embedding: Some(embedding),
+            ..Settings::default()
+        });
         if let Some(look) = look {
             window.apply(Command::Appearance(AppearanceCommand::Look(look)));
             // What a projector shows is larger.
@@ -336,7 +339,7 @@ fn sentences_are_whole() {
                 .apply(Command::Time(TimeCommand::Jump(cursor)));
             window.frame(Vec::new());
             window.frame(Vec::new());
-            let text = happened(window.app.state.shown().as_ref());
+            let text = happened(window.app.state.runs().first.shown().as_ref());
             let found = drawn(&window, &text);
             let whole = |&(elided, rect, clip): &(bool, Rect, Rect)| {
                 !elided && clip.expand(0.5).contains_rect(rect)
@@ -606,7 +609,9 @@ fn results_are_in_the_folder_at_the_answer_and_the_last_session_at_the_end() {
         app.keep_in(kept.clone(), is_default);
         (
             app.state.lessons().results.learner.clone(),
-            app.state.offers_session(),
+            app.state
+                .files()
+                .offers_session(app.state.past(), app.state.window()),
         )
     };
     window.app.keep_session();

@@ -29,7 +29,9 @@ impl<'a> PanelContext<'a> {
             appearance: state.appearance(),
             run: &state.runs().first,
             is_compared: state.runs().second.is_some(),
-            hidden_layers: state.lessons().hidden_layers(state.current_stage()),
+            hidden_layers: state
+                .lessons()
+                .hidden_layers(state.runs().first.current_stage()),
         }
     }
 }

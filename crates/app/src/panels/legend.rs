@@ -15,7 +15,8 @@ use tilescope_drawing::looks::level_age;
 use tilescope_workbench::command::{AppearanceCommand, Command};
 
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
-    show(ui, &PanelContext::of(state), state.causes(), commands);
+    let causes = state.analysis().causes(&state.runs().first, state.window());
+    show(ui, &PanelContext::of(state), causes, commands);
 });
 
 /// Shows the legend.

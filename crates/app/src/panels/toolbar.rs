@@ -75,7 +75,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             export(ui, state, verdict, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
             exporting(ui, state, commands);
-            if state.offers_session() && ui.available_width() >= ROOM_FOR_LAST {
+            let offers_last = state.files().offers_session(state.past(), state.window());
+            if offers_last && ui.available_width() >= ROOM_FOR_LAST {
                 let last = ui.button("Reopen the last session");
                 let last = last.on_hover_text(LAST_SESSION);
                 let command = Command::File(FileCommand::Last);

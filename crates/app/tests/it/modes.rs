@@ -12,6 +12,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::Purpose;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::view::SavedView;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::opened;
@@ -52,7 +53,7 @@ fn the_projector_mode_returns_to_the_look_before() {
     }
     assert!(!escape(&mut state), "there is nothing to leave");
     // A saved view may begin in a mode.
-    let mut view = state.view();
+    let mut view = SavedView::of(&state);
     view.appearance.look = Look::Projector;
     state.apply(Command::Appearance(AppearanceCommand::Look(Look::Light)));
     state.look_as(&view);

@@ -7,11 +7,15 @@ use egui::{Key, Modifiers};
 use tilescope_app::actions::{actions, takes_key};
 use tilescope_workbench::State;
 use tilescope_workbench::files::Delivery;
+use tilescope_workbench::state::Settings;
 
 fn on_page() -> State {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
-    state.deliver(Delivery::Download);
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     state
 }
 
@@ -34,7 +38,10 @@ fn browsers_keep_the_keys_by_which_they_are_used() {
     assert!(takes_key(&state, "k", Modifiers::COMMAND));
     // The native window has no page.
     let mut native = on_page();
-    native.deliver(Delivery::Disk);
+    native.restore(Settings {
+        delivery: Some(Delivery::Disk),
+        ..Settings::default()
+    });
     for name in ["F5", "F11"] {
         assert!(takes_key(&native, name, plain), "{name}");
     }
@@ -44,7 +51,10 @@ fn browsers_keep_the_keys_by_which_they_are_used() {
 fn no_two_actions_have_the_same_keys() {
     let mut state = on_page();
     for delivery in [Delivery::Download, Delivery::Disk] {
-        state.deliver(delivery);
+        state.restore(Settings {
+            delivery: Some(delivery),
+            ..Settings::default()
+        });
         let mut taken = HashMap::new();
         for action in actions(&state) {
             let Some(keys) = action.shortcut else {

@@ -97,7 +97,14 @@ pub fn debugger<'a>(harness: &'a Harness<'_, App>) -> &'a Debugger {
 
 /// Returns how many events have happened.
 pub fn cursor(harness: &Harness<'_, App>) -> usize {
-    harness.state().state.cursor().expect("events").0
+    harness
+        .state()
+        .state
+        .runs()
+        .first
+        .cursor()
+        .expect("events")
+        .0
 }
 
 /// Returns the last event.

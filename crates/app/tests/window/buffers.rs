@@ -18,7 +18,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::canvas::Rows;
-use tilescope_workbench::passes::{PassCommand, PassSide};
+use tilescope_workbench::passes::{OnCanvas, PassCommand, PassSide};
 use tilescope_workbench::{Command, State};
 
 use crate::support::{find, is_disabled, node, opened, settle, text};
@@ -82,8 +82,17 @@ fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
     pass(harness, PassCommand::Buffer(index.expect("such a buffer")));
 }
 
+fn rows_on_canvas(state: &State) -> Option<OnCanvas<'_>> {
+    let clock = state.time().playback.clock;
+    let look = state.appearance().look;
+    state
+        .runs()
+        .first
+        .buffers_on_canvas(state.window(), look, clock)
+}
+
 fn rows<'a>(harness: &'a Harness<'_, App>) -> Rows<'a> {
-    let shown = state(harness).buffers_on_canvas().expect("a buffer");
+    let shown = rows_on_canvas(state(harness)).expect("a buffer");
     shown.rows.expect("its rows")
 }
 
@@ -211,7 +220,10 @@ fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
         settle(&mut harness);
         on_canvas(&harness, &tag);
         // The canvas shows the last completed stage.
-        assert_eq!(state(&harness).current_stage(), Some(Stage::Tile));
+        assert_eq!(
+            state(&harness).runs().first.current_stage(),
+            Some(Stage::Tile)
+        );
     }
 }
 
@@ -228,44 +240,54 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
         .to_vec();
     for (pass, stage) in [("survive", Stage::Eliminate), ("attribute", Stage::Tile)] {
         go(&mut harness, pass, Name::Places);
-        assert_eq!(state(&harness).current_stage(), Some(stage), "{pass}");
+        assert_eq!(
+            state(&harness).runs().first.current_stage(),
+            Some(stage),
+            "{pass}"
+        );
     }
     pass(&mut harness, PassCommand::Select(0));
-    assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
+    assert_eq!(
+        state(&harness).runs().first.current_stage(),
+        Some(Stage::Blocks)
+    );
     // Moving in the timeline selects a pass, and that selection does not move the timeline back.
     apply(&mut harness, Command::Time(TimeCommand::LastStage));
     let passes = state(&harness).runs().first.passes.as_ref().unwrap();
     assert_eq!(passes.selected(), Some(entries.len() - 1));
-    assert_eq!(state(&harness).current_stage(), Some(Stage::Finish));
+    assert_eq!(
+        state(&harness).runs().first.current_stage(),
+        Some(Stage::Finish)
+    );
 }
 
 #[test]
 fn a_session_that_is_stepped_through_by_events_is_not_drawn_over() {
     let mut harness = opened();
-    assert!(state(&harness).buffers_on_canvas().is_none());
+    assert!(rows_on_canvas(state(&harness)).is_none());
     drop(harness);
     harness = with_passes();
-    assert!(state(&harness).buffers_on_canvas().is_none());
+    assert!(rows_on_canvas(state(&harness)).is_none());
     go(&mut harness, "tile", Name::Places);
     // The canvas is in front, and the timeline is at the moment of the pass.
-    assert!(state(&harness).buffers_on_canvas().is_some());
-    let there = state(&harness).cursor().unwrap().0;
+    assert!(rows_on_canvas(state(&harness)).is_some());
+    let there = state(&harness).runs().first.cursor().unwrap().0;
     let step = || Command::Time(TimeCommand::Step(Step::Into, Direction::Forwards));
     apply(&mut harness, step());
-    assert!(state(&harness).buffers_on_canvas().is_none());
+    assert!(rows_on_canvas(state(&harness)).is_none());
     apply(&mut harness, Command::Time(TimeCommand::Jump(there)));
-    assert!(state(&harness).buffers_on_canvas().is_some());
+    assert!(rows_on_canvas(state(&harness)).is_some());
     apply(&mut harness, step());
     apply(
         &mut harness,
         Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
     );
-    assert!(state(&harness).buffers_on_canvas().is_some());
+    assert!(rows_on_canvas(state(&harness)).is_some());
     apply(
         &mut harness,
         Command::Appearance(AppearanceCommand::Look(Look::Projector)),
     );
-    assert!(state(&harness).buffers_on_canvas().is_none());
+    assert!(rows_on_canvas(state(&harness)).is_none());
 }
 
 #[test]
@@ -324,7 +346,7 @@ fn only_the_first_of_two_compared_runs_has_them() {
     );
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::ShowCanvas);
-    assert!(state(&harness).buffers_on_canvas().is_some());
+    assert!(rows_on_canvas(state(&harness)).is_some());
     // There is only one.
     node(&harness, "on-canvas");
     assert!(!is_disabled(&harness, "canvas-b"));

@@ -348,7 +348,10 @@ fn a_selected_sample_and_two_runs_fit() {
 fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     let mut harness = opened_at([1440.0, 900.0]);
     let state = &mut harness.state_mut().state;
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     assert_eq!(
         (
             state.appearance().reduced_motion,
@@ -362,14 +365,23 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
         ..Settings::default()
     };
     state.restore(stored(None));
-    state.prefer_reduced_motion(false);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(false),
+        ..Settings::default()
+    });
     assert!(!state.appearance().reduced_motion);
     state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     assert_eq!(state.appearance().motion_chosen(), Some(true));
-    state.prefer_reduced_motion(false);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(false),
+        ..Settings::default()
+    });
     assert!(state.appearance().reduced_motion);
     state.restore(stored(Some(false)));
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     assert!(!state.appearance().reduced_motion);
 }
 

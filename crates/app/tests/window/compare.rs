@@ -11,7 +11,7 @@ use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which,
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::state::RunView;
+use tilescope_workbench::state::{RunView, Settings};
 use tilescope_workbench::{Command, State};
 
 use crate::support::{is_disabled, node, opened, session, settle, text};
@@ -45,12 +45,15 @@ fn divergence(state: &State) -> Divergence {
 
 fn cursors(state: &State) -> [usize; 2] {
     let second = second(state).debugger.as_ref().expect("events");
-    [state.cursor().expect("events").0, second.state().cursor()]
+    [
+        state.runs().first.cursor().expect("events").0,
+        second.state().cursor(),
+    ]
 }
 
 fn differing(state: &State) -> [usize; 3] {
     let (side, comparison) = state.runs().second.as_ref().expect("a second run");
-    let (a, b) = (state.shown().unwrap(), side.shown().unwrap());
+    let (a, b) = (state.runs().first.shown().unwrap(), side.shown().unwrap());
     let found = comparison.differences.of(&a, &b).expect("known");
     [found.common, found.first.len(), found.second.len()]
 }
@@ -138,7 +141,7 @@ fn playback_is_linked_until_unlinked() {
     let stages = |state: &State| {
         let side = second(state);
         let other = side.session.as_ref().unwrap().stages[side.stage];
-        [state.current_stage().unwrap(), other]
+        [state.runs().first.current_stage().unwrap(), other]
     };
     for _ in 0..5 {
         harness.key_press(Key::ArrowRight);
@@ -255,7 +258,7 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
     // Time still advances in both, stage by stage.
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(2)));
     let state = &harness.state().state;
-    assert_eq!(state.current_stage(), Some(Stage::Tile));
+    assert_eq!(state.runs().first.current_stage(), Some(Stage::Tile));
     let side = second(state);
     assert_eq!(
         side.session.as_ref().unwrap().stages[side.stage],
@@ -415,7 +418,10 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
     let note = "Too many samples differ to mark them at this scale: zoom in.";
     let drawn = |preset: ComparePreset, command: Command| {
         let mut harness = compared(preset);
-        harness.state_mut().state.prefer_reduced_motion(true);
+        harness.state_mut().state.restore(Settings {
+            prefers_reduced_motion: Some(true),
+            ..Settings::default()
+        });
         apply(&mut harness, Command::Time(TimeCommand::LastStage));
         apply(&mut harness, command);
         harness.run();

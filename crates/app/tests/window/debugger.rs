@@ -188,7 +188,7 @@ fn a_press_counts_with_the_modifiers_of_its_moment() {
 fn the_arrows_follow_the_clock() {
     let mut harness = opened();
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    let stage = |harness: &Harness<'_, App>| harness.state().state.current_stage();
+    let stage = |harness: &Harness<'_, App>| harness.state().state.runs().first.current_stage();
     assert_eq!(stage(&harness), Some(Stage::Iterate(3)));
     let whole = cursor(&harness);
     apply(

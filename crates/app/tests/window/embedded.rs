@@ -11,14 +11,21 @@ use tilescope_ui::focus::{self, End};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
 use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::state::Settings;
 
 use crate::support::{find, focused, node, opened_at, settle};
 
 fn embedded(embedding: Embedding, size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = opened_at(size);
     let state = &mut harness.state_mut().state;
-    state.embed(Some(embedding));
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        embedding: Some(Some(embedding)),
+        ..Settings::default()
+    });
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     harness.run();
     harness
 }

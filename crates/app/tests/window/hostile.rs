@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 use tilescope_workbench::Command;
-use tilescope_workbench::files::Purpose;
+use tilescope_workbench::files::{Purpose, SaveTask};
 
 use crate::support::opened;
 use crate::support::sessions::{apply, busy, folder, go, notice};
@@ -16,13 +16,13 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     let mut value: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     change(&mut value);
     std::fs::write(&path, value.to_string()).unwrap();
-    let before = harness.state().state.saved();
+    let before = SaveTask::of(&harness.state().state).run;
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Open, &path);
     let message = notice(&harness);
     if message.1 {
         // The previous session is still shown, and so is the sheet.
-        assert_eq!(harness.state().state.saved(), before);
+        assert_eq!(SaveTask::of(&harness.state().state).run, before);
         assert!(harness.state().state.files().sheet.is_some());
     }
     message

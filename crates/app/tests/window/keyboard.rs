@@ -290,7 +290,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     assert!(cursor(&harness) > 0);
     tab_to(&mut harness, "stage.eliminate");
     press(&mut harness, NONE, Key::Enter);
-    let stage = harness.state().state.current_stage();
+    let stage = harness.state().state.runs().first.current_stage();
     assert_eq!(stage, Some(tilescope_core::Stage::Eliminate));
     // Enter opens a menu, and Tab moves within it.
     tab_to(&mut harness, "menu.file");

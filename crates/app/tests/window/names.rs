@@ -193,7 +193,17 @@ fn the_focused_widget_and_its_changes_are_announced() {
     for _ in 0..8 {
         harness.step();
     }
-    assert!(harness.state().state.cursor().expect("events").0 > 0);
+    assert!(
+        harness
+            .state()
+            .state
+            .runs()
+            .first
+            .cursor()
+            .expect("events")
+            .0
+            > 0
+    );
     assert_eq!(texts(&announced), Vec::<String>::new());
     harness
         .state_mut()

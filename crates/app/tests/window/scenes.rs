@@ -66,7 +66,7 @@ fn a_scene_of_the_tour_breaks_the_set_and_mends_it() {
         node(&harness, offer).click();
         harness.run();
         settle(&mut harness);
-        let verdict = harness.state().state.verdict();
+        let verdict = harness.state().state.runs().first.verdict();
         assert!(verdict.is_some_and(|verdict| verdict.report.maximal() == is_maximal));
     }
 }

@@ -12,7 +12,7 @@ use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::files::{FileCommand, Purpose, SaveTask};
 use tilescope_workbench::layout::Panel;
 
 use crate::support::sessions::{apply, busy, folder, go, notice, path_text};
@@ -30,7 +30,7 @@ fn a_session_is_opened_where_it_was_left() {
         &mut harness,
         Command::Appearance(AppearanceCommand::Look(Look::Light)),
     );
-    let before = harness.state().state.saved().expect("a session");
+    let before = SaveTask::of(&harness.state().state).run.expect("a session");
     let digest = before.digest.clone();
     go(&mut harness, Purpose::Save, &path);
     let (message, is_error) = notice(&harness);
@@ -42,14 +42,25 @@ fn a_session_is_opened_where_it_was_left() {
 
     let mut other = opened();
     assert_ne!(
-        other.state().state.saved().expect("a session").digest,
+        SaveTask::of(&other.state().state)
+            .run
+            .expect("a session")
+            .digest,
         digest
     );
     go(&mut other, Purpose::Open, &path);
     let state = &other.state().state;
-    let after = state.saved().expect("a session");
+    let after = SaveTask::of(&state).run.expect("a session");
     assert_eq!(after, before);
-    assert!(state.verdict().expect("verified").report.valid());
+    assert!(
+        state
+            .runs()
+            .first
+            .verdict()
+            .expect("verified")
+            .report
+            .valid()
+    );
     assert_eq!(state.runs().first.selected, Some(40));
     assert_eq!(state.appearance().look, Look::Light);
     assert!(state.appearance().layers(None).has(Layer::Disks));
@@ -165,14 +176,24 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
         session.run().pattern.samples().len(),
         own_pattern.pattern.samples().len()
     );
-    assert!(harness.state().state.verdict().unwrap().report.valid());
+    assert!(
+        harness
+            .state()
+            .state
+            .runs()
+            .first
+            .verdict()
+            .unwrap()
+            .report
+            .valid()
+    );
     let path = folder.join("with-pattern.json");
     go(&mut harness, Purpose::Save, &path);
-    let saved = harness.state().state.saved();
+    let saved = SaveTask::of(&harness.state().state).run;
 
     let mut other = opened();
     go(&mut other, Purpose::Open, &path);
-    assert_eq!(other.state().state.saved(), saved);
+    assert_eq!(SaveTask::of(&other.state().state).run, saved);
     // The same content elsewhere, beside the session.
     let moved = folder.join("moved");
     std::fs::create_dir(&moved).unwrap();
@@ -221,14 +242,14 @@ fn a_dropped_file_is_opened_by_its_kind() {
     let path = folder.join("dropped.json");
     let mut harness = busy();
     go(&mut harness, Purpose::Save, &path);
-    let saved = harness.state().state.saved();
+    let saved = SaveTask::of(&harness.state().state).run;
     let own = pattern(&mut harness, &folder);
     let mut other = opened();
     apply(
         &mut other,
         Command::File(FileCommand::Dropped(vec![path_text(&path)])),
     );
-    assert_eq!(other.state().state.saved(), saved);
+    assert_eq!(SaveTask::of(&other.state().state).run, saved);
     apply(
         &mut other,
         Command::File(FileCommand::Dropped(vec![path_text(&own)])),
@@ -256,7 +277,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     let state = &harness.state().state;
     let session = state.runs().first.session.as_ref().unwrap();
     assert_eq!(session.summary.blocks, 1);
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs().first.verdict().unwrap().report.valid());
     for index in 0..session.stages.len() {
         apply(&mut harness, Command::Time(TimeCommand::ShowStage(index)));
     }
@@ -275,7 +296,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     let state = &harness.state().state;
     let count = state.runs().first.session.as_ref().unwrap().summary.count;
     assert!((15..40).contains(&count), "{count}");
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs().first.verdict().unwrap().report.valid());
     let all = [
         Layer::Disks,
         Layer::Delaunay,
@@ -299,7 +320,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
         harness.run();
     }
     // Three samples leave no room for a gap detector's disk.
-    let before = harness.state().state.saved();
+    let before = SaveTask::of(&harness.state().state).run;
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Parameter::Radius, "0.5".to_owned())),
@@ -312,7 +333,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     let refusal = text(&harness, "refusal-radius");
     assert!(refusal.contains("4 r"), "{refusal}");
     apply(&mut harness, Command::Run);
-    assert_eq!(harness.state().state.saved(), before);
+    assert_eq!(SaveTask::of(&harness.state().state).run, before);
 }
 
 #[test]
@@ -320,7 +341,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     let path = folder("at-work").join("one.json");
     let mut harness = busy();
     go(&mut harness, Purpose::Save, &path);
-    let saved = harness.state().state.saved();
+    let saved = SaveTask::of(&harness.state().state).run;
     let mut other = opened();
     let state = &mut other.state_mut().state;
     state.apply(Command::Form(FormCommand::Type(
@@ -336,7 +357,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
         state.apply(Command::File(command));
     }
     settle(&mut other);
-    assert_eq!(other.state().state.saved(), saved);
+    assert_eq!(SaveTask::of(&other.state().state).run, saved);
     // A run started while a file is read is not replaced by it.
     let state = &mut other.state_mut().state;
     state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
@@ -358,7 +379,7 @@ fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
     go(&mut harness, Purpose::Save, &path);
     let first = std::fs::read_to_string(&path).unwrap();
     let mut other = opened();
-    let before = other.state().state.saved();
+    let before = SaveTask::of(&other.state().state).run;
     let state = &mut other.state_mut().state;
     for command in [
         FileCommand::Sheet(Purpose::Open),
@@ -369,7 +390,7 @@ fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
         state.apply(Command::File(command));
     }
     settle(&mut other);
-    assert_eq!(other.state().state.saved(), before);
+    assert_eq!(SaveTask::of(&other.state().state).run, before);
     // After another run has started, the file no longer belongs to the session.
     go(&mut other, Purpose::Open, &path);
     apply(

@@ -176,7 +176,10 @@ fn an_embedded_window_shows_canvas_or_player_alone() {
     state.apply(Command::Compare(CompareCommand::Close));
     let mut results = SnapshotResults::new();
     for embedding in Embedding::ALL {
-        harness.state_mut().state.embed(Some(embedding));
+        harness.state_mut().state.restore(Settings {
+            embedding: Some(Some(embedding)),
+            ..Settings::default()
+        });
         settle(&mut harness);
         for id in ["export", "menu", "layer.disks", "run", "tab.parameters"] {
             let there = find(&harness, id).is_some();
@@ -189,7 +192,10 @@ fn an_embedded_window_shows_canvas_or_player_alone() {
         results.add(try_image_snapshot_options(&image, name, &options()));
     }
     // Without it there are panels again.
-    harness.state_mut().state.embed(None);
+    harness.state_mut().state.restore(Settings {
+        embedding: Some(None),
+        ..Settings::default()
+    });
     settle(&mut harness);
     assert!(find(&harness, "tab.parameters").is_some());
     results.unwrap();

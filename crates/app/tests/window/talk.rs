@@ -272,11 +272,11 @@ fn votes_are_shown_after_the_second_and_other_keys_do_nothing() {
         "{said:?}"
     );
     // Keys of the debugger would show later steps.
-    let before = harness.state().state.cursor();
+    let before = harness.state().state.runs().first.cursor();
     for key in [Key::End, Key::Space, Key::K, Key::F10, Key::V] {
         press(&mut harness, key);
     }
-    assert_eq!(harness.state().state.cursor(), before);
+    assert_eq!(harness.state().state.runs().first.cursor(), before);
     assert!(harness.state().state.talks().open.is_some());
 }
 

@@ -11,6 +11,7 @@ use tilescope_canvas::touch::release_cancelled;
 use tilescope_drawing::camera::Camera;
 use tilescope_workbench::command::{Command, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::Settings;
 
 /// Duration of a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;
@@ -24,7 +25,10 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     support::settle(&mut harness);
     // Zoomed in so that samples are distinguishable.
     let state = &mut harness.state_mut().state;
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyTo([60.0, 60.0].into(), 12.0),
@@ -99,7 +103,7 @@ fn middle(harness: &Harness<'_, App>) -> Pos2 {
 fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     let state = &harness.state().state;
     let session = state.runs().first.session.as_ref().expect("a session");
-    let shown = state.shown().expect("a moment");
+    let shown = state.runs().first.shown().expect("a moment");
     let mut best = (f64::INFINITY, 0);
     session
         .index
@@ -427,7 +431,7 @@ fn the_copy_that_was_tapped_is_marked_where_its_sample_is_out_of_view() {
             harness.state().state.runs().first.viewport,
         );
         let state = &harness.state().state;
-        let shown = state.shown().expect("a moment");
+        let shown = state.runs().first.shown().expect("a moment");
         let mut copy = None;
         let wanted = DVec2::new(width - 3.0, 60.0);
         session.index.visit(wanted, wanted, 1.5, |seen| {

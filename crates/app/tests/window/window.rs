@@ -18,14 +18,28 @@ use tilescope_workbench::layout::Panel;
 use crate::support::{find, focused, is_disabled, node, opened, opened_at, session, settle, text};
 
 fn shown_stage(harness: &Harness<'_, App>) -> Stage {
-    harness.state().state.current_stage().expect("a session")
+    harness
+        .state()
+        .state
+        .runs()
+        .first
+        .current_stage()
+        .expect("a session")
 }
 
 #[test]
 fn it_opens_on_a_finished_verified_session() {
     let harness = opened();
     let state = &harness.state().state;
-    assert!(state.verdict().expect("a verdict").report.valid());
+    assert!(
+        state
+            .runs()
+            .first
+            .verdict()
+            .expect("a verdict")
+            .report
+            .valid()
+    );
     assert!(text(&harness, "status").contains("10,041"));
     assert!(text(&harness, "counts").contains("45,961 of 45,961"));
     assert_eq!(shown_stage(&harness), Stage::Finish);
@@ -197,7 +211,13 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
     }
     settle(&mut harness);
     let before = harness.state().state.runs().first.camera;
-    let verdict = harness.state().state.verdict().expect("a verdict");
+    let verdict = harness
+        .state()
+        .state
+        .runs()
+        .first
+        .verdict()
+        .expect("a verdict");
     assert!(verdict.report.conflict_free() && !verdict.report.maximal());
     node(&harness, "verdict").click();
     harness.run();
@@ -340,7 +360,15 @@ fn the_gpu_shows_its_name_and_its_verdict() {
     settle(&mut harness);
     assert!(text(&harness, "engine-used").contains("GPU ("));
     let state = &harness.state().state;
-    assert!(state.verdict().expect("a verdict").report.valid());
+    assert!(
+        state
+            .runs()
+            .first
+            .verdict()
+            .expect("a verdict")
+            .report
+            .valid()
+    );
 }
 
 /// Returns how much of a panel's tab is scrolled out of view.
@@ -377,10 +405,10 @@ fn help_lists_keys_and_terms_and_says_how_to_cite() {
     harness.run();
     assert!(find(&harness, "help.keys").is_some());
     // Keys go to the sheet: the run stays where it is.
-    let before = harness.state().state.cursor();
+    let before = harness.state().state.runs().first.cursor();
     harness.key_press(egui::Key::Home);
     harness.run();
-    assert_eq!(harness.state().state.cursor(), before);
+    assert_eq!(harness.state().state.runs().first.cursor(), before);
     node(&harness, "help.terms").click();
     harness.run();
     node(&harness, "help.about").click();
@@ -396,13 +424,20 @@ fn help_lists_keys_and_terms_and_says_how_to_cite() {
     assert!(find(&harness, "help.keys").is_none());
     harness.key_press(egui::Key::Home);
     settle(&mut harness);
-    assert_ne!(harness.state().state.cursor(), before);
+    assert_ne!(harness.state().state.runs().first.cursor(), before);
 }
 
 #[test]
 fn the_verification_says_up_to_which_covering_radius_a_set_is_maximal() {
     let harness = opened();
-    let report = &harness.state().state.verdict().expect("a verdict").report;
+    let report = &harness
+        .state()
+        .state
+        .runs()
+        .first
+        .verdict()
+        .expect("a verdict")
+        .report;
     let limit = format!("{:.6} r", 1.0 + report.covering_tolerance);
     assert_eq!(limit, "1.000031 r");
     assert!(report.covering_radius <= (1.0 + report.covering_tolerance) * report.radius);

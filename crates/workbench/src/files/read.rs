@@ -71,10 +71,8 @@ pub enum Done {
     Saved(String),
     /// It is ready for download.
     Download(NamedBytes),
-    /// A session was read.
+    /// A session or a combination was read.
     Opened(Box<Opened>),
-    /// A combination was read.
-    Combined(Box<Combined>),
     /// A set of nested levels was read.
     Levels(Box<Session>),
     /// A pattern was read.
@@ -88,28 +86,25 @@ pub enum Done {
     },
 }
 
-/// A session that was read, with its run.
+/// A session that was read, computed again.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Opened {
     /// The file.
     pub path: String,
     /// The saved content.
     #[serde(with = "as_json")]
-    pub saved: Saved,
-    /// The run, computed again.
+    pub saved: SavedContent,
+    /// The session.
     pub session: Session,
 }
 
-/// A combination that was read, with its session.
+/// What a file says about the session in it.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Combined {
-    /// The file.
-    pub path: String,
-    /// The saved content, if the file is a session rather than a layout.
-    #[serde(with = "as_json")]
-    pub saved: Option<SavedCombination>,
-    /// The session.
-    pub session: Session,
+pub enum SavedContent {
+    /// The saved session of a run.
+    Run(Box<Saved>),
+    /// The saved session of a combination; `None` if the file is a layout.
+    Combination(Option<SavedCombination>),
 }
 
 type Made = Result<Done, String>;
@@ -131,7 +126,6 @@ impl Task for ReadTask {
     fn keep(outcome: FileOutcome) {
         match outcome.done {
             Ok(Done::Opened(opened)) => SessionRef::keep::<()>(Ok(opened.session)),
-            Ok(Done::Combined(combined)) => SessionRef::keep::<()>(Ok(combined.session)),
             Ok(Done::Levels(session)) => SessionRef::keep::<()>(Ok(*session)),
             _ => {}
         }
@@ -229,9 +223,9 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     if let Some(saved) = &saved {
         saved.prove(&session).map_err(|error| named(&error))?;
     }
-    Ok(Done::Combined(Box::new(Combined {
+    Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
-        saved,
+        saved: SavedContent::Combination(saved),
         session,
     })))
 }
@@ -263,7 +257,7 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let session = Session::from_recording(recording, generation).with(&recipe);
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
-        saved,
+        saved: SavedContent::Run(Box::new(saved)),
         session,
     })))
 }

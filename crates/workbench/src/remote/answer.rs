@@ -16,12 +16,13 @@ use tilescope_session::words::{grouped, quoted, slug, stage_name};
 
 use super::{self as remote, LessonRequest, Request, RequestError, Wanted, read};
 use crate::clock::Clock;
-use crate::command::{Command, TimeCommand};
+use crate::command::{Command, TimeCommand, Which};
+use crate::draft::Draft;
 use crate::link::choice_name;
 use crate::scenes::SceneCommand;
-use crate::state::State;
 use crate::state::run_view::none_there;
-use crate::view::AUTOMATIC;
+use crate::state::{Effect, Form, State};
+use crate::view::{AUTOMATIC, SavedView};
 
 const QUESTION_OPEN: &str = "a question of the lesson is open; answer it, or close the lesson";
 const NO_EVENTS: &str = "this session has no events; seek a stage";
@@ -50,13 +51,13 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
         }
         Request::State => return Ok(json!({"ok": true, "state": to_json(state)})),
         Request::Link(link) => {
-            let (content, warnings) = crate::link::read(&link);
+            let (_, warnings) = crate::link::read(&link);
             dropped = Some(warnings.sentences());
-            state.open_content(content, warnings);
+            state.open_link(&link);
         }
         Request::Parameters(parameters) => {
             dropped = Some(Vec::new());
-            state.load(*parameters);
+            load(state, *parameters);
         }
         Request::Step { forwards, unit } => step_by(state, forwards, unit)?,
         Request::SeekEvent(event) => seek_event(state, event)?,
@@ -65,12 +66,31 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
         Request::SeekTarget(target, direction) => seek_target(state, target, direction)?,
         Request::View(wanted) => look_as_wanted(state, &wanted),
         Request::Play(speed) => play_at(state, speed)?,
-        Request::Pause => state.pause(),
+        Request::Pause => state.carry_out(Which::First, vec![Effect::Pause]),
     }
     Ok(match dropped {
         Some(dropped) => json!({"ok": true, "dropped": dropped}),
         None => json!({"ok": true}),
     })
+}
+
+/// Starts a run with other parameters; the view stays as it is.
+fn load(state: &mut State, parameters: Parameters) {
+    state.in_class(|class, _| class.lessons.close_list());
+    let form = Form {
+        draft: Draft::from_parameters(parameters),
+        ..Form::default()
+    };
+    let recipe = form.recipe();
+    state.carry_out(
+        Which::First,
+        vec![
+            Effect::GiveBack,
+            Effect::StopMaking,
+            Effect::Form(Box::new(form)),
+            Effect::run(recipe),
+        ],
+    );
 }
 
 /// Carries out a request about lessons; returns the lesson.
@@ -142,13 +162,19 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
     } else {
         TimeCommand::StepBack
     };
-    state.apply_by(unit, step);
+    let before = state.time().playback.clone();
+    let mut by_unit = before.clone();
+    by_unit.clock = unit;
+    // The chosen unit stays.
+    state.carry_out(Which::First, vec![Effect::Playback(Box::new(by_unit))]);
+    state.apply(Command::Time(step));
+    state.carry_out(Which::First, vec![Effect::Playback(Box::new(before))]);
     Ok(())
 }
 
 fn seek_event(state: &mut State, event: usize) -> Result<(), RequestError> {
     need_session(state)?;
-    let Some((_, len)) = state.cursor() else {
+    let Some((_, len)) = state.runs().first.cursor() else {
         return refused(NO_EVENTS);
     };
     if event > len {
@@ -175,7 +201,7 @@ fn seek_stage(state: &mut State, stage: &str) -> Result<(), RequestError> {
 fn seek_part(state: &mut State, part: f64) -> Result<(), RequestError> {
     let last = need_session(state)?.stages.len() - 1;
     let of = |all: usize| (part * all as f64).round() as usize;
-    state.apply(Command::Time(match state.cursor() {
+    state.apply(Command::Time(match state.runs().first.cursor() {
         Some((_, len)) => TimeCommand::Jump(of(len)),
         None => TimeCommand::ShowStage(of(last)),
     }));
@@ -200,19 +226,23 @@ fn seek_target(
 }
 
 fn look_as_wanted(state: &mut State, wanted: &Wanted) {
+    let mut effects = Vec::new();
     if wanted.whole || wanted.camera.is_some() {
-        state.set_camera(wanted.camera);
+        effects.push(Effect::Camera(wanted.camera));
     }
     let mut appearance = state.appearance().clone();
     appearance.chosen_layers = wanted.layers.unwrap_or(appearance.chosen_layers);
     appearance.colouring = wanted.colouring.unwrap_or(appearance.colouring);
     appearance.choose_look(wanted.look.unwrap_or(appearance.look));
-    state.set_appearance(appearance);
+    effects.push(Effect::Appearance(Box::new(appearance)));
+    state.carry_out(Which::First, effects);
+    // Layers that an open question hides stay hidden.
+    state.follow();
 }
 
 /// Returns the view, in the form of the request that changes it.
 fn view_json(state: &State) -> Value {
-    let camera = state.view().camera;
+    let camera = SavedView::of(state).camera;
     let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
     let names = |layers: Layers| json!(layers.iter().map(Layer::key).collect::<Vec<_>>());
     let layers = state.appearance().chosen_layers.map(names);
@@ -243,9 +273,13 @@ pub fn to_json(state: &State) -> Value {
     let parameters = made.map_or(state.form().draft.parameters, |made| made.run().parameters);
     // A verdict on another prefix of nested levels is not that of the samples shown.
     let is_known = state.runs().first.prefix_at_work().is_none();
-    let verdict = state.verdict().filter(|_| is_known);
-    let (cursor, events) = state.cursor().unwrap_or((0, 0));
-    let stage = state.current_stage().map(|stage| slug(&stage_name(stage)));
+    let verdict = state.runs().first.verdict().filter(|_| is_known);
+    let (cursor, events) = state.runs().first.cursor().unwrap_or((0, 0));
+    let stage = state
+        .runs()
+        .first
+        .current_stage()
+        .map(|stage| slug(&stage_name(stage)));
     let Classroom { lessons, talks } = state.classroom();
     json!({
         "seed": seed(parameters.seed),
@@ -255,7 +289,7 @@ pub fn to_json(state: &State) -> Value {
         "events": events,
         "cursor": cursor,
         "stage": stage,
-        "sentence": happened(state.shown().as_ref()),
+        "sentence": happened(state.runs().first.shown().as_ref()),
         "caption": state.scenes().caption(&state.runs().first),
         "playing": state.time().playback.is_playing(),
         "verified": verdict.map(Verdict::valid),

@@ -6,9 +6,10 @@ use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::jobs::Wake;
 use tilescope_sets::region;
 
-use super::RunView;
+use super::{RunView, WindowState};
 use crate::analysis::Analysis;
 use crate::analysis::reference_file::ReferenceFile;
+use crate::layout::Panel;
 
 impl Analysis {
     /// Measures the moment of a run; rests while the analysis is not visible.
@@ -52,9 +53,10 @@ impl Analysis {
         }
     }
 
-    /// Returns the causes of the brush at the moment of a run, if found and visible.
-    pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&BrushedCause> {
-        let brush = self.brush.filter(|_| are_seen)?;
+    /// Returns the causes of the brush at the moment of a run, if found, while the window shows the panel of the analysis.
+    #[must_use]
+    pub fn causes(&self, run: &RunView, window: &WindowState) -> Option<&BrushedCause> {
+        let brush = self.brush.filter(|_| window.shows(Panel::Analysis))?;
         self.marks.of(&run.shown()?, brush)
     }
 }

@@ -1,5 +1,10 @@
 //! What lessons and the tour borrow of the window, and how it is given back: panels, parameters, run, moment and camera. They
-//! borrow once, however many lessons follow each other; `State::give_back` ends them.
+//! borrow once, however many lessons follow each other; `State::give_back` in `effects.rs` ends them.
+
+use std::sync::Arc;
+
+use tilescope_session::recipe::Recipe;
+use tilescope_session::session::Session;
 
 use super::undo::History;
 use super::window::KeptPanels;
@@ -27,6 +32,14 @@ impl Borrowed {
     /// Returns the layout that was replaced.
     pub(super) const fn layout(&self) -> &Layout {
         self.panels.layout()
+    }
+
+    /// Returns the session that was set aside, if it is the recorded run of a recipe.
+    pub(super) fn session_of(&self, recipe: &Recipe) -> Option<Arc<Session>> {
+        let session = self.run.as_ref()?.session.as_ref()?;
+        let is_same = session.has_recipe() && session.recipe() == *recipe;
+        let is_shown = is_same && session.recording().is_some();
+        is_shown.then(|| Arc::clone(session))
     }
 }
 
@@ -94,7 +107,7 @@ mod tests {
             "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
             session.recipe(),
             session.generation,
-            state.cursor(),
+            state.runs.first.cursor(),
             (run.camera, run.is_fitted(), run.selection()),
             state.window.layout,
             state.form.draft,
@@ -132,7 +145,7 @@ mod tests {
         assert_eq!(state.past.layout_to_store(&state.window), &layout);
         lesson(&mut state, LessonCommand::Leave);
         assert_eq!(seen(&state), before);
-        assert!(state.verdict().is_some());
+        assert!(state.runs.first.verdict().is_some());
         // Panels that were opened during the lesson are not those from before it, and a second lesson borrows the same.
         open_template(&mut state);
         window(&mut state, WindowCommand::OpenPanel(Panel::Inspector));
@@ -166,7 +179,7 @@ mod tests {
         let mut state = State::new(std::sync::Arc::new(|| {}));
         open_template(&mut state);
         lesson(&mut state, LessonCommand::Leave);
-        assert!(state.window.shows_sides() && state.verdict().is_some());
+        assert!(state.window.shows_sides() && state.runs.first.verdict().is_some());
     }
 
     #[test]
@@ -185,10 +198,10 @@ mod tests {
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
         }
         scene(&mut state, SceneCommand::Offer(0));
-        assert!(!state.verdict().unwrap().report.maximal() && state.scenes.is_touring());
+        assert!(!state.runs.first.verdict().unwrap().report.maximal() && state.scenes.is_touring());
         // The other button mends it.
         scene(&mut state, SceneCommand::Offer(1));
-        assert!(state.verdict().unwrap().report.maximal());
+        assert!(state.runs.first.verdict().unwrap().report.maximal());
         scene(&mut state, SceneCommand::Offer(0));
         while state.scenes.is_touring() {
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
@@ -217,7 +230,7 @@ mod tests {
         assert_eq!(session.recipe(), state.form.recipe());
         assert!(state.runs.first.is_at_end() && state.runs.first.is_fitted());
         assert_eq!(state.window.layout, layout);
-        assert!(state.verdict().unwrap().report.maximal());
+        assert!(state.runs.first.verdict().unwrap().report.maximal());
     }
 
     #[test]

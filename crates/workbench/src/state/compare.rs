@@ -14,6 +14,7 @@ use crate::compare::{CompareCommand, ComparePreset, Comparison};
 use crate::device::EngineChoice;
 use crate::draft::Draft;
 use crate::layout::Panel;
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::subject::{Contrast, Subject};
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::SessionKind;
@@ -351,10 +352,15 @@ impl Runs {
         comparison.shows_differences.then_some(contrast)
     }
 
-    /// Returns the subject of the second canvas.
+    /// Returns the subject of a run's canvas; `causes` are those of the brush, which only the first run has.
     #[must_use]
-    pub fn second_subject(&self, appearance: &Appearance) -> Option<Subject<'_>> {
-        let (side, _) = self.second.as_ref()?;
-        side.subject(appearance, self.contrast(true))
+    pub fn subject<'a>(
+        &'a self,
+        which: Which,
+        appearance: &Appearance,
+        causes: Option<&'a BrushedCause>,
+    ) -> Option<Subject<'a>> {
+        let contrast = self.contrast(which == Which::Second);
+        self.get(which)?.subject(appearance, contrast, causes)
     }
 }

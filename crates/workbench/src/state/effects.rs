@@ -1,28 +1,35 @@
 //! The interface between parts of the state: the data that a part may use while it applies a command, and the effects that
-//! it asks for, which the state carries out in their order.
+//! it asks for, which the state carries out in their order. Lessons and the tour borrow the window, and give it back.
 
-use tilescope_classroom::room::StepView;
+use std::sync::Arc;
+
+use tilescope_classroom::lessons::OpenLesson;
 use tilescope_classroom::{self as classroom, Classroom};
-use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
+use tilescope_drawing::camera::Camera;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Colouring, Layers};
-use tilescope_session::recipe::Recipe;
-use tilescope_session::selection::Selection;
+use tilescope_session::recipe::{OwnPattern, Recipe};
+use tilescope_session::session::Session;
 
+use super::borrowed::Borrowed;
 use super::parts::JobContext;
 use super::scenes::{SceneSource, Scenes};
-use super::undo::{History, Made};
-use super::{Appearance, ExportSource, Exports, Form, Notice, RunView, State, Time};
-use crate::clock::Clock;
+use super::undo::{History, Made, Memento};
+use super::{Appearance, ExportSource, Exports, Form, Notice, RunView, State};
+use crate::analysis::reference_file::ReferenceFile;
+use crate::clock::{Clock, Playback};
 use crate::command::{Command, Which};
 use crate::device::EngineChoice;
-use crate::files::{Delivery, Done};
+use crate::files::{Delivery, Opened};
 use crate::layout::{Layout, Panel};
+use crate::rules::UndoPart;
+use crate::scenes::SceneList;
+use crate::view::SavedView;
 
 /// A request of a part to the others, which the state carries out after the command.
-pub(super) enum Effect {
+pub(crate) enum Effect {
     /// Show this notice.
     Tell(Notice),
     /// Copy a text to the clipboard.
@@ -55,24 +62,49 @@ pub(super) enum Effect {
     EndLoop,
     /// Choose the unit of a tick.
     Clock(Clock),
+    /// Replace the state of playback.
+    Playback(Box<Playback>),
     /// Close the sheet of files.
     CloseFileSheet,
     /// Close the notice.
     CloseNotice,
     /// Append a sentence to the notice, or show a new one.
     Add(String),
-    /// Take what was read from a file or written.
-    Done(Box<Done>),
+    /// Show a session that was read from a file.
+    Open(Box<Opened>),
+    /// Open a link.
+    OpenLink(String),
+    /// Compare the runs with a point set.
+    Against(Arc<ReferenceFile>),
+    /// Clip the next run from a pattern.
+    Pattern(Box<OwnPattern>),
     /// Start a run by an engine.
     Sample(Which, Box<Recipe>, EngineChoice),
-    /// Make a run or a combination again, unless it is the current one.
-    Make(Option<Box<Made>>),
+    /// Make a run or a combination; the current session stays until it is ready.
+    Make(Box<Made>),
+    /// Stop making and reading sessions, and close the notice.
+    StopMaking,
+    /// Show a session.
+    Show(Box<Session>),
+    /// Set the camera; without one, fit the whole domain.
+    Camera(Option<Camera>),
+    /// Add the step to undo of a run that is about to replace the current one.
+    RememberRun(UndoPart),
     /// Drop all steps to undo, as another session is there.
     Forget,
     /// Show the first scene of the tour.
     StartTour,
     /// End the tour, if it is shown.
     EndTour,
+    /// End the lesson or the tour, if one is open, and restore what it had replaced.
+    GiveBack,
+}
+
+impl Effect {
+    /// Asks for a run in place of the one that is shown, by the chosen engine.
+    pub(crate) fn run(recipe: Recipe) -> Self {
+        Self::Make(Box::new(Made::Run(recipe)))
+    }
 }
 
 /// The data of other parts that a part may use while it applies a command.
@@ -127,7 +159,7 @@ impl State {
         let mut context = Context::new(&self.runs.jobs, &self.appearance);
         let outcome = act(self, &mut context);
         self.runs.jobs.generation = context.generation;
-        self.carry_out_effects(which, context.effects);
+        self.carry_out(which, context.effects);
         outcome
     }
 
@@ -142,52 +174,72 @@ impl State {
         })
     }
 
-    /// Runs `act` on playback and the run that it moves, and carries out the effects they ask for.
-    pub(super) fn in_time<T>(
-        &mut self,
-        act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T,
-    ) -> T {
-        self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
-    }
-
-    fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
+    /// Carries out what parts, or the page around the window, ask for; notices name the run.
+    pub(crate) fn carry_out(&mut self, which: Which, effects: Vec<Effect>) {
         for effect in effects {
             match effect {
-                Effect::Tell(notice) => self.notify(which, notice),
+                Effect::Tell(notice) => self.messages.tell_of(which, notice),
+                Effect::TellBriefly(text) => self.messages.tell_briefly(text),
+                Effect::Add(text) => self.messages.add(&text, false),
+                Effect::CloseNotice => self.messages.notice = None,
                 Effect::Copy(text) => self.window.copied = Some(text),
-                Effect::Inspect => self.inspect(which),
                 Effect::Download(file) => self.files.downloads.push(file),
-                Effect::TellBriefly(text) => {
-                    self.messages.brief = Some(text.clone());
-                    self.tell(text, false);
-                }
+                Effect::CloseFileSheet => self.files.sheet = None,
                 Effect::Issue(command) => self.dispatch(*command),
+
+                // What the window shows.
+                Effect::Inspect => {
+                    let question = self.classroom.lessons.open_question();
+                    let run = self.runs.get(which).filter(|_| question.is_none());
+                    self.window.inspect(run);
+                }
                 Effect::OpenPanel(panel) => self.window.open_panel(panel),
                 Effect::Layout(layout) => self.window.layout = layout,
-                Effect::BringPanels => self.bring_panels(),
-                Effect::Form(form) => self.form.take(*form),
+                Effect::BringPanels => self.past.bring_panels(&mut self.window),
                 Effect::Appearance(appearance) => self.appearance.take(&appearance),
                 Effect::Layers(layers, colouring) => {
                     (self.appearance.chosen_layers, self.appearance.colouring) =
                         (layers, colouring);
                 }
-                Effect::Stops(stops) => {
-                    self.on(Which::First, |run, context| run.put_stops(stops, context));
+                Effect::Camera(camera) => {
+                    let now = self.runs.first.camera;
+                    self.runs.first.take_camera(camera, now);
                 }
-                Effect::CloseFileSheet => self.files.sheet = None,
-                Effect::CloseNotice => self.messages.notice = None,
-                Effect::Add(text) => self.messages.add(&text, false),
-                Effect::Done(done) => self.take_done(*done),
+                Effect::Against(file) => self.analysis.reference_file = Some(file),
+                Effect::Stops(stops) => self.with(|s, c| s.runs.first.put_stops(stops, c)),
                 Effect::Pause => self.time.playback.stop(),
                 Effect::EndLoop => self.time.playback.range = None,
                 Effect::Clock(clock) => self.time.playback.choose(clock),
+                Effect::Playback(playback) => self.time.playback = *playback,
+
+                // Other runs.
+                Effect::Form(form) => self.form.take(*form),
+                Effect::Pattern(own) => {
+                    let before = Memento::of(self);
+                    self.form.own_pattern = Some(*own);
+                    self.remember(before, UndoPart::Form, None);
+                }
                 Effect::Sample(which, recipe, engine) => {
                     self.start_sampling(which, *recipe, engine);
                 }
-                Effect::Make(made) => self.make_again(made.map(|made| *made)),
+                Effect::Make(made) => match *made {
+                    Made::Run(recipe) => {
+                        self.start_sampling(Which::First, recipe, self.gpu.engine);
+                    }
+                    Made::Combination(layout) => {
+                        self.files.stop_reading();
+                        self.with(|state, context| state.runs.combine(layout, context));
+                    }
+                },
+                Effect::StopMaking => self.stop_making(),
+                Effect::Show(session) => self.show(Which::First, *session),
+                Effect::Open(opened) => self.show_opened(*opened),
+                Effect::OpenLink(link) => self.open_link(&link),
+                Effect::RememberRun(part) => self.remember_run(part),
                 Effect::Forget => self.past.history = History::default(),
                 Effect::StartTour => self.start_tour(),
                 Effect::EndTour => self.end_tour(),
+                Effect::GiveBack => self.give_back(),
             }
         }
     }
@@ -198,52 +250,6 @@ impl State {
             let gpu = state.gpu.for_run(&recipe.parameters, engine);
             state.runs.sample(which, recipe, gpu, context);
         });
-    }
-
-    /// Starts making a combination; the current session stays until it is ready.
-    pub(super) fn start_combining(&mut self, layout: Combination) {
-        self.files.stop_reading();
-        self.with(|state, context| state.runs.combine(layout, context));
-    }
-
-    /// Makes a run again, unless it is the current one.
-    fn make_again(&mut self, made: Option<Made>) {
-        self.stop_making();
-        if made == Made::of(&self.runs.first) {
-            return;
-        }
-        match made {
-            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.gpu.engine),
-            Some(Made::Combination(layout)) => self.start_combining(layout),
-            None => {}
-        }
-    }
-
-    /// Opens the inspector, if something is selected and the window has panels. A selection that answers a question opens
-    /// nothing: the inspector would take room from the picture, and may tell the answer.
-    fn inspect(&mut self, which: Which) {
-        let run = self.runs.get(which);
-        let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
-        let is_asked = self.classroom.lessons.open_question().is_some();
-        if is_selected && !is_asked && self.window.embedding.is_none() {
-            self.window.open_panel(Panel::Inspector);
-        }
-    }
-
-    pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.messages.notice = Some(Notice::new(text, is_error));
-    }
-
-    /// Shows a notice that concerns one of the runs.
-    pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
-        self.notify(which, Notice::new(text, is_error));
-    }
-
-    fn notify(&mut self, which: Which, mut notice: Notice) {
-        if which == Which::Second {
-            notice.text = format!("Run B: {}", notice.text);
-        }
-        self.messages.notice = Some(notice);
     }
 
     /// Runs `act` on lessons and talks, and carries out the effects they ask for.
@@ -263,7 +269,7 @@ impl State {
     fn carry_out_of_class(&mut self, effect: classroom::Effect) {
         use classroom::Effect as E;
         match effect {
-            E::Tell { text, is_error } => self.tell(text, is_error),
+            E::Tell { text, is_error } => self.messages.tell(text, is_error),
             E::EndTour => self.end_tour(),
             E::Begin => {
                 self.end_tour();
@@ -277,10 +283,16 @@ impl State {
                 // Lessons need events, which runs of the GPU do not have.
                 self.start_sampling(Which::First, Recipe::from(*parameters), EngineChoice::Cpu);
             }
-            E::ShowRun(recording, cursor) => self.in_time(|time, run, context| {
-                time.show_recording(&recording, Some(cursor), run, context);
+            E::ShowRun(recording, cursor) => self.with(|state, context| {
+                let run = &mut state.runs.first;
+                (state.time).show_recording(&recording, Some(cursor), run, context);
             }),
-            E::ShowStep(view) => self.show_step(&view),
+            E::ShowStep(view) => {
+                self.appearance.chosen_layers = view.layers;
+                self.with(|state, context| {
+                    state.time.show_step(&view, &mut state.runs.first, context);
+                });
+            }
             E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
             E::ShowSomeRun => {
                 if self.runs.first.session.is_none() {
@@ -297,30 +309,11 @@ impl State {
         }
     }
 
-    /// Shows the moment of a step: up to it if a question is open, otherwise in the whole run.
-    fn show_step(&mut self, view: &StepView) {
-        self.appearance.chosen_layers = view.layers;
-        self.in_time(|time, run, context| {
-            time.show_recording(&view.run, view.limit, run, context);
-            let before = run.stage;
-            run.jump(view.cursor);
-            run.moved(before);
-            run.pick(Selection::Nothing, context);
-            match (view.framed, view.zoom) {
-                (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
-                (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),
-                (Some((center, radii)), None) => run.fly_to(center.into(), radii, context),
-                (None, None) => run.fit(context),
-            }
-        });
-    }
-
     /// Runs `act` on the exports and their input, and carries out the effects it asks for.
     pub(super) fn in_exports<T>(
         &mut self,
         act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
     ) -> T {
-        let are_causes_seen = self.window.shows(Panel::Analysis);
         self.with(|state, context| {
             let Self {
                 files,
@@ -329,13 +322,14 @@ impl State {
                 appearance,
                 analysis,
                 scenes,
+                window,
                 ..
             } = state;
             let source = ExportSource {
                 run: &runs.first,
                 time,
                 appearance,
-                causes: analysis.causes(&runs.first, are_causes_seen),
+                causes: analysis.causes(&runs.first, window),
                 caption: scenes.caption(&runs.first),
             };
             act(&mut files.exports, source, files.delivery, context)
@@ -348,13 +342,120 @@ impl State {
         act: impl FnOnce(&mut Scenes, &mut RunView, &SceneSource, &mut Context),
     ) {
         let source = SceneSource {
-            view: self.view(),
+            view: SavedView::of(self),
             layout: self.window.layout.clone(),
             has_panel: self.window.shows(Panel::Scenes),
             is_embedded: self.window.embedding.is_some(),
         };
         self.with(|state, context| {
             act(&mut state.scenes, &mut state.runs.first, &source, context);
+        });
+    }
+}
+
+/// What a lesson or the tour replaces, and gives back.
+impl State {
+    /// Sets aside what a lesson or the tour replaces, unless it is already.
+    fn borrow_window(&mut self) {
+        if self.past.borrowed.is_some() {
+            return;
+        }
+        let has_run = self.runs.first.session.is_some();
+        let run = has_run.then(|| Box::new(self.runs.first.set_aside()));
+        self.past.borrowed = Some(Box::new(Borrowed {
+            panels: self.window.kept_panels(),
+            form: self.form.clone(),
+            appearance: self.appearance.clone(),
+            playback: self.time.playback.clone(),
+            scene: self.scenes.shown.take(),
+            history: std::mem::take(&mut self.past.history),
+            run,
+            second: self.runs.second.take(),
+        }));
+        self.time.rest(false);
+        // A window in a frame has no panels; its layout is that of the whole app.
+        if self.window.embedding.is_none() {
+            self.window.hide_sides();
+        }
+    }
+
+    /// Ends the lesson or the tour, if one is open, and restores what it had replaced.
+    pub(super) fn give_back(&mut self) {
+        // To close a lesson gives back what it replaced.
+        self.in_class(Classroom::close);
+        self.end_tour();
+    }
+
+    /// Ends the tour, if it is shown, and restores what it had replaced.
+    pub(super) fn end_tour(&mut self) {
+        if self.scenes.is_touring() {
+            self.scenes.shown = None;
+            self.give_back_of(None);
+        }
+    }
+
+    /// Restores what a lesson that was closed, or the tour, had replaced.
+    fn give_back_of(&mut self, lesson: Option<OpenLesson>) {
+        let Some(borrowed) = self.past.borrowed.take() else {
+            return;
+        };
+        let borrowed = *borrowed;
+        self.window.put_back(borrowed.panels);
+        self.form.take(borrowed.form);
+        self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
+        self.appearance.colouring = borrowed.appearance.colouring;
+        self.time.rest(false);
+        self.time.playback = borrowed.playback;
+        self.time.playback.stop();
+        self.scenes.shown = borrowed.scene;
+        self.past.history = borrowed.history;
+        self.runs.second = borrowed.second;
+
+        match (borrowed.run, lesson) {
+            (Some(run), _) => {
+                self.runs.arriving = None;
+                self.on(Which::First, |first, context| first.put_back(*run, context));
+            }
+            // A window that had no run before the lesson keeps that of the step, whole.
+            (None, Some(lesson)) => {
+                if let Some(recording) = &lesson.run {
+                    self.with(|state, context| {
+                        let run = &mut state.runs.first;
+                        state.time.show_recording(recording, None, run, context);
+                        run.verify(context);
+                    });
+                }
+            }
+            (None, None) => {
+                let (typed, engine) = (self.form.recipe(), self.gpu.engine);
+                self.on(Which::First, |run, context| {
+                    run.end_as_started(typed, engine, context);
+                });
+            }
+        }
+    }
+
+    /// Shows the first scene of the tour. Its scenes are of the run with the default parameters; what the window shows comes
+    /// back when the tour ends.
+    fn start_tour(&mut self) {
+        self.give_back();
+        self.classroom.lessons.lists = false;
+        self.borrow_window();
+        self.form.take(Form::default());
+
+        let borrowed = self.past.borrowed.as_ref();
+        let known = borrowed.and_then(|borrowed| borrowed.session_of(&self.form.recipe()));
+        if let Some(session) = known {
+            self.on(Which::First, |run, context| {
+                run.show_shared(&session, context);
+                run.verify(context);
+            });
+        } else if self.runs.first.sampling.is_none() {
+            // At the start of the program that run is being made already.
+            self.run();
+        }
+        self.in_scenes(|scenes, run, source, context| {
+            scenes.show(SceneList::Tour, 0, run, source, context);
         });
     }
 }

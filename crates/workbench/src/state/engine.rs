@@ -4,14 +4,18 @@ use std::sync::Arc;
 
 use tilescope_core::combine::file::Layout;
 use tilescope_gpu::Gpu;
+use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::combining::CombineTask;
 use tilescope_session::jobs::Job;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::SampleTask;
 use tilescope_session::task;
+use tilescope_session::words::sentence;
 
-use super::effects::Context;
+use super::effects::{Context, Effect};
+use super::undo::Made;
 use super::{Runs, Which};
+use crate::rules::UndoPart;
 
 /// The refusal of commands that need a run's parameters.
 pub(super) const NO_PARAMETERS: &str =
@@ -36,6 +40,23 @@ impl Runs {
         };
         if let Some(run) = self.get_mut(which) {
             run.sampling = Some(job);
+        }
+    }
+
+    /// Asks for the combination of a layout, or tells the fault of the layout.
+    pub(super) fn read_layout(&mut self, command: CombineCommand, context: &mut Context) {
+        let text = match command {
+            CombineCommand::Nine => NINE.to_owned(),
+            CombineCommand::Text(text) => text,
+        };
+        self.arriving = None;
+        context.ask(Effect::CloseNotice);
+        match Layout::from_json(text.as_bytes()) {
+            Ok(layout) => {
+                context.ask(Effect::RememberRun(UndoPart::Run));
+                context.ask(Effect::Make(Box::new(Made::Combination(layout))));
+            }
+            Err(error) => context.tell(sentence(&error.to_string()), true),
         }
     }
 

@@ -17,7 +17,7 @@ use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
 use super::effects::{Context, Effect};
-use super::{RunView, Time};
+use super::{RunView, State, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::{MAX_DRAWN, size_refusal};
@@ -260,6 +260,21 @@ impl Exports {
     #[must_use]
     pub fn fraction(&self) -> Option<f32> {
         self.work.as_ref().map(Job::fraction)
+    }
+}
+
+impl<'a> ExportSource<'a> {
+    /// Returns the input of an export of what a window shows.
+    #[must_use]
+    pub fn of(state: &'a State) -> Self {
+        let run = &state.runs.first;
+        Self {
+            run,
+            time: &state.time,
+            appearance: &state.appearance,
+            causes: state.analysis.causes(run, &state.window),
+            caption: state.scenes.caption(run),
+        }
     }
 }
 

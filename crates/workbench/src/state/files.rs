@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde_json::{Value, json};
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_classroom::room::TextFile;
+use tilescope_debugger::Stops;
 use tilescope_session::combining::SavedCombination;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
@@ -17,32 +19,94 @@ use tilescope_sets::region;
 #[cfg(not(target_arch = "wasm32"))]
 use super::Notice;
 use super::effects::{Context, Effect};
-use super::{FileState, RunView};
+use super::{FileState, Form, Past, RunView, State, WindowState};
+use crate::command::Command;
 use crate::files;
 use crate::files::{
-    Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, MAX_RECENT, Purpose,
-    ReadTask, SESSION_NAME, SaveTask,
+    Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, LAST_SESSION,
+    MAX_RECENT, Purpose, ReadTask, SESSION_NAME, SaveTask,
 };
+use crate::view::SavedView;
 
 mod outcome;
 
-/// The current session in saved form: a run with its events, or a combination.
-pub(super) struct Saving {
-    pub run: Option<tilescope_debugger::Session>,
-    pub combination: Option<SavedCombination>,
+impl SaveTask {
+    /// Returns the current session in saved form, with its view: a run with its events, or a combination.
+    #[must_use]
+    pub fn of(state: &State) -> Self {
+        let view = SavedView::of(state).to_json();
+        let record = state.classroom.saved_record();
+        let first = &state.runs.first;
+        let session = first.session.as_ref();
+        let run = first.debugger.as_ref().zip(session);
+        Self {
+            name: LAST_SESSION.to_owned(),
+            combination: session
+                .and_then(|session| SavedCombination::of(session, first.stage, view.clone())),
+            run: run.map(|(debugger, session)| {
+                let mut saved = debugger.session();
+                saved.view = view;
+                if let (Some(record), Some(view)) = (record, saved.view.as_object_mut()) {
+                    view.insert("talk".to_owned(), json!(record));
+                }
+                saved.pattern = session.own.as_ref().map(|own| own.file.clone());
+                saved
+            }),
+        }
+    }
+}
+
+/// Returns the session as the text of a file, from which [`FileCommand::Last`] reopens it: run, moment, view, breakpoints
+/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, or if it has files that
+/// are not part of it.
+#[must_use]
+pub fn session_to_keep(state: &State) -> Option<String> {
+    if state.past.borrowed.is_some() || state.window.embedding.is_some() {
+        return None;
+    }
+    let run = &state.runs.first;
+    let session = run.session.as_ref()?;
+    let parameters = Form::default().draft.parameters;
+    let is_default = session.has_recipe() && session.recipe() == parameters.into();
+    if is_default && run.stops() == Stops::default() {
+        return None;
+    }
+    if run.save_refusal().is_some() {
+        let combination = session.combination.as_ref();
+        let has_files = session.own.is_some() || combination.is_some_and(|made| made.files > 0);
+        return (!has_files).then(|| json!({ "link": state.link().fragment }).to_string());
+    }
+    String::from_utf8(files::render(&SaveTask::of(state)).ok()?.bytes).ok()
 }
 
 impl FileState {
-    /// Applies a command; `saving` is the current session if the command may save it.
+    /// Returns whether a command may save the current session.
+    pub(super) fn saves(&self, command: &FileCommand) -> bool {
+        let saves = |form: &FileForm| form.purpose == Purpose::Save;
+        *command == FileCommand::Go && self.sheet.as_ref().is_some_and(saves)
+    }
+
+    /// Applies a command; `saved` is the current session if the command may save it.
     pub(super) fn apply(
         &mut self,
         command: FileCommand,
         run: &RunView,
-        saving: Option<Saving>,
+        saved: Option<SaveTask>,
         context: &mut Context,
     ) {
+        match self.take_lesson(&command) {
+            Some(Ok(lesson)) => {
+                return context.ask(Effect::Issue(Box::new(Command::Lesson(lesson))));
+            }
+            Some(Err(why)) => return context.tell(why, true),
+            None => {}
+        }
         match command {
-            FileCommand::Sheet(purpose) => self.open_sheet(purpose, run.session_path.as_deref()),
+            FileCommand::Sheet(purpose) => {
+                // What the sheet shows is about its own file.
+                context.ask(Effect::CloseNotice);
+                self.open_sheet(purpose, run.session_path.as_deref());
+            }
             FileCommand::Close => {
                 self.sheet = None;
                 // Reading stops; writing continues.
@@ -56,10 +120,9 @@ impl FileState {
             }
             FileCommand::Chosen(files) => self.choose(files),
             FileCommand::Browse => self.browse(context),
-            FileCommand::Go => self.file_away(run, saving, context),
+            FileCommand::Go => self.file_away(run, saved, context),
             FileCommand::Open(path) => self.awaiting = Some(path),
-            // The state reopens it, by a link or as a file.
-            FileCommand::Last => {}
+            FileCommand::Last => self.reopen_last(run, context),
             FileCommand::Cancel => {
                 if let Some(filing) = &self.filing {
                     filing.job.cancel();
@@ -77,6 +140,36 @@ impl FileState {
                 self.take_dropped(&names, FileSource::Bytes(files), &refused, run, context);
             }
         }
+    }
+
+    /// Reopens the last session of an earlier use of the program, by a link or as a file.
+    fn reopen_last(&mut self, run: &RunView, context: &mut Context) {
+        let Some(last) = &mut self.last_session else {
+            return;
+        };
+        last.is_reopened = true;
+        let text = last.text.clone();
+        let read: Option<Value> = serde_json::from_str(&text).ok();
+        if let Some(link) = read.as_ref().and_then(|read| read["link"].as_str()) {
+            context.ask(Effect::OpenLink(link.to_owned()));
+        } else {
+            let file = NamedBytes::new(LAST_SESSION.to_owned(), text);
+            self.apply(
+                FileCommand::DroppedBytes(vec![file], Vec::new()),
+                run,
+                None,
+                context,
+            );
+        }
+    }
+
+    /// Returns whether to offer the last session: it was not reopened yet, and nothing was changed since the start.
+    #[must_use]
+    pub fn offers_session(&self, past: &Past, window: &WindowState) -> bool {
+        let last = self.last_session.as_ref();
+        let is_new = last.is_some_and(|last| !last.is_reopened);
+        let is_free = past.borrowed.is_none() && !past.history.can_undo() && self.filing.is_none();
+        is_new && is_free && window.embedding.is_none()
     }
 
     fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
@@ -212,7 +305,7 @@ impl FileState {
         self.filing = self.filing.take().filter(saves);
     }
 
-    fn file_away(&mut self, run: &RunView, saving: Option<Saving>, context: &mut Context) {
+    fn file_away(&mut self, run: &RunView, saved: Option<SaveTask>, context: &mut Context) {
         let Some(form) = &mut self.sheet else {
             return;
         };
@@ -222,8 +315,9 @@ impl FileState {
         }
         let purpose = form.purpose;
         if purpose == Purpose::Save {
-            if let Some(saving) = saving {
-                self.start_saving(path, run, saving, context);
+            if let Some(saved) = saved {
+                let name = files::with_json(path);
+                self.start_saving(SaveTask { name, ..saved }, run, context);
             }
         } else if !form.chosen.is_empty() {
             let source = FileSource::Bytes(form.chosen.to_vec());
@@ -246,16 +340,11 @@ impl FileState {
         target_arch = "wasm32",
         allow(unused_variables, reason = "a page replaces no files")
     )]
-    fn start_saving(&mut self, path: String, at_hand: &RunView, saving: Saving, context: &Context) {
-        let path = files::with_json(path);
+    fn start_saving(&mut self, task: SaveTask, at_hand: &RunView, context: &Context) {
+        let path = task.name.clone();
         if let Some(form) = &mut self.sheet {
             form.path.clone_from(&path);
         }
-        let task = SaveTask {
-            name: path.clone(),
-            run: saving.run,
-            combination: saving.combination,
-        };
         match self.delivery {
             #[cfg(not(target_arch = "wasm32"))]
             Delivery::Disk => {

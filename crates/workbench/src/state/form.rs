@@ -3,8 +3,10 @@
 use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::{OwnPattern, Recipe};
 
+use super::effects::{Context, Effect};
 use super::{GpuState, RunView};
-use crate::command::FormCommand;
+use crate::command::{Command, FormCommand, GpuCommand};
+use crate::device::EngineChoice;
 use crate::draft::{Draft, DraftRefusal};
 
 /// The input of the next run.
@@ -71,7 +73,7 @@ impl Form {
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 
-    pub(super) fn apply(&mut self, command: FormCommand) {
+    pub(super) fn apply(&mut self, command: FormCommand, context: &mut Context) {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),
             FormCommand::Nudge(field, steps) => self.draft.nudge(field, steps),
@@ -85,7 +87,12 @@ impl Form {
             }
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
-            FormCommand::Reset => (self.draft, self.own_pattern) = (Draft::default(), None),
+            FormCommand::Reset => {
+                self.take(Self::default());
+                // The engine is shown among the parameters.
+                let automatic = Command::Gpu(GpuCommand::Engine(EngineChoice::Auto));
+                context.ask(Effect::Issue(Box::new(automatic)));
+            }
         }
     }
 }
@@ -95,13 +102,27 @@ mod tests {
     use tilescope_core::Parameter;
 
     use super::*;
+    use crate::State;
 
     #[test]
     fn a_reset_discards_what_was_typed() {
-        let mut form = Form::default();
-        form.apply(FormCommand::Type(Parameter::Seed, "7".to_owned()));
-        assert_eq!(form.draft.parameters.seed, 7);
-        form.apply(FormCommand::Reset);
-        assert_eq!(form.draft, Draft::default());
+        let mut state = State::new(std::sync::Arc::new(|| {}));
+        state.gpu.engine = EngineChoice::Cpu;
+        let typed = FormCommand::Type(Parameter::Seed, "7".to_owned());
+        state.apply(Command::Form(typed));
+        assert_eq!(state.form.draft.parameters.seed, 7);
+        state.apply(Command::Form(FormCommand::Reset));
+        assert_eq!(state.form, Form::default());
+        assert_eq!(state.gpu.engine, EngineChoice::Auto);
+    }
+
+    #[test]
+    fn only_numbers_can_be_typed() {
+        let command = |text| serde_json::from_str::<FormCommand>(text);
+        command(r#"{"type":["pattern-side","20"]}"#).expect("a number");
+        for text in [r#"{"type":["order","index"]}"#, r#"{"nudge":["order",1]}"#] {
+            let error = command(text).expect_err(text).to_string();
+            assert!(error.contains("order is chosen, not typed"), "{error}");
+        }
     }
 }

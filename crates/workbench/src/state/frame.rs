@@ -6,18 +6,17 @@ use std::path::PathBuf;
 use tilescope_classroom::Classroom;
 use tilescope_classroom::lessons::{Lessons, ResultsToStore};
 use tilescope_classroom::talk::Talks;
-use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::look::Look;
 
 use super::{
-    Appearance, ExportSource, FileState, Form, FullScreen, GpuState, Messages, Notice, PageStart,
-    Past, Runs, Scenes, State, Time, WindowState,
+    Appearance, FileState, Form, FullScreen, GpuState, Messages, Notice, PageStart, Past, Runs,
+    Scenes, State, Time, WindowState,
 };
 use crate::analysis::Analysis;
 use crate::embedding::Embedding;
-use crate::files::Delivery;
-use crate::layout::{Layout, Panel};
+use crate::files::{Delivery, LastSession};
+use crate::layout::Layout;
 
 /// What the window knows at the beginning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +27,8 @@ pub struct FrameStart {
     pub is_full: Option<bool>,
 }
 
-/// The settings of an earlier use of the program. What is `None` stays as it is.
+/// What the program tells the window outside of commands, mostly at its start: the settings of an earlier use, and what is
+/// around the window. What is `None` stays as it is.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// The layout of the panels.
@@ -41,6 +41,25 @@ pub struct Settings {
     pub is_bare: Option<bool>,
     /// The user's choice of reduced motion, `Some(None)` if the system's preference counts.
     pub reduced_motion: Option<Option<bool>>,
+    /// The system's preference of reduced motion, which counts until the user chooses.
+    pub prefers_reduced_motion: Option<bool>,
+    /// The part of the window that is shown embedded in another page; `Some(None)` for the whole window.
+    pub embedding: Option<Option<Embedding>>,
+    /// Where written files go.
+    pub delivery: Option<Delivery>,
+    /// The last session, as [`super::session_to_keep`] returned it at an earlier use, to be offered.
+    pub last_session: Option<String>,
+    /// The page that the window is on.
+    pub page: Option<PageAddress>,
+}
+
+/// The page that a window is on.
+#[derive(Clone, Debug)]
+pub struct PageAddress {
+    /// Its address without a fragment, if links can lead there.
+    pub address: Option<String>,
+    /// The language of lessons.
+    pub language: String,
 }
 
 /// What the window is asked to do. A request is taken once.
@@ -65,41 +84,43 @@ impl State {
         self.window.is_full = start.is_full;
     }
 
-    /// Restores the settings of an earlier use of the program.
+    /// Takes settings: those of an earlier use of the program, and what is around the window.
     pub fn restore(&mut self, settings: Settings) {
-        if let Some(layout) = settings.layout {
-            self.window.layout = layout;
+        let Settings {
+            layout,
+            recent,
+            look,
+            is_bare,
+            reduced_motion,
+            prefers_reduced_motion,
+            embedding,
+            delivery,
+            last_session,
+            page,
+        } = settings;
+        put(&mut self.window.layout, layout);
+        put(&mut self.window.bare, is_bare);
+        put(&mut self.window.embedding, embedding);
+        put(&mut self.files.recent, recent);
+        put(&mut self.files.delivery, delivery);
+        let last_session = last_session.map(LastSession::new);
+        put(&mut self.files.last_session, last_session.map(Some));
+        if let Some(PageAddress { address, language }) = page {
+            self.window.address = address;
+            let lessons = &mut self.classroom.lessons;
+            (lessons.on_page, lessons.language) = (true, language);
         }
-        if let Some(recent) = settings.recent {
-            self.files.recent = recent;
-        }
-        if let Some(is_bare) = settings.is_bare {
-            self.window.bare = is_bare;
-        }
-        if let Some(look) = settings.look {
+
+        if let Some(look) = look {
             self.appearance.choose_look(look);
         }
-        if let Some(chosen) = settings.reduced_motion {
+        if let Some(chosen) = reduced_motion {
             self.appearance.choose_motion(chosen);
-            self.end_flights();
         }
-    }
-
-    /// Begins on a page of this address, without its fragment, with lessons in this language.
-    pub fn begin_at(&mut self, address: Option<String>, language: String) {
-        self.window.address = address;
-        self.classroom.lessons.on_page = true;
-        self.classroom.lessons.language = language;
-    }
-
-    /// From now on shows only a part of the window, embedded in another page, or the whole window.
-    pub fn embed(&mut self, embedding: Option<Embedding>) {
-        self.window.embedding = embedding;
-    }
-
-    /// From now on written files go there.
-    pub fn deliver(&mut self, delivery: Delivery) {
-        self.files.delivery = delivery;
+        if let Some(preferred) = prefers_reduced_motion {
+            self.appearance.prefer_reduced_motion(preferred);
+        }
+        self.runs.end_flights(&self.appearance);
     }
 
     /// Returns what the window is asked to do, each request once.
@@ -122,25 +143,6 @@ impl State {
         self.messages.notice = Some(Notice::new(error, true));
     }
 
-    /// Puts another notice, or none, in place of the one that is shown, which is returned.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn exchange_notice(&mut self, notice: Option<Notice>) -> Option<Notice> {
-        std::mem::replace(&mut self.messages.notice, notice)
-    }
-
-    /// Returns the talk for the lecturer's notes, or `null`.
-    #[must_use]
-    pub fn talk_json(&self) -> serde_json::Value {
-        self.classroom.talk_json(&self.runs.first.canvas_view())
-    }
-
-    /// Returns the address that leads a phone to the step of a talk; empty if the page's address is not known.
-    #[must_use]
-    pub fn talk_address(&self) -> String {
-        let page = self.window.address.as_deref();
-        self.classroom.talk_address(page, &self.link().fragment)
-    }
-
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
     pub fn take_lessons(&mut self, loaded: Result<&str, &str>) {
         self.in_class(|class, context| class.take_lessons(loaded, context));
@@ -160,8 +162,11 @@ impl State {
     /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
     /// the CPU is tested only if it was requested.
     pub fn begin_on_page(&mut self, start: &PageStart) {
-        self.embed(start.embedding);
-        self.prefer_reduced_motion(start.reduced_motion);
+        self.restore(Settings {
+            embedding: Some(start.embedding),
+            prefers_reduced_motion: Some(start.reduced_motion),
+            ..Settings::default()
+        });
         if !start.full_screen {
             let why = "The browser does not allow this page full screen.";
             self.window.full_screen = FullScreen::Refused(why);
@@ -170,25 +175,6 @@ impl State {
             self.messages.notice = Some(Notice::new(start.reason.clone(), true));
         }
         self.with(|state, context| state.gpu.begin_on_page(start, context));
-    }
-
-    /// Returns the input of an export of what is shown.
-    #[must_use]
-    pub fn export_source(&self) -> ExportSource<'_> {
-        ExportSource {
-            run: &self.runs.first,
-            time: &self.time,
-            appearance: &self.appearance,
-            causes: self.causes(),
-            caption: self.scenes.caption(&self.runs.first),
-        }
-    }
-
-    /// Returns the causes of the brush at the current moment, if found, while the panel of the analysis is visible.
-    #[must_use]
-    pub fn causes(&self) -> Option<&BrushedCause> {
-        let is_seen = self.window.shows(Panel::Analysis);
-        self.analysis.causes(&self.runs.first, is_seen)
     }
 }
 
@@ -276,5 +262,12 @@ impl State {
     #[must_use]
     pub const fn messages(&self) -> &Messages {
         &self.messages
+    }
+}
+
+/// Replaces a value by another one, if there is one.
+fn put<T>(value: &mut T, other: Option<T>) {
+    if let Some(other) = other {
+        *value = other;
     }
 }

@@ -1,4 +1,4 @@
-//! Permalinks: makes the link to what is shown, from a [`LinkSource`], and applies an opened link to a run. `state/whole.rs`
+//! Permalinks: makes the link to what is shown, from a [`LinkSource`], and applies an opened link to a run. `state/work.rs`
 //! opens links: the run is made first; then moment, view and the rest are applied.
 
 use serde_json::{Value, json};
@@ -7,6 +7,7 @@ use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
 use tilescope_session::words::{counted, grouped, quoted, slug, stage_name};
 
+use super::effects::{Context, Effect};
 use super::{Form, RunView, Runs};
 use crate::layout::Layout;
 use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment};
@@ -185,19 +186,24 @@ impl LinkSource<'_> {
     }
 }
 
-/// Returns the notice about a link that was copied; `address` is that of the page, if there is one.
-pub(super) fn copied_notice(left_out: &[String], address: Option<&str>) -> String {
-    let hint = match address {
-        Some(_) => ".",
-        None => {
-            ": put it behind the address of any Tilescope page, or open it with tilescope --link."
+impl Link {
+    /// Copies the link behind the address of the page, if there is one, and says what it leaves out.
+    pub(super) fn copy(self, address: Option<&str>, context: &mut Context) {
+        let Self { fragment, left_out } = self;
+        let hint = match address {
+            Some(_) => ".",
+            None => {
+                ": put it behind the address of any Tilescope page, or open it with tilescope --link."
+            }
+        };
+        let mut text = format!("The link is copied{hint}");
+        if !left_out.is_empty() {
+            text = format!("{text} It leaves out {}.", left_out.join("; "));
         }
-    };
-    let mut text = format!("The link is copied{hint}");
-    if !left_out.is_empty() {
-        text = format!("{text} It leaves out {}.", left_out.join("; "));
+        let link = format!("{}#{fragment}", address.unwrap_or_default());
+        context.ask(Effect::Copy(link));
+        context.tell(text, false);
     }
-    text
 }
 
 /// Returns why a link could not be copied, in a window that is embedded in another page or not.

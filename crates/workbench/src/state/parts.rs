@@ -5,7 +5,7 @@ use tilescope_session::jobs::{Job, Wake};
 
 use super::borrowed::Borrowed;
 use super::undo::History;
-use super::{Exports, Notice, RunView, WindowState, announce, link};
+use super::{Appearance, Exports, Notice, RunView, WindowState, announce, link};
 use crate::command::Which;
 use crate::compare::Comparison;
 use crate::files::{Delivery, FileForm, Filing, LastSession, Purpose};
@@ -44,6 +44,16 @@ impl Runs {
         match which {
             Which::First => Some(&self.first),
             Which::Second => self.second.as_ref().map(|(run, _)| run),
+        }
+    }
+
+    /// Ends flights of cameras at their destinations if motion is reduced.
+    pub(super) fn end_flights(&mut self, appearance: &Appearance) {
+        if appearance.reduced_motion {
+            self.first.end_flight();
+            if let Some((second, _)) = &mut self.second {
+                second.end_flight();
+            }
         }
     }
 
@@ -102,6 +112,15 @@ impl Past {
         let borrowed = self.borrowed.as_ref();
         borrowed.map_or(&window.layout, |borrowed| borrowed.layout())
     }
+
+    /// Brings back the panels that the tour has hidden, while the tour goes on.
+    pub(super) fn bring_panels(&self, window: &mut WindowState) {
+        if let Some(borrowed) = &self.borrowed
+            && window.embedding.is_none()
+        {
+            window.put_back(borrowed.panels.clone());
+        }
+    }
 }
 
 /// Messages to the user.
@@ -121,6 +140,25 @@ impl Messages {
     #[must_use]
     pub fn announcement(&self) -> Option<String> {
         self.announcer.announcement.clone()
+    }
+
+    /// Shows a notice in place of the one that is shown.
+    pub(super) fn tell(&mut self, text: String, is_error: bool) {
+        self.notice = Some(Notice::new(text, is_error));
+    }
+
+    /// Shows a notice that only confirms a command.
+    pub(super) fn tell_briefly(&mut self, text: String) {
+        self.brief = Some(text.clone());
+        self.tell(text, false);
+    }
+
+    /// Shows a notice that concerns one of the runs.
+    pub(super) fn tell_of(&mut self, which: Which, mut notice: Notice) {
+        if which == Which::Second {
+            notice.text = format!("Run B: {}", notice.text);
+        }
+        self.notice = Some(notice);
     }
 
     /// Appends to the notice, or shows a new one, which is an error if this is one or the notice was.

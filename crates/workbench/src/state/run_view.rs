@@ -18,6 +18,7 @@ use tilescope_session::verification::{Verdict, WitnessMark};
 
 use super::{Appearance, Verification};
 use crate::passes::Passes;
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::{Camera, Flight};
 use tilescope_drawing::subject::{Contrast, Subject};
 
@@ -199,11 +200,12 @@ impl RunView {
         }
     }
 
-    /// Returns the subject of its canvas, without the causes of the brush, which only the first run has.
+    /// Returns the subject of its canvas.
     pub(super) fn subject<'a>(
         &'a self,
         appearance: &Appearance,
         contrast: Option<Contrast<'a>>,
+        causes: Option<&'a BrushedCause>,
     ) -> Option<Subject<'a>> {
         Some(Subject {
             shown: self.shown()?,
@@ -219,7 +221,7 @@ impl RunView {
             witness_mark: self.witness_mark,
             geometry: &self.geometry,
             contrast,
-            causes: None,
+            causes,
             drawn_in: self.drawn_in(),
         })
     }

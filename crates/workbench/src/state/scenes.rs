@@ -2,13 +2,12 @@
 
 use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
-use tilescope_session::jobs::Wake;
 use tilescope_session::selection::Selection;
 
-use super::RunView;
 use super::effects::{Context, Effect};
+use super::{RunView, Runs, WindowState};
 use crate::command::Command;
-use crate::layout::Layout;
+use crate::layout::{Layout, Panel};
 use crate::scene_lesson::lesson_of;
 use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use crate::thumbnails::Thumbnails;
@@ -69,9 +68,12 @@ impl Scenes {
         Some(split_caption(&scene.caption).0)
     }
 
-    /// Draws the pictures of the scenes, for their panel.
-    pub(super) fn follow_thumbnails(&mut self, run: &RunView, dark: bool, wake: &Wake) {
-        if let (Some(session), Some(debugger)) = (&run.session, &run.debugger) {
+    /// Draws the pictures of the scenes while their panel is open.
+    pub(super) fn follow_thumbnails(&mut self, runs: &Runs, window: &WindowState, dark: bool) {
+        if let (Some(session), Some(debugger)) = (&runs.first.session, &runs.first.debugger)
+            && window.shows(Panel::Scenes)
+        {
+            let wake = &runs.jobs.wake;
             self.thumbnails.follow(session, debugger, dark, wake);
         }
     }
@@ -338,7 +340,6 @@ mod tests {
     use super::super::tests::settled;
     use super::*;
     use crate::command::{FormCommand, TimeCommand, ViewCommand, Which};
-    use crate::layout::Panel;
     use glam::DVec2;
     use tilescope_core::RunEvent;
     use tilescope_debugger::{Event, Target};
@@ -356,9 +357,9 @@ mod tests {
     /// Returns the cursor, the camera and the layers of the state.
     fn seen(state: &State) -> (Option<(usize, usize)>, Camera, bool, bool) {
         let run = &state.runs.first;
-        let layers = state.appearance.layers(state.current_stage());
+        let layers = state.appearance.layers(state.runs.first.current_stage());
         (
-            state.cursor(),
+            state.runs.first.cursor(),
             run.camera,
             run.is_fitted(),
             layers.has(Layer::Voronoi),

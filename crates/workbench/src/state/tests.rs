@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use emath::Rect;
 use serde_json::json;
-use tilescope_core::{Parameter, Search, Variant};
+use tilescope_core::{Parameter, Search, Stage, Variant};
 use tilescope_drawing::camera::{Camera, MIN_SCALE};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
@@ -21,6 +21,7 @@ use crate::compare::{CompareCommand, ComparePreset};
 use crate::device::EngineChoice;
 use crate::draft::Choice;
 use crate::export::{ExportCommand, ExportKind};
+use crate::view::SavedView;
 
 pub(super) fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
@@ -44,8 +45,8 @@ fn the_default_session_is_finished_and_verified() {
     let state = settled();
     let session = state.runs.first.session.as_ref().unwrap();
     assert!((9_800..10_200).contains(&session.summary.count));
-    assert_eq!(state.current_stage(), Some(Stage::Finish));
-    assert!(state.verdict().unwrap().report.valid());
+    assert_eq!(state.runs.first.current_stage(), Some(Stage::Finish));
+    assert!(state.runs.first.verdict().unwrap().report.valid());
 }
 
 #[test]
@@ -59,7 +60,7 @@ fn stages_stop_at_both_ends() {
     state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(Command::Time(TimeCommand::StepBack));
     assert_eq!(
-        (state.runs.first.stage, state.current_stage()),
+        (state.runs.first.stage, state.runs.first.current_stage()),
         (0, Some(Stage::Pattern))
     );
     state.apply(Command::Time(TimeCommand::LastStage));
@@ -76,7 +77,7 @@ fn playing_ends_at_the_last_stage() {
     for _ in 0..stages {
         state.advance(crate::clock::Clock::Stage.tick_secs());
     }
-    assert_eq!(state.current_stage(), Some(Stage::Finish));
+    assert_eq!(state.runs.first.current_stage(), Some(Stage::Finish));
     assert!(!state.time.playback.is_playing());
 }
 
@@ -146,7 +147,7 @@ fn a_failing_verdict_leads_to_its_witness() {
     ))));
     state.apply(Command::Run);
     state.settle();
-    let report = &state.verdict().unwrap().report;
+    let report = &state.runs.first.verdict().unwrap().report;
     assert!(report.conflict_free() && !report.maximal());
     state.apply(Command::View(
         Which::First,
@@ -247,7 +248,7 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
     while state.advance(0.1) {}
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
-    assert_eq!(state.current_stage(), Some(Stage::Pattern));
+    assert_eq!(state.runs.first.current_stage(), Some(Stage::Pattern));
     let middle = state
         .runs
         .first
@@ -277,7 +278,7 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
         session.stages,
         [Stage::Pattern, Stage::Blocks, Stage::Finish]
     );
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs.first.verdict().unwrap().report.valid());
     let pattern = std::sync::Arc::clone(&session.run().pattern);
     let engine = tilescope_core::Sequential::new(&session.run().parameters, pattern).unwrap();
     let whole = engine.finish(&mut tilescope_core::Unobserved).unwrap();
@@ -349,13 +350,13 @@ fn a_device_lost_in_a_run_is_reported_and_the_cpu_makes_the_session() {
             reason: "the driver was reset".to_owned(),
         },
     });
-    state.show_made(Which::First, session);
+    state.show(Which::First, session);
     state.settle();
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
     assert!(notice.text.contains("CPU"));
     assert_eq!(state.gpu.engine, EngineChoice::Auto);
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs.first.verdict().unwrap().report.valid());
 }
 
 #[test]
@@ -365,12 +366,12 @@ fn a_gpu_run_that_differs_is_shown_without_events_and_reported() {
     run.samples.points[7].x += 1;
     let mut session = Session::from_run(run, 9);
     session.engine = "GPU (some card)".to_owned();
-    state.show_made(Which::First, session);
+    state.show(Which::First, session);
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("GPU (some card) differs from the CPU"));
-    assert!(state.runs.first.debugger.is_none() && state.cursor().is_none());
+    assert!(state.runs.first.debugger.is_none() && state.runs.first.cursor().is_none());
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
-    assert_eq!(state.current_stage(), Some(Stage::Tile));
+    assert_eq!(state.runs.first.current_stage(), Some(Stage::Tile));
 }
 
 #[test]
@@ -397,13 +398,13 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         while state.advance(0.5) {}
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // A camera from a link, a session or a page that embeds the window.
-        let mut view = state.view();
+        let mut view = SavedView::of(&state);
         view.camera = Camera::checked([10.0, 10.0].into(), MIN_SCALE);
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera shows the domain; the pattern is fitted.
         let is_fitted = state.runs.first.camera == state.runs.first.fitting();
-        let is_pattern = state.current_stage() == Some(Stage::Pattern);
+        let is_pattern = state.runs.first.current_stage() == Some(Stage::Pattern);
         assert_eq!(is_fitted, is_pattern);
         assert!(
             is_pattern || is_seen(&state),
@@ -460,7 +461,7 @@ fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
     for expected in 2..5 {
         form(&mut state, FormCommand::Nudge(Parameter::Seed, 1));
         assert_eq!(seed(&state), expected);
-        assert_eq!(state.current_stage(), Some(Stage::Tile));
+        assert_eq!(state.runs.first.current_stage(), Some(Stage::Tile));
     }
     // Too many samples to start by themselves, and what cannot be run.
     form(&mut state, FormCommand::Count("200000".to_owned()));
@@ -512,7 +513,7 @@ mod device {
         state.settle();
         let session = state.runs.first.session.clone().unwrap();
         assert!(!session.has_stages() && session.engine.starts_with("GPU"));
-        assert!(state.verdict().unwrap().report.valid());
+        assert!(state.runs.first.verdict().unwrap().report.valid());
         state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Cpu)));
         state.apply(Command::Run);
         state.settle();

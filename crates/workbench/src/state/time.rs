@@ -5,7 +5,9 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
 
+use tilescope_classroom::room::StepView;
 use tilescope_debugger::{Direction, Recording, Step, Stop};
+use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 
 use super::RunView;
@@ -105,6 +107,21 @@ impl Time {
         let session = Session::from_recording(shown, context.next_generation());
         self.rest(run.is_same_run(&session));
         run.show_unverified(session, context);
+    }
+
+    /// Shows the moment of a lesson's step: up to it if a question is open, otherwise in the whole run.
+    pub(super) fn show_step(&mut self, view: &StepView, run: &mut RunView, context: &mut Context) {
+        self.show_recording(&view.run, view.limit, run, context);
+        let before = run.stage;
+        run.jump(view.cursor);
+        run.moved(before);
+        run.pick(Selection::Nothing, context);
+        match (view.framed, view.zoom) {
+            (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
+            (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),
+            (Some((center, radii)), None) => run.fly_to(center.into(), radii, context),
+            (None, None) => run.fit(context),
+        }
     }
 
     /// Stops, as another session is shown. The loop stays if that is of the same run.

@@ -8,7 +8,7 @@ use tilescope_debugger::Stops;
 use tilescope_session::recipe::Recipe;
 
 use super::effects::{Context, Effect};
-use super::{Appearance, Form, RunView, WindowState};
+use super::{Appearance, Form, RunView, State};
 use crate::command::{Command, DebugCommand, FormCommand, WindowCommand};
 use crate::draft::Draft;
 use crate::layout::{Layout, Panel};
@@ -20,7 +20,7 @@ const MAX_STEPS: usize = 200;
 
 /// The input of the current run, so that it can be made again.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Made {
+pub(crate) enum Made {
     Run(Recipe),
     Combination(Combination),
 }
@@ -106,17 +106,13 @@ impl Made {
 
 impl Memento {
     /// Returns a snapshot of everything that can be undone.
-    pub(super) fn of(
-        form: &Form,
-        run: &RunView,
-        appearance: &Appearance,
-        window: &WindowState,
-    ) -> Self {
+    pub(super) fn of(state: &State) -> Self {
+        let run = &state.runs.first;
         Self {
-            form: form.clone(),
+            form: state.form.clone(),
             made: Made::of(run),
-            appearance: appearance.clone(),
-            layout: window.layout.clone(),
+            appearance: state.appearance.clone(),
+            layout: state.window.layout.clone(),
             stops: run.stops(),
         }
     }
@@ -144,8 +140,8 @@ impl Change {
         ))
     }
 
-    /// Asks for what the change restores; `layout` is the present one.
-    fn recall(self, layout: &Layout, context: &mut Context) {
+    /// Asks for what the change restores; `layout` and `made` are the present ones.
+    fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
             UndoPart::Layout if memento.layout.hidden() != layout.hidden() => {
@@ -156,7 +152,7 @@ impl Change {
             UndoPart::Form => context.ask(Effect::Form(Box::new(memento.form))),
             UndoPart::Run => {
                 context.ask(Effect::Form(Box::new(memento.form)));
-                context.ask(Effect::Make(memento.made.map(Box::new)));
+                make_again(memento.made, made, context);
             }
             UndoPart::Everything => {
                 context.ask(Effect::Form(Box::new(memento.form)));
@@ -166,9 +162,17 @@ impl Change {
                     appearance.chosen_layers,
                     appearance.colouring,
                 ));
-                context.ask(Effect::Make(memento.made.map(Box::new)));
+                make_again(memento.made, made, context);
             }
         }
+    }
+}
+
+/// Asks for a run or a combination again, unless it is the one that is shown.
+fn make_again(made: Option<Made>, shown: Option<&Made>, context: &mut Context) {
+    context.ask(Effect::StopMaking);
+    if let Some(made) = made.filter(|made| Some(made) != shown) {
+        context.ask(Effect::Make(Box::new(made)));
     }
 }
 
@@ -294,7 +298,7 @@ impl History {
             return context.tell(question, false);
         }
 
-        let layout = now.layout.clone();
+        let (layout, made) = (now.layout.clone(), now.made.clone());
         let mut memento = now;
         if change.makes_run() && step == HistoryStep::Undo {
             memento.made = typed.map(Made::Run).or(memento.made);
@@ -302,7 +306,7 @@ impl History {
         let part = change.part;
         to.push(Change { part, memento });
         self.typing = None;
-        change.recall(&layout, context);
+        change.recall(&layout, made.as_ref(), context);
     }
 }
 
@@ -310,7 +314,6 @@ impl History {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::State;
     use super::*;
     use crate::command::Which;
 
@@ -334,7 +337,7 @@ mod tests {
         let mut state = State::new(Arc::new(|| {}));
         state.settle();
         let mut step = |radius: f64| {
-            let mut memento = state.memento();
+            let mut memento = Memento::of(&state);
             let mut recipe = state.form.recipe();
             recipe.parameters.radius = radius;
             memento.made = Some(Made::Run(recipe));

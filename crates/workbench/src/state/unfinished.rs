@@ -39,8 +39,8 @@ impl FileState {
 
 #[cfg(test)]
 mod tests {
-    use super::super::State;
     use super::super::tests::settled;
+    use super::super::{Settings, State, session_to_keep};
     use crate::command::{Command, FormCommand, TimeCommand};
     use crate::draft::Choice;
     use crate::export::{ExportCommand, ExportKind};
@@ -125,31 +125,34 @@ mod tests {
     fn the_last_session_comes_back_by_one_command() {
         let mut state = settled();
         // As it starts there is nothing to keep.
-        assert_eq!(state.session_to_keep(), None);
+        assert_eq!(session_to_keep(&state), None);
         type_in(&mut state, Parameter::Seed, "7");
         apply(&mut state, Command::Run);
         apply(&mut state, Command::Time(TimeCommand::Jump(700)));
         apply(&mut state, Command::Scene(SceneCommand::Add));
-        let text = state.session_to_keep().unwrap();
+        let text = session_to_keep(&state).unwrap();
 
         let mut next = settled();
-        assert!(!next.offers_session());
-        next.offer_session(text);
+        assert!(!next.files.offers_session(&next.past, &next.window));
+        next.restore(Settings {
+            last_session: Some(text),
+            ..Settings::default()
+        });
         let as_started = next.runs.first.session.as_ref().unwrap().recipe();
         assert_eq!(as_started.parameters.seed, 1, "nothing is restored unasked");
-        assert!(next.offers_session());
+        assert!(next.files.offers_session(&next.past, &next.window));
         apply(&mut next, Command::File(FileCommand::Last));
         let session = next.runs.first.session.as_ref().unwrap();
         assert_eq!(
             session.recipe(),
             state.runs.first.session.as_ref().unwrap().recipe()
         );
-        assert_eq!(next.cursor(), state.cursor());
+        assert_eq!(next.runs.first.cursor(), state.runs.first.cursor());
         assert_eq!(
             next.runs.first.stops().scenes,
             state.runs.first.stops().scenes
         );
-        assert!(!next.offers_session());
+        assert!(!next.files.offers_session(&next.past, &next.window));
         // It is no file of the user's, which the next save would replace.
         assert_eq!(next.runs.first.session_path, None);
         assert_eq!(next.files.unsaved_scenes(&next.runs.first), 1);
@@ -162,10 +165,13 @@ mod tests {
         apply(&mut state, Command::Form(levels));
         apply(&mut state, Command::Run);
         assert!(state.runs.first.save_refusal().is_some());
-        let text = state.session_to_keep().unwrap();
+        let text = session_to_keep(&state).unwrap();
         assert!(text.contains("link"), "{text}");
         let mut next = settled();
-        next.offer_session(text);
+        next.restore(Settings {
+            last_session: Some(text),
+            ..Settings::default()
+        });
         apply(&mut next, Command::File(FileCommand::Last));
         let recipe = |state: &State| state.runs.first.session.as_ref().unwrap().recipe();
         assert_eq!(recipe(&next), recipe(&state));
@@ -174,16 +180,19 @@ mod tests {
     #[test]
     fn work_that_was_begun_ends_the_offer_and_a_lesson_keeps_nothing() {
         let mut state = settled();
-        state.offer_session("{}".to_owned());
+        state.restore(Settings {
+            last_session: Some("{}".to_owned()),
+            ..Settings::default()
+        });
         type_in(&mut state, Parameter::Seed, "9");
-        assert!(!state.offers_session());
+        assert!(!state.files.offers_session(&state.past, &state.window));
         apply(&mut state, Command::Run);
-        assert!(state.session_to_keep().is_some());
+        assert!(session_to_keep(&state).is_some());
         let text = tilescope_lessons::shipped::TEMPLATE.to_owned();
         let read = LessonCommand::Read("template".to_owned(), text);
         apply(&mut state, Command::Lesson(read));
-        assert_eq!(state.session_to_keep(), None);
+        assert_eq!(session_to_keep(&state), None);
         state.finish();
-        assert!(state.session_to_keep().is_some());
+        assert!(session_to_keep(&state).is_some());
     }
 }

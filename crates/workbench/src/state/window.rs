@@ -1,6 +1,6 @@
 //! The window in the state: layout of panels, the drawer of a compact window, the list of actions, full screen.
 
-use super::FullScreen;
+use super::{FullScreen, RunView};
 use crate::arrangement::{Arrangement, Drawer, DrawerCommand};
 use crate::command::WindowCommand;
 use crate::embedding::Embedding;
@@ -159,6 +159,15 @@ impl WindowState {
         let away = std::mem::take(&mut self.put_away);
         let back = if away.is_empty() { sides } else { away };
         self.layout.show_all(back);
+    }
+
+    /// Opens the inspector, if something of a run is selected and the window has panels. No run is given if the selection
+    /// answers a question: the inspector would take room from the picture, and may tell the answer.
+    pub(super) fn inspect(&mut self, run: Option<&RunView>) {
+        let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
+        if is_selected && self.embedding.is_none() {
+            self.open_panel(Panel::Inspector);
+        }
     }
 
     /// Brings a panel into view; a compact window keeps the layout unchanged.

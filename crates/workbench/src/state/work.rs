@@ -1,20 +1,29 @@
-//! Background work in the state: starts it, takes its results, waits for it. Every frame calls [`State::advance`]; tests and
-//! scripts call [`State::settle`].
+//! Runs, links and files that are shown, and the background work for them: starts it, takes its results, waits for it. Every
+//! frame calls [`State::advance`]; tests and scripts call [`State::settle`].
+
+use std::sync::Arc;
 
 use tilescope_classroom::Classroom;
+use tilescope_debugger::Debugger;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
+use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 
-use super::run_view::{Made, TRANSITION_SECS};
-use super::{Messages, State, Which};
-use crate::clock::Clock;
+use super::effects::Effect;
+use super::link::{Arriving, LinkSource};
+use super::run_view::{self, RunView, TRANSITION_SECS};
+use super::undo::{History, Made, Memento};
+use super::{Messages, Notice, State, Which};
 use crate::command::Command;
-use crate::files::FileCommand;
+use crate::draft::Draft;
+use crate::files::{FileCommand, LAST_SESSION, Opened, SavedContent};
 use crate::layout::Panel;
-use crate::passes::OnCanvas;
+use crate::link::{self, Link};
 use crate::rules::UndoPart;
+use crate::scenes::SceneList;
+use crate::view::SavedView;
 
 /// Larger runs, in samples, do not start by themselves.
 const MAX_LIVE: f64 = 50_000.0;
@@ -23,7 +32,7 @@ impl State {
     pub(super) fn run(&mut self) {
         // The button is off then; scripts, links and pages that embed the window are told why nothing runs.
         if let Some(why) = self.form.refusal(&self.gpu) {
-            return self.tell_of(Which::First, why, true);
+            return self.messages.tell(why, true);
         }
         self.stop_making();
         let recipe = self.form.recipe();
@@ -45,7 +54,7 @@ impl State {
         let recipe = self.form.recipe();
         let session = self.runs.first.session.as_ref();
         if session.is_none_or(|session| session.recipe() != recipe) {
-            let now = self.runs.first.session.is_some().then(|| self.memento());
+            let now = self.runs.first.session.is_some().then(|| Memento::of(self));
             self.past.history.remember_live_run(command, now);
             self.start_sampling(Which::First, recipe, self.gpu.engine);
         }
@@ -57,14 +66,19 @@ impl State {
         self.poll();
         self.in_class(Classroom::follow_lesson_file);
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
-        let cursor = self.cursor();
-        let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
+        let cursor = self.runs.first.cursor();
+        let runs = self.with(|state, context| {
+            let run = &mut state.runs.first;
+            state.time.advance(dt_secs, run, context)
+        });
         let is_fast = self.time.playback.is_fast(TRANSITION_SECS);
-        if !is_fast {
-            self.follow_event(cursor);
+        if !is_fast && self.appearance.follows_events {
+            self.on(Which::First, |run, context| {
+                run.follow_event(cursor, context)
+            });
         }
         let shows_events = self.window.shows(Panel::Events);
-        let with_geometry = self.wants_geometry();
+        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
             if shows_events {
@@ -79,14 +93,17 @@ impl State {
         let is_analysed = self.window.shows(Panel::Analysis);
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.analysis.follow(&self.runs.first, is_analysed, &wake);
-        self.follow_scenes();
         let dark = self.appearance.look.is_dark();
+        self.scenes
+            .follow_thumbnails(&self.runs, &self.window, dark);
         self.in_class(|class, context| {
             class.follow_talk(dark, context);
             class.follow_handout(context);
         });
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
-        self.poll_run(Which::Second);
+        let made = self.runs.get_mut(Which::Second).and_then(RunView::made);
+        self.finish_sampling(Which::Second, made);
+        self.on(Which::Second, |run, _| run.poll());
         let flies = self.with_of(Which::Second, |state, context| {
             state.runs.advance_second(dt_secs, with_geometry, context)
         });
@@ -104,29 +121,27 @@ impl State {
 
     fn poll(&mut self) {
         self.with(|state, context| state.gpu.poll(context));
-        self.poll_run(Which::First);
+        let made = self.runs.first.made();
+        self.finish_sampling(Which::First, made);
+        self.runs.first.poll();
         self.in_exports(|exports, source, delivery, context| {
             exports.poll(source, delivery, context);
         });
-        self.with(|state, context| state.files.poll(&state.runs.first, context));
+        self.with(|state, context| state.files.poll(&mut state.runs, context));
         if let Some(path) = self.files.take_awaiting(&self.runs.first) {
             self.apply(Command::File(FileCommand::Dropped(vec![path])));
         }
     }
 
-    /// Takes finished work on a run.
-    pub(super) fn poll_run(&mut self, which: Which) {
-        if let Some(outcome) = self.on(which, |run, _| run.made()).flatten() {
-            self.finish_sampling(which, outcome);
-        }
-        self.on(which, |run, _| run.poll());
-    }
-
-    fn finish_sampling(&mut self, which: Which, outcome: Made) {
+    /// Shows the session that was made, or says why there is none.
+    fn finish_sampling(&mut self, which: Which, made: Option<run_view::Made>) {
+        let Some(outcome) = made else {
+            return;
+        };
         match outcome {
             Ok(Ok(session)) => {
                 if which == Which::Second {
-                    return self.show_made(which, session);
+                    return self.show(which, session);
                 }
                 if let Some(run) = self.classroom.made_for_lesson(&session) {
                     // The lesson shows it only up to its question.
@@ -137,51 +152,32 @@ impl State {
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
                 let stage = run.current_stage().filter(|_| is_live);
-                self.show_made(which, session);
+                self.show(which, session);
                 if let Some(stage) = stage {
                     self.runs.first.show_same_stage(stage);
                 }
                 self.arrive();
                 // The scene of the tour is one of the run that is there now.
                 if let Some(shown) = self.scenes.shown.filter(|_| self.scenes.is_touring()) {
-                    self.show_scene_of_tour(shown.index);
+                    self.in_scenes(|scenes, run, source, context| {
+                        scenes.show(SceneList::Tour, shown.index, run, source, context);
+                    });
                 }
                 return;
             }
-            Ok(Err(error)) => self.not_made(which, &error),
-            Err(failure) => self.tell_of(which, sentence(&failure), true),
+            Ok(Err(error)) => {
+                let run = self.runs.get(which);
+                let is_kept = run.is_some_and(|run| run.session.is_some());
+                self.messages.tell_of(which, not_made(&error, is_kept));
+            }
+            Err(failure) => {
+                let notice = Notice::new(sentence(&failure), true);
+                self.messages.tell_of(which, notice);
+            }
         }
         if which == Which::First {
             self.runs.arriving = None;
         }
-    }
-
-    fn not_made(&mut self, which: Which, error: &MakeError) {
-        match error.cancelled() {
-            Some(stage) => {
-                let run = self.runs.get(which);
-                let kept = match run.and_then(|run| run.session.as_ref()) {
-                    Some(_) => " The previous session is kept.",
-                    None => "",
-                };
-                let text = format!("Cancelled during stage \"{stage}\".{kept}");
-                self.tell_of(which, text, false);
-            }
-            None => self.tell_of(which, sentence(&error.to_string()), true),
-        }
-    }
-
-    /// Shows a session at its last stage and starts verifying it.
-    pub fn show(&mut self, session: Session) {
-        self.show_in(Which::First, session);
-    }
-
-    pub(super) fn show_in(&mut self, which: Which, session: Session) {
-        if which == Which::First {
-            let same_run = self.runs.first.is_same_run(&session);
-            self.time.rest(same_run);
-        }
-        self.on(which, |run, context| run.show(session, context));
     }
 
     /// Waits for all work in the background and takes its results. For tests and scripts; a window calls
@@ -192,12 +188,25 @@ impl State {
         if let Some(path) = self.files.take_awaiting(&self.runs.first) {
             self.apply(Command::File(FileCommand::Dropped(vec![path])));
         }
-        self.with(|state, context| state.files.settle(context));
-        self.settle_run(Which::First);
+        self.with(|state, context| state.files.settle(&mut state.runs, context));
+        let made = self.runs.first.wait_made();
+        self.finish_sampling(Which::First, made);
+        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
+        self.on(Which::First, |run, context| {
+            run.settle(with_geometry, context)
+        });
         while self.time.continuing.is_some() {
-            self.in_time(super::Time::continue_on);
+            self.with(|state, context| {
+                state.time.continue_on(&mut state.runs.first, context);
+            });
         }
-        self.settle_run(Which::Second);
+        let second = self.runs.get_mut(Which::Second);
+        let made = second.and_then(RunView::wait_made);
+        self.finish_sampling(Which::Second, made);
+        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
+        self.on(Which::Second, |run, context| {
+            run.settle(with_geometry, context)
+        });
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);
         let is_analysed = self.window.shows(Panel::Analysis);
@@ -208,33 +217,31 @@ impl State {
             run.want_hits(context);
             run.hits.settle();
         });
-        self.follow_scenes();
-        while self.scenes.thumbnails.wait() {
-            self.follow_scenes();
-        }
         let dark = self.appearance.look.is_dark();
+        loop {
+            self.scenes
+                .follow_thumbnails(&self.runs, &self.window, dark);
+            if !self.scenes.thumbnails.wait() {
+                break;
+            }
+        }
         self.in_class(|class, context| class.settle_talk(dark, context));
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 
-    /// Draws the pictures of the scenes while their panel is open.
-    fn follow_scenes(&mut self) {
-        if self.window.shows(Panel::Scenes) {
-            let dark = self.appearance.look.is_dark();
-            let wake = &self.runs.jobs.wake;
-            self.scenes.follow_thumbnails(&self.runs.first, dark, wake);
-        }
-    }
-
-    /// Shows a session, with a notice if the CPU replaced the GPU or the GPU's run differs.
-    pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
+    /// Shows a session at its last stage and has it verified; says if the CPU replaced the GPU or the GPU's run differs.
+    pub fn show(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();
         let differs = session.kind() == SessionKind::Run
             && session.has_stages()
             && session.recording().is_none();
         let engine = session.engine.clone();
         let is_combination = session.combination.is_some();
-        self.show_in(which, session);
+        if which == Which::First {
+            let same_run = self.runs.first.is_same_run(&session);
+            self.time.rest(same_run);
+        }
+        self.on(which, |run, context| run.show(session, context));
         // A combination is shown with its seams.
         if let Some(layers) = &mut self.appearance.chosen_layers
             && is_combination
@@ -248,41 +255,207 @@ impl State {
                 "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
                  The passes of the GPU show where the two diverge."
             );
-            self.tell_of(which, text, true);
+            self.messages.tell_of(which, Notice::new(text, true));
         }
         if let Some(failure) = failure {
             let text = self.gpu.failed(failure);
-            self.tell_of(which, text, true);
+            self.messages.tell_of(which, Notice::new(text, true));
         }
     }
 
-    /// Returns the rows of the GPU's buffers to show on the canvas. `None` unless the panel of passes is visible,
-    /// passes are the clock, or the timeline is at the moment of the last command of the passes.
+    /// Shows a session that was read from a file, at the moment where it was saved. Parts of its view that are invalid or do
+    /// not fit are named in a notice.
+    pub(super) fn show_opened(&mut self, opened: Opened) {
+        let Opened {
+            path,
+            saved,
+            session,
+        } = opened;
+        let debugger = match (&saved, session.recording()) {
+            (SavedContent::Run(saved), Some(recording)) => {
+                match Debugger::resume(saved, Arc::clone(recording)) {
+                    Ok(debugger) => Some(debugger),
+                    Err(error) => return self.messages.tell(sentence(&error.to_string()), true),
+                }
+            }
+            (SavedContent::Run(_), None) => return,
+            (SavedContent::Combination(_), _) => None,
+        };
+        self.give_back();
+        self.stop_making();
+        match &saved {
+            SavedContent::Run(saved) => {
+                self.form.draft = Draft::from_parameters(saved.parameters);
+                self.form.own_pattern.clone_from(&session.own);
+            }
+            SavedContent::Combination(_) => self.remember_run(UndoPart::Run),
+        }
+        (self.runs.first.selected, self.runs.first.place) = (None, None);
+        self.show(Which::First, session);
+
+        let run = &mut self.runs.first;
+        let view = match saved {
+            SavedContent::Run(saved) => {
+                run.debugger = debugger;
+                run.follow_cursor();
+                self.classroom.take_record(&saved.view);
+                saved.view
+            }
+            SavedContent::Combination(Some(saved)) => {
+                let stages = run.session.as_ref().map_or(0, |made| made.stages.len());
+                run.set_stage(saved.stage.min(stages.saturating_sub(1)));
+                saved.view
+            }
+            SavedContent::Combination(None) => return,
+        };
+        let (view, mut dropped) = SavedView::from_json(&view, &SavedView::of(self));
+        dropped.extend(self.look_as(&view));
+        self.past.history = History::default();
+        if !dropped.is_empty() {
+            let text = format!(
+                "{path} is open. These parts of its view are invalid and were left out: {}.",
+                dropped.join(", ")
+            );
+            self.messages.tell(text, false);
+        }
+        // The last session is in no file of the user's.
+        if path != LAST_SESSION {
+            self.runs.first.session_path = Some(path);
+            self.files.scenes_are_saved(&self.runs.first);
+        }
+    }
+
+    /// Applies a view. Returns the names of the parts that do not fit the current session.
+    pub fn look_as(&mut self, view: &SavedView) -> Vec<&'static str> {
+        self.with(|state, context| {
+            let engine = state.gpu.engine;
+            view.apply(&mut state.runs, &mut state.time, engine, context)
+        })
+    }
+
+    /// Returns the link to what is shown: run, moment and view. While the run of an opened link is being made, it is
+    /// that link. Cheap enough to be called every frame.
     #[must_use]
-    pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
-        let passes = self.runs.first.passes.as_ref()?;
-        let is_seen = self.window.shows(Panel::Passes) && !self.appearance.look.is_projector();
-        let now = self.runs.first.moment();
-        let is_then = now.is_some() && passes.moment() == now;
-        let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
-        passes.on_canvas().filter(|_| is_meant)
-    }
-
-    /// Returns whether a layer is on that needs the triangulation of the moment.
-    pub(super) fn wants_geometry(&self) -> bool {
-        let layers = self.appearance.layers(self.current_stage());
-        let session = self.runs.first.session.as_ref();
-        session.is_some_and(|session| session.drawable(layers).wants_geometry())
-    }
-
-    /// Waits for the work on a run.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle_run(&mut self, which: Which) {
-        if let Some(job) = self.on(which, |run, _| run.sampling.take()).flatten() {
-            let outcome = job.wait();
-            self.finish_sampling(which, outcome);
+    pub fn link(&self) -> Link {
+        LinkSource {
+            runs: &self.runs,
+            view: SavedView::of(self),
+            layout: self.past.layout_to_store(&self.window),
+            form: &self.form,
+            lessons: &self.classroom.lessons,
         }
-        let with_geometry = self.wants_geometry();
-        self.on(which, |run, context| run.settle(with_geometry, context));
+        .link()
+    }
+
+    /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
+    /// too large are left out and named in a notice. The run is made first, unless it is the current one; a run
+    /// that the user starts meanwhile replaces it.
+    pub fn open_link(&mut self, text: &str) {
+        let (content, warnings) = link::read(text);
+        self.stop_making();
+        (self.files.sheet, self.files.exports.sheet) = (None, None);
+        self.window.finder = None;
+        self.classroom.lessons.close_list();
+        if let Some(language) = &content.language {
+            self.classroom.lessons.language.clone_from(language);
+        }
+        if let Some(wanted) = content.lesson {
+            // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
+            self.messages.warn(&warnings);
+            self.in_class(|class, context| class.open_wanted(wanted, context));
+            return;
+        }
+
+        self.give_back();
+        let before = Memento::of(self);
+        let is_made = self.runs.first.is_made_from(&content);
+        if !is_made {
+            self.remember_run(UndoPart::Everything);
+        }
+        self.form.own_pattern = None;
+        let made = match content.combination.clone() {
+            Some(layout) => Made::Combination(layout),
+            None => {
+                let draft = Draft::from_parameters(content.parameters);
+                self.form.draft = draft.with_nesting(content.nested);
+                Made::Run(content.recipe())
+            }
+        };
+        self.messages.warn(&warnings);
+        self.runs.arriving = Some(Box::new(Arriving { content, warnings }));
+        if is_made {
+            self.arrive();
+            self.remember(before, UndoPart::Everything, None);
+        } else {
+            self.carry_out(Which::First, vec![Effect::Make(Box::new(made))]);
+        }
+    }
+
+    /// Applies the rest of a link whose run is there.
+    fn arrive(&mut self) {
+        let Some(arriving) = self.runs.arriving.take() else {
+            return;
+        };
+        let Arriving {
+            content,
+            mut warnings,
+        } = *arriving;
+        if !self.runs.first.is_made_from(&content) {
+            return;
+        }
+        let shown_before = warnings.clone();
+        let notice = self.messages.notice.as_ref();
+        let shown = notice.map(|notice| notice.text == shown_before.text());
+        if shown == Some(true) {
+            self.messages.notice = None;
+        }
+
+        self.with(|state, context| {
+            let (run, playback) = (&mut state.runs.first, &mut state.time.playback);
+            playback.stop();
+            playback.range = None;
+            run.pick(Selection::Nothing, context);
+            run.witness_mark = None;
+            run.take_moment(&content.moment, &mut warnings);
+            run.take_linked_stops(&content, &mut warnings);
+            state.files.scenes_are_saved(run);
+        });
+        for part in self.look_as(&content.view) {
+            let text = format!("The link's {part} does not fit this run and was left out.");
+            warnings.add(text);
+        }
+        self.runs.follow_first();
+        // Warnings that the user has dismissed are not repeated unless there are new ones.
+        if shown.is_some() || warnings != shown_before {
+            self.messages.warn(&warnings);
+        }
+    }
+
+    /// Ends what is open before the window closes: a lesson or the tour gives back what it replaced, an export is cancelled
+    /// and removes its unfinished file, and a session that is being saved is saved.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn finish(&mut self) {
+        self.give_back();
+        if let Some(job) = &self.files.exports.work {
+            job.cancel();
+        }
+        self.in_exports(|exports, _, _, context| exports.settle(context));
+        self.with(|state, context| state.files.settle(&mut state.runs, context));
+    }
+}
+
+/// Returns the notice of a run that was not made; whether the previous session is kept.
+fn not_made(error: &MakeError, is_kept: bool) -> Notice {
+    let kept = if is_kept {
+        " The previous session is kept."
+    } else {
+        ""
+    };
+    match error.cancelled() {
+        Some(stage) => {
+            let text = format!("Cancelled during stage \"{stage}\".{kept}");
+            Notice::new(text, false)
+        }
+        None => Notice::new(sentence(&error.to_string()), true),
     }
 }

@@ -25,7 +25,7 @@ use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
 use crate::scenes::SceneCommand;
-use crate::state::{State, Verification};
+use crate::state::{Settings, State, Verification};
 
 type Reply = Result<Vec<u8>, TaskError>;
 
@@ -131,7 +131,7 @@ fn visit() -> Vec<String> {
     state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
     state.settle();
     let session = state.runs().first.session.as_ref().expect("a session");
-    let shown = state.shown().expect("a moment");
+    let shown = state.runs().first.shown().expect("a moment");
     let known = state.analysis().of(&shown).expect("measures");
     let brushed = brush.expect("a brush");
     let second = state.runs().second.as_ref().expect("a second run");
@@ -191,7 +191,10 @@ fn picture_of_a_scene(state: &mut State) -> String {
 
 /// Exports samples and opens them again, and combines sets; returns the results.
 fn hand_over(state: &mut State) -> Vec<String> {
-    state.deliver(Delivery::Download);
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     state.apply(Command::Compare(CompareCommand::Close));
     state.apply(Command::Export(ExportCommand::Open(ExportKind::Result)));
     state.apply(Command::Export(ExportCommand::Write));
@@ -221,7 +224,10 @@ fn hand_over(state: &mut State) -> Vec<String> {
 /// Presents a lesson; returns the picture of its next step, and its handout.
 fn present() -> [String; 2] {
     let mut state = State::new(Arc::new(|| {}));
-    state.deliver(Delivery::Download);
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     state.settle();
     state.apply(Command::Lesson(LessonCommand::Open("survivors".to_owned())));
     state.settle();

@@ -13,7 +13,7 @@ use tilescope_session::Session;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
 use tilescope_workbench::analysis::measured::{Samples, missing};
 use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
-use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::command::{FormCommand, TimeCommand, Which, WindowCommand};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
 
@@ -34,22 +34,24 @@ fn analysing() -> State {
 
 /// Goes to a moment, or to the end of a shorter run.
 fn jump(state: &mut State, cursor: usize) {
-    let cursor = cursor.min(state.cursor().expect("events").1);
+    let cursor = cursor.min(state.runs().first.cursor().expect("events").1);
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
 }
 
 fn measured(state: &State) -> Arc<MeasuredSet> {
-    let known = state.analysis().of(&state.shown().unwrap());
+    let known = state.analysis().of(&state.runs().first.shown().unwrap());
     Arc::clone(&known.expect("measured").measured)
 }
 
 fn is_whole(state: &State) -> bool {
-    state.analysis().is_whole(&state.shown().unwrap())
+    state
+        .analysis()
+        .is_whole(&state.runs().first.shown().unwrap())
 }
 
 /// The positions of the samples that cover their disks, in r, found sample by sample.
 fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let session = shown.session;
     let stands = |id: &u32| matches!(shown.standing(*id), Standing::Tiled | Standing::Valid);
     let all = 0..session.run().samples.len() as u32;
@@ -143,10 +145,10 @@ fn runs_without_stages_or_events_are_measured_too() {
     let mut state = analysing();
     for (generation, run) in [(1_000, counted), (1_001, staged)] {
         let stages = run.stages().len();
-        state.show(Session::from_run(run, generation));
+        state.show(Which::First, Session::from_run(run, generation));
         state.settle();
         assert_is_that_of_the_crate(&state);
-        assert_eq!(state.cursor(), None);
+        assert_eq!(state.runs().first.cursor(), None);
         state.apply(Command::Time(TimeCommand::ShowStage(stages - 2)));
         state.settle();
         if stages > 3 {
@@ -159,14 +161,19 @@ fn runs_without_stages_or_events_are_measured_too() {
 fn nothing_is_measured_while_the_panel_is_hidden_or_there_are_no_samples() {
     let mut state = opened();
     assert!(
-        state.analysis().last(&state.shown().unwrap()).is_none()
+        state
+            .analysis()
+            .last(&state.runs().first.shown().unwrap())
+            .is_none()
             && state.analysis().progress().is_none()
     );
     assert!(state.analysis().reference.measured().is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     jump(&mut state, 0);
     state.settle();
-    let why = state.analysis().failure(&state.shown().unwrap());
+    let why = state
+        .analysis()
+        .failure(&state.runs().first.shown().unwrap());
     assert!(why.unwrap().starts_with("0 samples stand"), "{why:?}");
     assert!(state.analysis().reference.measured().is_some());
     // The failure does not affect the next moment.
@@ -199,7 +206,11 @@ fn measuring_can_be_stopped_and_resumed() {
     gate.open();
     state.settle();
     assert!(state.analysis().progress().is_none() && !is_whole(&state));
-    assert!(state.analysis().is_stopped(&state.shown().unwrap()));
+    assert!(
+        state
+            .analysis()
+            .is_stopped(&state.runs().first.shown().unwrap())
+    );
     state.apply(Command::Analysis(AnalysisCommand::Resume));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -210,25 +221,43 @@ fn a_moving_cursor_cancels_measuring_and_the_moment_shown_is_named() {
     let (mut state, gate) = waiting_at_a_gate();
     let whole = state
         .analysis()
-        .last(&state.shown().unwrap())
+        .last(&state.runs().first.shown().unwrap())
         .expect("the end was measured")
         .clone();
     assert!(whole.name.ends_with("finish"), "{}", whole.name);
-    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
+    assert!(
+        state
+            .analysis()
+            .of(&state.runs().first.shown().unwrap())
+            .is_none()
+    );
     jump(&mut state, 3_500);
     gate.open();
     state.settle();
     assert_is_that_of_the_crate(&state);
-    let now = state.analysis().last(&state.shown().unwrap()).unwrap();
+    let now = state
+        .analysis()
+        .last(&state.runs().first.shown().unwrap())
+        .unwrap();
     assert!(now.name.starts_with("event 3,500"), "{}", now.name);
     jump(&mut state, 3_000);
-    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
+    assert!(
+        state
+            .analysis()
+            .of(&state.runs().first.shown().unwrap())
+            .is_none()
+    );
 }
 
 #[test]
 fn faded_measures_are_of_the_same_session() {
     let mut state = analysing();
-    assert!(state.analysis().last(&state.shown().unwrap()).is_some());
+    assert!(
+        state
+            .analysis()
+            .last(&state.runs().first.shown().unwrap())
+            .is_some()
+    );
     state.apply(Command::Form(FormCommand::Type(
         Parameter::Radius,
         "0.04".to_owned(),
@@ -237,9 +266,19 @@ fn faded_measures_are_of_the_same_session() {
     while state.runs().first.sampling.is_some() {
         state.advance(0.0);
     }
-    assert!(state.analysis().last(&state.shown().unwrap()).is_none());
+    assert!(
+        state
+            .analysis()
+            .last(&state.runs().first.shown().unwrap())
+            .is_none()
+    );
     state.settle();
-    assert!(state.analysis().last(&state.shown().unwrap()).is_some());
+    assert!(
+        state
+            .analysis()
+            .last(&state.runs().first.shown().unwrap())
+            .is_some()
+    );
 }
 
 #[test]
@@ -250,7 +289,12 @@ fn hiding_the_panel_stops_the_work() {
     assert!(state.analysis().progress().is_none());
     gate.open();
     state.settle();
-    assert!(state.analysis().of(&state.shown().unwrap()).is_none());
+    assert!(
+        state
+            .analysis()
+            .of(&state.runs().first.shown().unwrap())
+            .is_none()
+    );
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -306,7 +350,7 @@ fn parts_are_measured_one_after_the_other() {
     let mut frames = 0;
     while !is_whole(&state) {
         state.advance(0.0);
-        let known = state.analysis().of(&state.shown().unwrap());
+        let known = state.analysis().of(&state.runs().first.shown().unwrap());
         let next = known.and_then(|known| missing(&known.measured));
         if let Some(part) = next.filter(|part| seen.last() != Some(part)) {
             seen.push(part);

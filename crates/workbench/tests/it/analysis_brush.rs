@@ -10,7 +10,7 @@ use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::Boundary as Border;
 use tilescope_core::Parameter;
-use tilescope_drawing::brushed::Cause;
+use tilescope_drawing::brushed::{BrushedCause, Cause};
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
@@ -33,13 +33,17 @@ fn brush(state: &mut State, axis: BrushAxis, from: f64, to: f64) {
     state.settle();
 }
 
+fn causes(state: &State) -> Option<&BrushedCause> {
+    state.analysis().causes(&state.runs().first, state.window())
+}
+
 fn cause(state: &State) -> &Cause {
-    &state.causes().expect("causes").cause
+    &causes(state).expect("causes").cause
 }
 
 /// The samples that cover their disks, by id, with their positions in r.
 fn standing(state: &State) -> Vec<(u32, DVec2)> {
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let all = 0..shown.session.run().samples.len() as u32;
     let ids = all.filter(|id| shown.covers(*id));
     ids.map(|id| (id, shown.session.position(id))).collect()
@@ -192,7 +196,7 @@ fn causes_follow_the_moment_and_end_with_the_brush_and_the_panel() {
     let first = found_pairs(&state);
     state.apply(Command::Time(TimeCommand::Jump(3_000)));
     assert!(
-        state.causes().is_none(),
+        causes(&state).is_none(),
         "causes of another moment are not shown"
     );
     assert_eq!(
@@ -201,13 +205,13 @@ fn causes_follow_the_moment_and_end_with_the_brush_and_the_panel() {
     );
     state.settle();
     assert_ne!(found_pairs(&state), first);
-    assert!(state.subject().unwrap().causes.is_some());
+    assert!(causes(&state).is_some());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
-    assert!(state.subject().unwrap().causes.is_none());
+    assert!(causes(&state).is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.apply(Command::Analysis(AnalysisCommand::Brush(None)));
     state.settle();
-    assert!(state.causes().is_none());
+    assert!(causes(&state).is_none());
 }
 
 #[test]
@@ -227,7 +231,7 @@ fn impossible_searches_are_explained_and_empty_brushes_ignored() {
     state.settle();
     assert!(state.runs().first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, BrushAxis::Distance, 1.0, 5.0);
-    assert!(state.causes().is_none());
+    assert!(causes(&state).is_none());
     let message = state.analysis().brush_text(&state.runs().first);
     assert!(message.contains("largest distance of a pair"), "{message}");
     brush(&mut state, BrushAxis::Distance, 1.0, 3.0);

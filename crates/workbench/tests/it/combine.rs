@@ -19,6 +19,8 @@ use tilescope_session::layers::Layer;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::{ExportKind, picture};
+use tilescope_workbench::files::SaveTask;
+use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};
@@ -59,7 +61,7 @@ fn nine_sets_in_the_window_equal_those_of_the_core() {
         positions_digest(&run.positions()),
         "blake3:a0a039606fe50301d6d486f592414acc0ee4ebef6ae5507b6887af0932e54c14"
     );
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs().first.verdict().unwrap().report.valid());
     let combination = session.combination.as_ref().unwrap();
     assert_eq!(combination.seams, expected.seams);
     assert_eq!((combination.seams.len(), combination.files), (18, 0));
@@ -82,11 +84,11 @@ fn stages_of_a_combination_can_be_stepped_through() {
         session.stages[..3],
         [Stage::Blocks, Stage::Tile, Stage::Eliminate]
     );
-    assert_eq!(state.current_stage(), Some(Stage::Finish));
+    assert_eq!(state.runs().first.current_stage(), Some(Stage::Finish));
     state.apply(Command::Time(TimeCommand::FirstStage));
-    assert_eq!(state.current_stage(), Some(Stage::Blocks));
+    assert_eq!(state.runs().first.current_stage(), Some(Stage::Blocks));
     state.apply(Command::Time(TimeCommand::StepForward));
-    assert_eq!(state.current_stage(), Some(Stage::Tile));
+    assert_eq!(state.runs().first.current_stage(), Some(Stage::Tile));
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes, and each refusal says so.
     assert!(state.runs().first.debugger.is_none());
@@ -108,8 +110,7 @@ fn stages_of_a_combination_can_be_stepped_through() {
             .unwrap()
             .contains("combination")
     );
-    let refusal = state
-        .export_source()
+    let refusal = ExportSource::of(&state)
         .kind_refusal(ExportKind::Animation)
         .unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
@@ -216,7 +217,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
         "{}",
         notice_text(&state)
     );
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs().first.verdict().unwrap().report.valid());
     let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!((combination.files, combination.seams.len()), (2, 1));
@@ -229,7 +230,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
             .unwrap()
             .contains("sets from files")
     );
-    assert!(state.saved_combination().is_none());
+    assert!(SaveTask::of(&state).combination.is_none());
     let out = folder.path().join("out.csv");
     write(&mut state, ExportKind::Result, &out, &[]);
     let go_on = |_| ControlFlow::Continue(());
@@ -276,7 +277,7 @@ fn a_piece_with_thousands_of_neighbours_is_glued() {
         "{}",
         notice_text(&state)
     );
-    assert!(state.verdict().unwrap().report.valid());
+    assert!(state.runs().first.verdict().unwrap().report.valid());
     let session = state.runs().first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!(combination.files, 805);

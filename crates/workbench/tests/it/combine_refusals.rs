@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_workbench::command::{TimeCommand, Which};
-use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::files::{FileCommand, Purpose, SaveTask};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_file, drop_text, nine, open};
@@ -40,8 +40,11 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
             notice_text(&other)
         );
         assert_eq!(other.runs().first.stage, 1);
-        assert_eq!(other.saved_combination(), state.saved_combination());
-        assert!(other.verdict().unwrap().report.valid());
+        assert_eq!(
+            SaveTask::of(&other).combination,
+            SaveTask::of(&state).combination
+        );
+        assert!(other.runs().first.verdict().unwrap().report.valid());
     }
     let saved: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
     let mut state = opened();
@@ -159,7 +162,7 @@ fn invalid_layouts_are_refused_with_a_reason() {
     assert!(notice_text(&state).contains("files are read only with a layout that is in a file"));
     state.apply(Command::Combine(CombineCommand::Text("[".to_owned())));
     assert!(notice_text(&state).contains("not a layout of pieces"));
-    assert!(!state.runs().first.shows_combination() && state.verdict().is_some());
+    assert!(!state.runs().first.shows_combination() && state.runs().first.verdict().is_some());
     // A valid layout is opened after all these refusals.
     drop_text(&mut state, &path, NINE);
     assert!(state.runs().first.shows_combination());

@@ -21,6 +21,7 @@ use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::scenes::SceneCommand;
+use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, export_view, fill_in, notice_text, opened, write};
@@ -103,7 +104,7 @@ fn a_png_has_the_requested_size_and_its_provenance() {
             &picture.json("Recording"),
         );
         let moment = picture.json("Moment");
-        assert_eq!(moment["cursor"], state.cursor().unwrap().0);
+        assert_eq!(moment["cursor"], state.runs().first.cursor().unwrap().0);
         assert_eq!(picture.json("View")["center_radii"][0], 25.0);
         assert!(picture.text("Version").starts_with("tilescope "));
         pictures.push(picture);
@@ -142,7 +143,7 @@ fn every_scene_is_a_picture_with_its_caption() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     let path = folder.path().join("talk.svg");
-    let refusal = state.export_source().kind_refusal(ExportKind::Scenes);
+    let refusal = ExportSource::of(&state).kind_refusal(ExportKind::Scenes);
     assert!(refusal.is_some_and(|refusal| refusal.to_string().contains("no scenes")));
     for (index, stage) in [1, 3].into_iter().enumerate() {
         state.apply(Command::Time(TimeCommand::ShowStage(stage)));
@@ -340,17 +341,17 @@ fn an_animation_has_the_frames_of_its_range() {
     let session = state.runs().first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
     let mut form = tilescope_workbench::export::ExportForm::default();
-    assert_eq!(state.export_source().range(&form), Some(stage));
+    assert_eq!(ExportSource::of(&state).range(&form), Some(stage));
     form.whole_run = true;
-    let (_, len) = state.cursor().unwrap();
-    assert_eq!(state.export_source().range(&form), Some(0..len));
+    let (_, len) = state.runs().first.cursor().unwrap();
+    assert_eq!(ExportSource::of(&state).range(&form), Some(0..len));
     fill_in(&mut state, ExportKind::Animation, &path, &[]);
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(
         state
             .files()
             .exports
-            .prospect(state.export_source())
+            .prospect(ExportSource::of(&state))
             .unwrap()
             .starts_with("2 frames of at most 600, ")
     );
@@ -375,10 +376,9 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     let whole = state.runs().first.session.clone().unwrap();
     let parameters = whole.run().parameters;
     let run = tilescope_core::sample(&parameters, &mut tilescope_core::Unobserved).unwrap();
-    state.show(Session::from_run(run, 99));
+    state.show(Which::First, Session::from_run(run, 99));
     state.settle();
-    let refusal = state
-        .export_source()
+    let refusal = ExportSource::of(&state)
         .kind_refusal(ExportKind::Animation)
         .expect("no events");
     assert!(refusal.to_string().contains("without events"), "{refusal}");
@@ -422,7 +422,7 @@ fn samples_of_a_moment_are_certified() {
         for command in commands {
             state.apply(command);
         }
-        let shown = state.shown().unwrap();
+        let shown = state.runs().first.shown().unwrap();
         let ids = 0..shown.session.run().samples.len() as u32;
         let covering = ids.filter(|&id| shown.covers(id)).count();
         let path = folder.path().join(name);
@@ -515,7 +515,7 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 fn free_and_sample(state: &State, block: u32) -> (DVec2, DVec2) {
     let session = state.runs().first.session.as_ref().unwrap();
     let run = session.run();
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let radii = |x: i32| f64::from(x) / f64::from(tilescope_core::R);
     let rect = run.blocks.leaves[block as usize].rect;
     let ids = (0..run.samples.len() as u32).filter(|&id| shown.covers(id));
@@ -555,7 +555,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
         state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }
     let stages = state.runs().first.session.as_ref().unwrap().stages.len();
-    let last = state.cursor().unwrap().1;
+    let last = state.runs().first.cursor().unwrap().1;
     for (look, print) in [
         (Look::Dark, false),
         (Look::Light, false),
@@ -651,7 +651,7 @@ fn a_picture_has_block_numbers_the_tree_and_a_title() {
     let count = grouped(session.summary.count);
     let title = format!("<title>Result: {count} samples, r = 0.02");
     assert!(svg.contains(&title), "{}", &svg[..400]);
-    let last = state.cursor().unwrap().1;
+    let last = state.runs().first.cursor().unwrap().1;
     state.apply(Command::Time(TimeCommand::Jump(last - 1)));
     let svg = shoot(&mut state);
     let event = format!("event {} of {}", grouped(last - 1), grouped(last));

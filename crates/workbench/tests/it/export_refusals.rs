@@ -11,6 +11,7 @@ use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
 use tilescope_workbench::export::{
     ExportCommand, ExportKind, ExportRefusal, MAX_FRAMES, NumberField,
 };
+use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, fill_in, notice_text, opened, settled, write};
@@ -24,7 +25,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 /// The sheet's description of the export, or its refusal.
 fn prospect(state: &State) -> Result<String, ExportRefusal> {
-    state.files().exports.prospect(state.export_source())
+    state.files().exports.prospect(ExportSource::of(&state))
 }
 
 #[test]
@@ -223,7 +224,7 @@ fn impossible_exports_are_refused_with_value_and_limit() {
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::FirstStage));
     let form = tilescope_workbench::export::ExportForm::default();
-    let range = state.export_source().range(&form).unwrap();
+    let range = ExportSource::of(&state).range(&form).unwrap();
     fill_in(&mut state, ExportKind::Animation, &path("a.gif"), &enough);
     let refusal = prospect(&state).unwrap_err().to_string();
     assert!(

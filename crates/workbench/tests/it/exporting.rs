@@ -9,6 +9,7 @@ use tilescope_drawing::picture::PictureView;
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
+use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State};
 
 pub fn settled(wake: Wake) -> State {
@@ -66,5 +67,5 @@ pub fn notice_text(state: &State) -> String {
 pub fn export_view(state: &State, kind: ExportKind) -> Result<PictureView, ExportRefusal> {
     let sheet = state.files().exports.sheet.as_ref();
     let print = sheet.is_some_and(|form| form.print);
-    state.export_source().view(kind, print)
+    ExportSource::of(state).view(kind, print)
 }

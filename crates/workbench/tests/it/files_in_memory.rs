@@ -9,7 +9,8 @@ use tilescope_workbench::command::{FormCommand, TimeCommand};
 use tilescope_formats::{Overrides, certificate_path, check_bytes};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, write};
-use tilescope_workbench::files::{Delivery, FileCommand, Purpose, packed};
+use tilescope_workbench::files::{Delivery, FileCommand, Purpose, SaveTask, packed};
+use tilescope_workbench::state::{ExportSource, Settings};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{fill_in, notice_text, opened};
@@ -75,15 +76,15 @@ fn is_error(state: &State) -> bool {
 fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
     let (folder, state) = pattern_session();
     let [session, set] = ["one.json", "own.csv"].map(|name| folder.path().join(name));
-    let saved = state.saved().unwrap();
+    let saved = SaveTask::of(&state).run.unwrap();
     let mut by_path = opened();
     open_path(&mut by_path, Purpose::Open, &session);
-    assert_eq!(by_path.saved().unwrap().digest, saved.digest);
+    assert_eq!(SaveTask::of(&by_path).run.unwrap().digest, saved.digest);
     let all = || vec![named(&set), named(&certificate_path(&set)), named(&session)];
     // In either order, a session is opened before the files that it names.
     for dropped in [true, false] {
         let mut other = opened();
-        assert_ne!(other.saved().unwrap().digest, saved.digest);
+        assert_ne!(SaveTask::of(&other).run.unwrap().digest, saved.digest);
         if dropped {
             drop_bytes(&mut other, all());
         } else {
@@ -91,7 +92,7 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
         }
         assert!(!is_error(&other), "{}", notice_text(&other));
         assert!(other.files().sheet.is_none(), "the sheet is closed");
-        let opened = other.saved().unwrap();
+        let opened = SaveTask::of(&other).run.unwrap();
         assert_eq!(opened.digest, saved.digest);
         let pattern = opened.pattern.unwrap();
         assert_eq!(pattern.digest, saved.pattern.as_ref().unwrap().digest);
@@ -104,17 +105,17 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
     }
     // Without its pattern it is refused: sessions given as bytes read nothing from the disk.
     let mut other = opened();
-    let before = other.saved();
+    let before = SaveTask::of(&other).run;
     drop_bytes(&mut other, vec![named(&session)]);
     assert!(is_error(&other) && notice_text(&other).contains("did not come with the session"));
-    assert_eq!(other.saved(), before);
+    assert_eq!(SaveTask::of(&other).run, before);
 }
 
 #[test]
 fn content_decides_and_not_the_name() {
     let (folder, state) = pattern_session();
     let set = folder.path().join("own.csv");
-    let digest = state.saved().unwrap().digest;
+    let digest = SaveTask::of(&state).run.unwrap().digest;
     let session = fs::read(folder.path().join("one.json")).unwrap();
     // A session is recognised under any name, also after the set that it clips from.
     for name in ["lecture", "lecture.v2", "lecture.csv"] {
@@ -123,14 +124,14 @@ fn content_decides_and_not_the_name() {
         let all = vec![named(&set), named(&certificate_path(&set)), named_so];
         drop_bytes(&mut other, all);
         assert!(!is_error(&other), "{name}: {}", notice_text(&other));
-        assert_eq!(other.saved().unwrap().digest, digest, "{name}");
+        assert_eq!(SaveTask::of(&other).run.unwrap().digest, digest, "{name}");
         let path = folder.path().join(name);
         fs::write(&path, &session).unwrap();
         let mut other = opened();
         let paths = [&set, &path].map(|path| path.to_string_lossy().into_owned());
         file(&mut other, FileCommand::Dropped(paths.to_vec()));
         assert_eq!(
-            other.saved().unwrap().digest,
+            SaveTask::of(&other).run.unwrap().digest,
             digest,
             "{name}: {}",
             notice_text(&other)
@@ -180,7 +181,10 @@ fn a_byte_order_mark_hides_no_session_and_no_layout() {
             choose(&mut other, Purpose::Open, all);
         }
         assert!(!is_error(&other), "{}", notice_text(&other));
-        assert_eq!(other.saved().unwrap().digest, state.saved().unwrap().digest);
+        assert_eq!(
+            SaveTask::of(&other).run.unwrap().digest,
+            SaveTask::of(&state).run.unwrap().digest
+        );
     }
 
     let layout = marked("nine.json", tilescope_session::combination::NINE.as_bytes());
@@ -398,7 +402,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
 
 /// Makes the sheet's export in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
-    let order = state.files().exports.job(state.export_source()).unwrap();
+    let order = state.files().exports.job(ExportSource::of(&state)).unwrap();
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
     let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
         write::render(&order, monitor).expect("files in memory")
@@ -471,7 +475,10 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
     let taken = folder.path().join("set.csv");
     fs::write(&taken, "somebody else's").unwrap();
     let mut state = opened();
-    state.deliver(Delivery::Download);
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     let mut archives = Vec::new();
     for _ in 0..2 {
         exporting::write(&mut state, ExportKind::Result, &taken, &[]);
@@ -546,7 +553,10 @@ fn a_downloaded_session_equals_a_saved_one() {
     let mut state = opened();
     open_path(&mut state, Purpose::Save, &path);
     let written = fs::read(&path).unwrap();
-    state.deliver(Delivery::Download);
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     open_path(
         &mut state,
         Purpose::Save,
@@ -571,7 +581,10 @@ fn a_downloaded_session_equals_a_saved_one() {
     file(&mut state, FileCommand::Go);
     assert!(is_error(&state) && notice_text(&state).contains("Browse"));
     let mut other = opened();
-    other.deliver(Delivery::Download);
+    other.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
     choose(&mut other, Purpose::Open, downloads);
-    assert_eq!(other.saved(), state.saved());
+    assert_eq!(SaveTask::of(&other).run, SaveTask::of(&state).run);
 }

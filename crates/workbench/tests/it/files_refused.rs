@@ -1,7 +1,9 @@
 //! Files that are broken, too large or malicious: each is refused with a reason, and the current session stays.
 
 use tilescope_session::incoming::{Incoming, NamedBytes};
-use tilescope_workbench::files::{FileCommand, MAX_FILES, gather, packed, refusals, unpacked};
+use tilescope_workbench::files::{
+    FileCommand, MAX_FILES, SaveTask, gather, packed, refusals, unpacked,
+};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{notice_text, opened};
@@ -57,7 +59,7 @@ const BROKEN: [(&str, &[u8], &str); 12] = [
 #[test]
 fn broken_files_are_refused_by_name() {
     let mut state = opened();
-    let before = state.saved();
+    let before = SaveTask::of(&state).run;
     for (name, bytes, expected) in BROKEN {
         let (text, is_error) = drop_files(&mut state, &[(name, bytes)]);
         assert!(is_error, "{name}: {text}");
@@ -68,7 +70,7 @@ fn broken_files_are_refused_by_name() {
             !lowered.starts_with(name) || text.starts_with(name),
             "{text}"
         );
-        assert_eq!(state.saved(), before, "{name}");
+        assert_eq!(SaveTask::of(&state).run, before, "{name}");
         assert!(
             state.analysis().file_for(&state.runs().first).is_none()
                 && state.form().own_pattern.is_none()

@@ -111,7 +111,11 @@ fn numbers_that_nothing_has_are_refused_with_what_there_is() {
             assert!(notice.starts_with(refusal), "{command}: {notice:?}");
             assert!(notice.contains(" has "), "{command}: {notice:?}");
         }
-        assert_eq!(state.cursor(), before.cursor(), "{number}");
+        assert_eq!(
+            state.runs().first.cursor(),
+            before.runs().first.cursor(),
+            "{number}"
+        );
         assert_eq!(breakpoints(&state), breakpoints(&before));
         if number == BEYOND[0] {
             let samples = run.samples.len();
@@ -125,7 +129,7 @@ fn numbers_that_nothing_has_are_refused_with_what_there_is() {
 #[test]
 fn numbers_that_are_there_are_not_refused() {
     let (before, _) = after(&small_run());
-    let events = before.cursor().unwrap().1;
+    let events = before.runs().first.cursor().unwrap().1;
     let run = before.runs().first.session.as_ref().unwrap().run();
     let tried = [
         // The word about the scene that was made.

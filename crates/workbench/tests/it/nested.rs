@@ -18,7 +18,7 @@ use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
-use tilescope_workbench::state::Verification;
+use tilescope_workbench::state::{ExportSource, Verification};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{notice_text, write};
@@ -62,7 +62,7 @@ fn ends(state: &State) -> Vec<usize> {
 
 /// The verdict on the prefix that is shown.
 fn verdict(state: &State) -> &Verdict {
-    let verdict = state.verdict().unwrap();
+    let verdict = state.runs().first.verdict().unwrap();
     let judged = verdict.claim.map(|claim| claim.count);
     assert_eq!(judged, state.runs().first.prefix());
     assert_eq!(state.runs().first.prefix_at_work(), None);
@@ -82,7 +82,7 @@ fn the_levels_of_the_window_are_those_of_the_core() {
     assert_eq!(ends(&state), nested.ends());
     assert!(verdict(&state).valid());
     assert_eq!(
-        state.cursor(),
+        state.runs().first.cursor(),
         Some((nested.points().len(), nested.points().len()))
     );
     assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
@@ -100,7 +100,7 @@ fn a_prefix_is_moved_by_levels_and_samples_and_typed() {
     time(&mut state, TimeCommand::Clock(Clock::Event));
     time(&mut state, TimeCommand::StepForward);
     assert_eq!(prefix(&state), ends[1] + 1);
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     assert_eq!(shown.standing(ends[1] as u32), Standing::Valid);
     assert_eq!(shown.standing(ends[1] as u32 + 1), Standing::Absent);
     for (asked, found) in [(0, 1), (7, 7), (1 << 40, 7), (ends[3], ends[3])] {
@@ -151,7 +151,10 @@ fn every_verdict_names_its_prefix_and_levels_hold_what_they_promise() {
     }
     // A verdict stays until there is the next one, under its own number.
     time(&mut state, TimeCommand::Jump(ends[1]));
-    assert_eq!(state.verdict().unwrap().claim.unwrap().count, ends[3]);
+    assert_eq!(
+        state.runs().first.verdict().unwrap().claim.unwrap().count,
+        ends[3]
+    );
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::ClosestPair),
@@ -169,6 +172,8 @@ fn verdicts_come_while_the_prefix_moves() {
         std::thread::sleep(std::time::Duration::from_millis(2));
         judged.extend(
             state
+                .runs()
+                .first
                 .verdict()
                 .and_then(|verdict| verdict.claim)
                 .map(|c| c.count),
@@ -189,7 +194,10 @@ fn a_sample_of_a_finer_level_among_the_first_is_found() {
     let levels = session(&state).nested.clone().unwrap();
     for (is_spoilt, judged) in [(false, " Verified."), (true, " This is not so.")] {
         if is_spoilt {
-            state.show(Session::from_levels(run.clone(), levels.clone(), 77));
+            state.show(
+                Which::First,
+                Session::from_levels(run.clone(), levels.clone(), 77),
+            );
         }
         time(&mut state, TimeCommand::Jump(first));
         assert_eq!(state.runs().first.prefix_verdict(), " Verifying.");
@@ -331,7 +339,7 @@ fn a_link_leads_to_the_same_prefix() {
         session(&other).run().points(),
         session(&state).run().points()
     );
-    assert_eq!(other.cursor(), Some((400, 1_500)));
+    assert_eq!(other.runs().first.cursor(), Some((400, 1_500)));
     assert_eq!(other.form().draft.nesting(), state.form().draft.nesting());
     assert_eq!(other.link(), link);
     assert!(other.messages().notice.is_none());
@@ -358,7 +366,7 @@ fn a_link_leads_to_the_same_prefix() {
     // Levels have no stages.
     other.open_link(&format!("{}&stage=finish", unused.fragment));
     other.settle();
-    assert_eq!(other.cursor(), Some((1_500, 1_500)));
+    assert_eq!(other.runs().first.cursor(), Some((1_500, 1_500)));
     // A link to a run leads back from levels.
     other.open_link("v=1&radius=0.02");
     other.settle();
@@ -402,7 +410,7 @@ fn levels_that_cannot_be_made_are_left_out_of_a_link() {
     state.settle();
     state.open_link("levels=3&exactly=1000&at=2000");
     state.settle();
-    assert_eq!(state.cursor(), Some((1_000, 1_000)));
+    assert_eq!(state.runs().first.cursor(), Some((1_000, 1_000)));
     assert!(notice_text(&state).contains("sample 2000 of a set of 1,000"));
 }
 
@@ -427,15 +435,15 @@ fn what_nested_levels_lack_is_refused_in_words() {
             .runs()
             .preset_refusal(ComparePreset::NextSeed, state.form(), state.gpu()),
         state.runs().first.save_refusal().map(str::to_owned),
-        state
-            .export_source()
+        ExportSource::of(&state)
             .kind_refusal(ExportKind::Animation)
             .map(|why| why.to_string()),
     ];
     for refusal in refusals {
         assert!(refusal.unwrap().to_lowercase().contains("nested levels"));
     }
-    let layers = state.subject().unwrap().layers;
+    let subject = state.runs().subject(Which::First, state.appearance(), None);
+    let layers = subject.unwrap().layers;
     assert!(layers.has(Layer::Samples) && !layers.has(Layer::Gaps));
     // Too many levels for the domain, and a choice that nested levels do not have.
     form(&mut state, FormCommand::Choose(Choice::Levels(Some(11))));
@@ -483,7 +491,7 @@ fn disks_of_a_prefix_cover_the_domain() {
     let mut state = made();
     let ends = ends(&state);
     time(&mut state, TimeCommand::Jump(ends[1] + 7));
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let run = shown.session.run();
     let radius = shown.disk_radius() * run.domain.radius();
     let points = run

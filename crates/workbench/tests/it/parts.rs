@@ -20,6 +20,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::{ExportKind, picture};
+use tilescope_workbench::state::{ExportSource, Settings};
 use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;
@@ -94,7 +95,10 @@ impl Written {
 /// A small run of 16 r by 16 r, all of it in view.
 fn small(choices: &[Choice]) -> State {
     let mut state = State::new(Arc::new(|| {}));
-    state.prefer_reduced_motion(true);
+    state.restore(Settings {
+        prefers_reduced_motion: Some(true),
+        ..Settings::default()
+    });
     let canvas = Rect::from_min_size(Pos2::ZERO, vec2(1_000.0, 1_000.0));
     state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     for (field, text) in [
@@ -126,7 +130,10 @@ fn jump(state: &mut State, cursor: usize) {
 
 /// Draws those of the parts that are visible at the moment shown.
 fn written(state: &State, palette: &Palette, parts: &[Part]) -> Written {
-    let subject = state.subject().expect("a run");
+    let subject = state
+        .runs()
+        .subject(Which::First, state.appearance(), None)
+        .expect("a run");
     let scene = Scene::new(state.runs().first.viewport, subject, palette);
     let mut swatches = Swatches::default();
     swatches.follow(&subject, palette);
@@ -186,7 +193,7 @@ fn every_sample_is_drawn_by_its_status() {
 
 /// Checks that the picture of the moment can be written, names the moment, and is clipped to its frame.
 fn check_picture(state: &State) {
-    let view = state.export_source().view(ExportKind::Picture, false);
+    let view = ExportSource::of(&state).view(ExportKind::Picture, false);
     let view = view.expect("a canvas");
     let session = state.runs().first.session.as_ref().expect("a session");
     let moment = state.runs().first.moment().expect("a moment");
@@ -196,7 +203,7 @@ fn check_picture(state: &State) {
     };
     let scene = picture::scene(session, &shown, None);
     assert!(to_svg(&scene).is_ok(), "{moment:?}");
-    let (at, all) = state.cursor().expect("events");
+    let (at, all) = state.runs().first.cursor().expect("events");
     let message = format!("(event {} of {})", grouped(at), grouped(all));
     assert!(scene.title.ends_with(&message), "{}", scene.title);
     let frame = view.frame();
@@ -226,7 +233,7 @@ fn every_event_of_every_variant_has_a_picture() {
                 jump(&mut state, cursor);
                 let drawn = written(&state, &DARK, &Part::ALL);
                 check_picture(&state);
-                let has_samples = state.current_stage() > Some(Stage::Blocks);
+                let has_samples = state.runs().first.current_stage() > Some(Stage::Blocks);
                 assert!(!has_samples || !drawn.is_empty(), "{cursor}");
             }
         }
@@ -278,7 +285,9 @@ fn conflict_lines_lead_to_samples_that_are_drawn() {
     let end = recording(&state).end_of(Stage::Eliminate).expect("it");
     jump(&mut state, end);
     // Of pairs of which one sample was eliminated there are lines while those samples are drawn, too.
-    let layers = state.appearance().layers(state.current_stage());
+    let layers = state
+        .appearance()
+        .layers(state.runs().first.current_stage());
     assert!(layers.has(Layer::Eliminated) && layers.has(Layer::Conflicts));
     assert!(!written(&state, &DARK, &[Part::Conflicts]).dashes.is_empty());
     let hide = AppearanceCommand::ToggleLayer(Layer::Eliminated);

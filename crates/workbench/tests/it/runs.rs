@@ -54,7 +54,7 @@ fn lecture() -> State {
     ] {
         state.apply(Command::Scene(command));
     }
-    let last = state.cursor().unwrap().1;
+    let last = state.runs().first.cursor().unwrap().1;
     apply(&mut state, Command::Time(TimeCommand::Jump(last)));
     state.apply(Command::Scene(SceneCommand::Add));
     state.apply(Command::Scene(SceneCommand::Caption(
@@ -88,7 +88,7 @@ fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     run_with(&mut state, Parameter::Seed, "7");
     let there = marks(&state);
     assert_eq!(there.len(), 2);
-    let end = state.cursor().unwrap().1;
+    let end = state.runs().first.cursor().unwrap().1;
     assert!(matches!(there[0].0, Marked::Like(_)));
     assert_eq!(there[1], (Marked::Like(end), "the end".to_owned()));
     assert_eq!(stops(&state), others);

@@ -23,7 +23,7 @@ fn a_script_runs_a_whole_session() {
     let text = text.replace("PICTURE", &format!("{picture:?}"));
     let mut cursors = Vec::new();
     let state = apply_all(read(&text).unwrap(), |state| {
-        cursors.push(state.cursor().unwrap().0);
+        cursors.push(state.runs().first.cursor().unwrap().0);
         Ok::<_, Infallible>(())
     });
     let Ok(state) = state;

@@ -354,7 +354,8 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
 
 /// Shows the QR code of the link to this step, and the link in letters below it.
 fn code(ui: &Ui, state: &State) {
-    let address = state.talk_address();
+    let page = state.window().address.as_deref();
+    let address = state.classroom().talk_address(page, &state.link().fragment);
     let rect = state.runs().first.viewport;
     let modules = tilescope_classroom::talk::code(&address);
     egui::Area::new(Id::unique("code for phones"))

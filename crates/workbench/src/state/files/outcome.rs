@@ -1,14 +1,18 @@
 //! The results of dialogs, and of reading and writing files.
 
+use std::sync::Arc;
+
 use tilescope_session::words::{counted, ended, sentence};
 
-use crate::files::{FileCommand, FileOutcome, Filing, LAST_SESSION};
+use crate::files::{Done, FileCommand, FileOutcome, Filing, LAST_SESSION};
+use crate::layout::Panel;
+use crate::rules::UndoPart;
 use crate::state::effects::{Context, Effect};
-use crate::state::{FileState, RunView};
+use crate::state::{FileState, RunView, Runs};
 
 impl FileState {
-    /// Takes what was chosen in a dialog, and the outcome of reading or writing; `run` is the run that is shown.
-    pub(in crate::state) fn poll(&mut self, run: &RunView, context: &mut Context) {
+    /// Takes what was chosen in a dialog, and the outcome of reading or writing.
+    pub(in crate::state) fn poll(&mut self, runs: &mut Runs, context: &mut Context) {
         let finding = self.finding.as_ref();
         let found = finding.and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
         if let Some((purpose, outcome)) = found {
@@ -20,7 +24,7 @@ impl FileState {
                 #[cfg(not(target_arch = "wasm32"))]
                 Ok(Some(path)) if same => {
                     let path = path.to_string_lossy().into_owned();
-                    self.apply(FileCommand::Path(path), run, None, context);
+                    self.apply(FileCommand::Path(path), &runs.first, None, context);
                 }
                 #[cfg(target_arch = "wasm32")]
                 Ok(found) if same => {
@@ -28,7 +32,8 @@ impl FileState {
                         context.tell(ended(why), true);
                     }
                     if !found.files.is_empty() {
-                        self.apply(FileCommand::Chosen(found.files), run, None, context);
+                        let chosen = FileCommand::Chosen(found.files);
+                        self.apply(chosen, &runs.first, None, context);
                     }
                 }
                 Ok(_) => {}
@@ -37,16 +42,16 @@ impl FileState {
         }
         let filing = self.filing.as_ref();
         if let Some(outcome) = filing.and_then(|filing| filing.job.poll()) {
-            self.filed(outcome, context);
+            self.filed(outcome, runs, context);
         }
     }
 
     /// Waits for the file that is being read or written.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(in crate::state) fn settle(&mut self, context: &mut Context) {
+    pub(in crate::state) fn settle(&mut self, runs: &mut Runs, context: &mut Context) {
         if let Some(filing) = &self.filing {
             let outcome = filing.job.wait();
-            self.filed(outcome, context);
+            self.filed(outcome, runs, context);
         }
     }
 
@@ -66,7 +71,12 @@ impl FileState {
         }
     }
 
-    fn filed(&mut self, outcome: Result<FileOutcome, String>, context: &mut Context) {
+    fn filed(
+        &mut self,
+        outcome: Result<FileOutcome, String>,
+        runs: &mut Runs,
+        context: &mut Context,
+    ) {
         let Some(filing) = self.filing.take() else {
             return;
         };
@@ -77,7 +87,9 @@ impl FileState {
                 if filing.path != LAST_SESSION {
                     self.remember_file(&filing.path);
                 }
-                context.ask(Effect::Done(Box::new(done)));
+                // A notice, if any, is about this file.
+                context.ask(Effect::CloseNotice);
+                self.take_done(done, runs, context);
             }
             Err(why) => {
                 let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
@@ -93,6 +105,59 @@ impl FileState {
         for why in &filing.refused {
             context.ask(Effect::Add(ended(why)));
         }
+    }
+
+    /// Takes what was read or written.
+    fn take_done(&mut self, done: Done, runs: &mut Runs, context: &mut Context) {
+        match done {
+            Done::Saved(path) => {
+                let text = format!("Session saved to {path}.");
+                self.saved_as(text, path, runs, context);
+            }
+            Done::Download(file) => {
+                let text = format!("The session is downloaded as {}.", file.name);
+                self.saved_as(text, file.name.clone(), runs, context);
+                self.downloads.push(file);
+            }
+            Done::Opened(opened) => context.ask(Effect::Open(opened)),
+            Done::Against { file, no_pattern } => {
+                if let Some(why) = no_pattern {
+                    let name = file.name();
+                    let text = format!(
+                        "{name} is compared with this run: its curves are drawn dashed in the analysis. It cannot be used as a pattern: {why}. A pattern must be maximal and come with its certificate."
+                    );
+                    context.tell(text, false);
+                }
+                context.ask(Effect::OpenPanel(Panel::Analysis));
+                context.ask(Effect::Against(Arc::new(*file)));
+            }
+            Done::Levels(session) => {
+                context.ask(Effect::GiveBack);
+                context.ask(Effect::StopMaking);
+                context.ask(Effect::RememberRun(UndoPart::Run));
+                context.ask(Effect::Show(session));
+            }
+            Done::Pattern(own) => {
+                let samples = counted(own.pattern.samples().len(), "sample", "samples");
+                let text = format!(
+                    "The next run clips from the {samples} of {}. To compare it with this run instead, see the Analyze menu.",
+                    own.file.path
+                );
+                context.ask(Effect::Pattern(Box::new(own)));
+                context.tell(text, false);
+            }
+        }
+    }
+
+    fn saved_as(&mut self, mut text: String, path: String, runs: &mut Runs, context: &mut Context) {
+        if runs.second.is_some() && runs.second_parameters().is_none() {
+            text.push_str(
+                " The second run was not saved: it is not finished, or its pattern comes from a file.",
+            );
+        }
+        context.tell(text, false);
+        runs.first.session_path = Some(path);
+        self.scenes_are_saved(&runs.first);
     }
 }
 

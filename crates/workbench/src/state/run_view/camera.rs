@@ -259,11 +259,15 @@ impl RunView {
         }
     }
 
-    /// Keeps the last event in view: flies closer if the view is wide, and pans where the event is near its edge. At the
-    /// end of a stage, which concerns the whole domain, the camera stays.
-    pub(in crate::state) fn follow_event(&mut self, context: &Context) {
+    /// Keeps the last event in view, if the cursor is no longer `before`: flies closer if the view is wide, and pans where the
+    /// event is near its edge. At the end of a stage, which concerns the whole domain, the camera stays.
+    pub(in crate::state) fn follow_event(
+        &mut self,
+        before: Option<(usize, usize)>,
+        context: &Context,
+    ) {
         let ends_stage = self.shown().is_none_or(|shown| shown.ends_stage());
-        if !ends_stage {
+        if !ends_stage && self.cursor() != before {
             self.approach_event(context);
         }
     }

@@ -1,14 +1,15 @@
 //! Keeps the passes of a run on the GPU and the timeline in step.
 
 use tilescope_session::incoming::NamedBytes;
+use tilescope_session::look::Look;
 use tilescope_session::words::sentence;
 
 use super::RunView;
 use crate::clock::Clock;
 use crate::layout::Panel;
-use crate::passes::{PassCommand, Passes};
-use crate::state::GpuState;
+use crate::passes::{OnCanvas, PassCommand, Passes};
 use crate::state::effects::{Context, Effect};
+use crate::state::{GpuState, WindowState};
 
 impl RunView {
     /// Moves the passes to the one that ends the stage shown, unless the chosen pass is of that stage, or that
@@ -66,6 +67,23 @@ impl RunView {
         if let Some(position) = position {
             self.fly_to(position, 12.0, context);
         }
+    }
+
+    /// Returns the rows of the GPU's buffers to show on the canvas. `None` unless the panel of passes is visible, passes are
+    /// the clock, or the timeline is at the moment of the last command of the passes.
+    #[must_use]
+    pub fn buffers_on_canvas(
+        &self,
+        window: &WindowState,
+        look: Look,
+        clock: Clock,
+    ) -> Option<OnCanvas<'_>> {
+        let passes = self.passes.as_ref()?;
+        let is_seen = window.shows(Panel::Passes) && !look.is_projector();
+        let now = self.moment();
+        let is_then = now.is_some() && passes.moment() == now;
+        let is_meant = is_seen || is_then || clock == Clock::Pass;
+        passes.on_canvas().filter(|_| is_meant)
     }
 
     /// Runs the passes of the session's parameters on a GPU, to inspect them.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use tilescope_session::jobs::Job;
+use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef};
@@ -10,8 +11,10 @@ use tilescope_session::verification::{Verdict, VerifyTask};
 use tilescope_session::words::sentence;
 
 use super::{Made, RunView};
-use crate::state::Verification;
-use crate::state::effects::Context;
+use crate::command::Which;
+use crate::device::EngineChoice;
+use crate::state::effects::{Context, Effect};
+use crate::state::{Appearance, Verification};
 
 impl RunView {
     /// Shows a session at its last stage and has it verified. Breakpoints, watches and scenes stay.
@@ -59,6 +62,26 @@ impl RunView {
         }
     }
 
+    /// Ends the tour of a program that had no run before it: shows its first run, of what is typed, as after the start.
+    pub(in crate::state) fn end_as_started(
+        &mut self,
+        typed: Recipe,
+        engine: EngineChoice,
+        context: &mut Context,
+    ) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let is_typed = session.has_recipe() && session.recipe() == typed;
+        if is_typed && self.sampling.is_none() {
+            self.show_stage(usize::MAX);
+            self.fit(context);
+        } else {
+            // The tour has made another run since.
+            context.ask(Effect::Sample(Which::First, Box::new(typed), engine));
+        }
+    }
+
     /// Cancels the session that is being made.
     pub(in crate::state) fn cancel(&self) {
         if let Some(job) = &self.sampling {
@@ -100,6 +123,13 @@ impl RunView {
             Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
             Ok(Err(failure)) | Err(failure) => Verification::Failed(sentence(&failure)),
         };
+    }
+
+    /// Returns whether a layer is on that needs the triangulation of the moment.
+    pub(in crate::state) fn wants_geometry(&self, appearance: &Appearance) -> bool {
+        let layers = appearance.layers(self.current_stage());
+        let session = self.session.as_ref();
+        session.is_some_and(|session| session.drawable(layers).wants_geometry())
     }
 
     /// Starts triangulating the moment, unless it is.
@@ -145,6 +175,12 @@ impl RunView {
             passes.settle();
         }
         self.query.found.settle();
+    }
+
+    /// Waits for the session that is being made, and takes it or its error.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn wait_made(&mut self) -> Option<Made> {
+        Some(self.sampling.take()?.wait())
     }
 
     /// Takes the session that was being made, or its error, once the work has ended.

@@ -94,7 +94,7 @@ fn a_place_that_a_question_is_about_is_marked() {
 fn a_question_is_answered_wrongly_then_rightly_and_the_first_try_scores() {
     let mut state = asked();
     let [right, wrong] = options(&state);
-    let cursor = state.cursor().unwrap().0;
+    let cursor = state.runs.first.cursor().unwrap().0;
     choose(&mut state, wrong);
     let open = state.classroom.lessons.open.as_ref().unwrap();
     assert!(
@@ -109,7 +109,7 @@ fn a_question_is_answered_wrongly_then_rightly_and_the_first_try_scores() {
     let open = state.classroom.lessons.open.as_ref().unwrap();
     assert!(!open.learner.is_open() && !open.reasons().is_empty());
     // The deciding event is shown, in the whole run.
-    let (now, len) = state.cursor().unwrap();
+    let (now, len) = state.runs.first.cursor().unwrap();
     assert!(now > cursor && len == whole(&state).len());
     let entries = &state.classroom.lessons.results.entries;
     assert_eq!(
@@ -315,7 +315,7 @@ fn giving_up_is_asked_once_more() {
     assert!(state.classroom.lessons.open_question().is_none());
     assert!(state.classroom.lessons.results.entries[0].given_up);
     lesson(&mut state, LessonCommand::Leave);
-    assert!(state.classroom.lessons.open.is_none() && state.verdict().is_some());
+    assert!(state.classroom.lessons.open.is_none() && state.runs.first.verdict().is_some());
 }
 
 /// Returns everything that the state contains and shows of the run, as text.
@@ -365,7 +365,12 @@ fn two_runs_that_differ_only_later_tell_the_same_while_the_question_is_open() {
     let (a, b) = (of("complete"), of("two-radii"));
     assert_ne!(whole(&a).run().result.len(), whole(&b).run().result.len());
     assert_eq!(told(&a), told(&b));
-    let [cursor, len] = a.cursor().map(|(cursor, len)| [cursor, len]).unwrap();
+    let [cursor, len] = a
+        .runs
+        .first
+        .cursor()
+        .map(|(cursor, len)| [cursor, len])
+        .unwrap();
     assert_eq!(cursor, len);
     // The control: once both have given up, they tell different things.
     let revealed = |mut state: State| {
@@ -428,7 +433,7 @@ fn the_spectrum_that_a_number_is_read_from_appears_after_the_answer() {
 #[test]
 fn no_event_panel_time_line_watch_history_or_search_goes_past_the_question() {
     let mut state = asked();
-    let cursor = state.cursor().unwrap();
+    let cursor = state.runs.first.cursor().unwrap();
     assert_eq!(cursor.0, cursor.1);
     for command in [
         TimeCommand::StepForward,
@@ -441,11 +446,11 @@ fn no_event_panel_time_line_watch_history_or_search_goes_past_the_question() {
         state.advance(5.0);
         state.settle();
         // Playing from the end begins at the start, and ends at the question.
-        let (at, len) = state.cursor().unwrap();
+        let (at, len) = state.runs.first.cursor().unwrap();
         assert!(at <= len && len == cursor.1);
     }
     state.apply(Command::Time(TimeCommand::Jump(cursor.1)));
-    assert_eq!(state.cursor(), Some(cursor));
+    assert_eq!(state.runs.first.cursor(), Some(cursor));
     let run = &state.runs.first;
     let debugger = run.debugger.as_ref().unwrap();
     let next_names = ["kind", "a", "b", "line", "verdict"];
@@ -464,7 +469,8 @@ fn no_event_panel_time_line_watch_history_or_search_goes_past_the_question() {
     }
     assert!(run.session.as_ref().unwrap().outline.is_some());
     assert!(
-        state.verdict().is_none() && matches!(state.runs.first.verification, Verification::Nothing)
+        state.runs.first.verdict().is_none()
+            && matches!(state.runs.first.verification, Verification::Nothing)
     );
 }
 
@@ -550,7 +556,7 @@ fn a_form_takes_one_answer_to_each_question_and_says_nothing_about_it() {
 #[test]
 fn layers_that_the_question_hides_cannot_be_shown_until_it_is_answered() {
     let mut state = asked();
-    let shown = |state: &State| state.appearance.layers(state.current_stage());
+    let shown = |state: &State| state.appearance.layers(state.runs.first.current_stage());
     let of_step = shown(&state);
     let hidden = Layer::ALL.into_iter().filter(|layer| !of_step.has(*layer));
     let hidden: Vec<Layer> = hidden.collect();
@@ -593,7 +599,10 @@ fn layers_that_the_question_hides_cannot_be_shown_until_it_is_answered() {
     let [right, _] = options(&state);
     choose(&mut state, right);
     assert_eq!(
-        state.classroom.lessons.hidden_layers(state.current_stage()),
+        state
+            .classroom
+            .lessons
+            .hidden_layers(state.runs.first.current_stage()),
         Layers::none()
     );
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
@@ -649,7 +658,7 @@ fn the_answer_and_another_run_are_shown_at_the_learners_zoom() {
 #[test]
 fn links_name_the_moment_of_the_question_at_most() {
     let mut state = asked();
-    let (cursor, _) = state.cursor().unwrap();
+    let (cursor, _) = state.runs.first.cursor().unwrap();
     state.apply(Command::Link(LinkCommand::Copy));
     let link = state.window.copied.clone().unwrap();
     let names_run = |link: &str| {

@@ -52,7 +52,7 @@ fn next_asks_for_votes_then_reveals_then_goes_on_and_records_nothing() {
     assert!(open(&state).is_voting && state.classroom.lessons.open_question().is_some());
     assert_eq!(
         state.classroom.lessons.veil(),
-        state.cursor().map(|(_, len)| len)
+        state.runs.first.cursor().map(|(_, len)| len)
     );
     talk(&mut state, TalkCommand::Next);
     assert!(state.classroom.lessons.open_question().is_none() && step(&state) == at);
@@ -153,7 +153,7 @@ fn lines_belong_to_their_step_and_are_kept_only_on_request() {
     assert_eq!(state.classroom.strokes().len(), 1);
     talk(&mut state, TalkCommand::Next);
     assert!(state.classroom.strokes().is_empty());
-    let saved = |state: &State| state.saved().unwrap().view.get("talk").cloned();
+    let saved = |state: &State| SaveTask::of(&state).run.unwrap().view.get("talk").cloned();
     assert_eq!(saved(&state), None);
     talk(&mut state, TalkCommand::Keep(true));
     let view = serde_json::json!({ "talk": saved(&state).unwrap() });
@@ -181,7 +181,7 @@ fn scenes_are_presented_and_the_session_comes_back() {
             caption.to_owned(),
         )));
     }
-    let before = (state.cursor(), state.runs.first.camera);
+    let before = (state.runs.first.cursor(), state.runs.first.camera);
     talk(&mut state, TalkCommand::Scenes);
     let learner = &state
         .classroom
@@ -192,14 +192,14 @@ fn scenes_are_presented_and_the_session_comes_back() {
         .learner;
     assert_eq!(learner.step().title, "Tiling");
     assert_eq!(learner.step().notes, ["Say why."]);
-    assert_eq!(state.cursor().map(|(at, _)| at), Some(5_000));
+    assert_eq!(state.runs.first.cursor().map(|(at, _)| at), Some(5_000));
     talk(&mut state, TalkCommand::Next);
-    assert_eq!(state.cursor().map(|(at, _)| at), Some(12_000));
+    assert_eq!(state.runs.first.cursor().map(|(at, _)| at), Some(12_000));
     talk(&mut state, TalkCommand::End);
     assert!(state.classroom.lessons.open.is_none());
-    assert_eq!((state.cursor(), state.runs.first.camera), before);
+    assert_eq!((state.runs.first.cursor(), state.runs.first.camera), before);
     assert_eq!(SceneList::Own.scenes(&state.runs.first).len(), 2);
-    assert!(state.verdict().is_some());
+    assert!(state.runs.first.verdict().is_some());
 }
 
 #[test]
@@ -277,7 +277,7 @@ fn what_pages_are_told_holds_no_note_and_no_answer() {
         learner.right_answer(&str::to_owned).unwrap(),
     );
     let words: Vec<&str> = note.split(' ').take(3).collect();
-    let told = state.talk_json();
+    let told = state.classroom.talk_json(&state.runs.first.canvas_view());
     assert!(told["notes"].to_string().contains(&words.join(" ")));
     assert_eq!(told["answer"], answer);
     let state_told = crate::remote::to_json(&state);
@@ -327,7 +327,11 @@ fn another_window_shows_what_was_revealed_as_it_was_looked_at() {
     let text = serde_json::to_string(&kept).unwrap();
     talk(&mut other, TalkCommand::Restore(text));
     assert_eq!(other.classroom.talk_key(), state.classroom.talk_key());
-    assert_eq!(other.cursor(), state.cursor(), "the deciding event");
+    assert_eq!(
+        other.runs.first.cursor(),
+        state.runs.first.cursor(),
+        "the deciding event"
+    );
     assert!(other.classroom.lessons.open_question().is_none());
     assert_eq!(other.runs.first.camera, state.runs.first.camera);
     assert!(other.classroom.lessons.results.entries.is_empty());
@@ -391,9 +395,12 @@ fn a_form_takes_votes_reveals_nothing_and_keeps_the_first_vote_with_the_results(
     vote(&mut state, &format!("{right} 20"));
     assert_eq!(shares(&state), [(1.0, Some(20))]);
 
-    let at = state.cursor();
+    let at = state.runs.first.cursor();
     talk(&mut state, TalkCommand::Next);
-    assert_eq!((state.cursor(), concept(&state)), (at, Some(first)));
+    assert_eq!(
+        (state.runs.first.cursor(), concept(&state)),
+        (at, Some(first))
+    );
     talk(&mut state, TalkCommand::Next);
     assert_ne!(concept(&state), Some(first), "the next question");
     assert!(state.classroom.lessons.results.entries.is_empty());

@@ -4,6 +4,7 @@
 use serde_json::json;
 use tilescope_core::{Boundary, Insertion, Parameter, RunEvent, Stage, Variant};
 use tilescope_debugger::{Direction, Step, Target, moves};
+use tilescope_drawing::subject::Subject;
 use tilescope_session::layers::Layer;
 use tilescope_session::sentence::happened;
 
@@ -24,6 +25,12 @@ fn time(state: &mut State, command: TimeCommand) {
     state.apply(Command::Time(command));
 }
 
+fn subject(state: &State) -> Subject<'_> {
+    let runs = &state.runs;
+    runs.subject(Which::First, &state.appearance, None)
+        .expect("a run")
+}
+
 /// Returns whether the camera is fitted.
 fn fits(run: &RunView) -> bool {
     run.camera == run.fitting()
@@ -36,10 +43,14 @@ fn play_fits_the_domain_behind_the_pattern() {
         time(&mut state, TimeCommand::Clock(clock));
         time(&mut state, TimeCommand::Speed(1.0));
         state.apply(Command::Time(TimeCommand::TogglePlay));
-        assert_eq!(state.current_stage(), Some(Stage::Pattern));
+        assert_eq!(state.runs.first.current_stage(), Some(Stage::Pattern));
         assert!(fits(&state.runs.first));
         state.advance(clock.tick_secs());
-        assert_eq!(state.current_stage(), Some(Stage::Blocks), "{clock:?}");
+        assert_eq!(
+            state.runs.first.current_stage(),
+            Some(Stage::Blocks),
+            "{clock:?}"
+        );
         assert!(fits(&state.runs.first), "{clock:?}");
     }
 }
@@ -57,7 +68,7 @@ fn fitting_the_pattern_also_fits_the_domain() {
     // The camera is still flying when the pattern is left.
     state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
-    assert_eq!(state.current_stage(), Some(Stage::Blocks));
+    assert_eq!(state.runs.first.current_stage(), Some(Stage::Blocks));
     assert!(fits(&state.runs.first) && state.runs.first.flight.is_none());
 }
 
@@ -68,7 +79,7 @@ fn a_loop_over_the_pattern_fits_both() {
     time(&mut state, TimeCommand::Loop(Some(0..3)));
     state.apply(Command::Time(TimeCommand::TogglePlay));
     for _ in 0..7 {
-        assert!(fits(&state.runs.first), "{:?}", state.cursor());
+        assert!(fits(&state.runs.first), "{:?}", state.runs.first.cursor());
         state.advance(Clock::Event.tick_secs());
     }
 }
@@ -88,7 +99,7 @@ fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
     while state.time.continuing.is_some() {
         state.advance(0.01);
     }
-    assert_eq!(state.cursor().unwrap().0, 10_599);
+    assert_eq!(state.runs.first.cursor().unwrap().0, 10_599);
     assert!(fits(&state.runs.first));
 }
 
@@ -137,7 +148,7 @@ fn small() -> Vec<State> {
             assert_eq!(state.form.refusal(&state.gpu), None);
             state.apply(Command::Run);
             state.settle();
-            assert!(state.cursor().is_some());
+            assert!(state.runs.first.cursor().is_some());
             all.push(state);
         }
     }
@@ -157,13 +168,13 @@ fn a_run_to_an_event_shows_the_event() {
             let mut cursors = Vec::new();
             for way in [FORWARDS, FORWARDS, FORWARDS, BACKWARDS] {
                 time(&mut state, TimeCommand::RunTo(target, way));
-                let (cursor, _) = state.cursor().unwrap();
-                let shown = state.shown().unwrap();
+                let (cursor, _) = state.runs.first.cursor().unwrap();
+                let shown = state.runs.first.shown().unwrap();
                 let recording = shown.session.recording().unwrap();
                 let event = shown.last_event().unwrap();
                 assert!(moves::matches_target(recording, cursor - 1, event, target));
                 let sentence = tilescope_debugger::sentence(recording, cursor - 1);
-                assert_eq!(happened(state.shown().as_ref()), sentence);
+                assert_eq!(happened(state.runs.first.shown().as_ref()), sentence);
                 // The canvas draws what the context has and the last event, unless a stage ends here.
                 assert!(!shown.ends_stage());
                 cursors.push(cursor);
@@ -177,7 +188,7 @@ fn a_run_to_an_event_shows_the_event() {
 /// Counts blocks and samples again, from the tape alone.
 fn recount(state: &State) -> (usize, usize) {
     let session = state.runs.first.session.as_ref().unwrap();
-    let (cursor, _) = state.cursor().unwrap();
+    let (cursor, _) = state.runs.first.cursor().unwrap();
     let (mut blocks, mut samples) = (0, 0);
     for (_, event) in session.recording().unwrap().tape().from(0).take(cursor) {
         match event.run_event() {
@@ -193,7 +204,7 @@ fn recount(state: &State) -> (usize, usize) {
 #[test]
 fn counts_equal_those_of_the_tape() {
     for mut state in small() {
-        let (_, len) = state.cursor().unwrap();
+        let (_, len) = state.runs.first.cursor().unwrap();
         let session = state.runs.first.session.clone().unwrap();
         let ends = (0..session.stages.len()).filter_map(|index| session.stage_end(index));
         let ends = ends.flat_map(|end| [end.saturating_sub(1), end, end + 1]);
@@ -201,7 +212,7 @@ fn counts_equal_those_of_the_tape() {
         for cursor in ends.chain(spread).filter(|&cursor| cursor <= len) {
             time(&mut state, TimeCommand::Jump(cursor));
             let (blocks, samples) = recount(&state);
-            let stage = state.current_stage().unwrap();
+            let stage = state.runs.first.current_stage().unwrap();
             let number = match stage {
                 Stage::Pattern => session.run().pattern.samples().len(),
                 Stage::Blocks => blocks,
@@ -266,9 +277,9 @@ fn the_timeline_has_the_iterations_of_the_tree() {
 #[test]
 fn passes_and_presses_at_the_ends_change_nothing() {
     let mut state = settled();
-    let (end, _) = state.cursor().unwrap();
+    let (end, _) = state.runs.first.cursor().unwrap();
     time(&mut state, TimeCommand::RunTo(Target::Gap, FORWARDS));
-    assert_eq!(state.cursor().unwrap().0, end);
+    assert_eq!(state.runs.first.cursor().unwrap().0, end);
     assert!(
         state
             .messages
@@ -280,7 +291,7 @@ fn passes_and_presses_at_the_ends_change_nothing() {
     );
     state.apply(Command::Time(TimeCommand::FirstStage));
     time(&mut state, TimeCommand::RunTo(Target::Gap, BACKWARDS));
-    assert_eq!(state.cursor().unwrap().0, 0);
+    assert_eq!(state.runs.first.cursor().unwrap().0, 0);
 }
 
 #[test]
@@ -293,8 +304,8 @@ fn a_whole_run_is_played_in_the_chosen_time() {
     while state.time.playback.is_playing() && secs < 20.0 {
         state.advance(0.05);
         secs += 0.05;
-        if seen.last() != state.current_stage().as_ref() {
-            seen.extend(state.current_stage());
+        if seen.last() != state.runs.first.current_stage().as_ref() {
+            seen.extend(state.runs.first.current_stage());
         }
     }
     assert!((9.0..=10.2).contains(&secs), "{secs}");
@@ -306,7 +317,7 @@ fn a_whole_run_is_played_in_the_chosen_time() {
 #[test]
 fn a_step_is_drawn_in_unless_motion_is_reduced() {
     let mut state = settled();
-    let drawn_in = |state: &State| state.subject().unwrap().drawn_in;
+    let drawn_in = |state: &State| subject(state).drawn_in;
     state.advance(0.01);
     time(&mut state, TimeCommand::Jump(11_500));
     assert!(drawn_in(&state) <= 0.0);
@@ -406,7 +417,7 @@ fn an_event_that_is_looked_for_is_shown_with_both_of_its_ends() {
 #[test]
 fn layers_follow_the_stage_until_one_is_chosen() {
     let mut state = settled();
-    let has = |state: &State, layer| state.subject().unwrap().layers.has(layer);
+    let has = |state: &State, layer| subject(state).layers.has(layer);
     time(&mut state, TimeCommand::ShowStage(1));
     assert!(has(&state, Layer::Tree));
     time(&mut state, TimeCommand::ShowStage(2));

@@ -37,7 +37,10 @@ fn the_state_is_described() {
         answer["digest"],
         json!(tilescope_debugger::digest(session.run()))
     );
-    assert_eq!(answer["events"], json!(state.cursor().unwrap().1));
+    assert_eq!(
+        answer["events"],
+        json!(state.runs().first.cursor().unwrap().1)
+    );
     assert_eq!(answer["cursor"], answer["events"]);
     assert_eq!(
         (&answer["stage"], &answer["verified"]),
@@ -72,7 +75,7 @@ fn the_state_is_described() {
 fn a_page_moves_through_time() {
     let mut state = small();
     let done = json!({"ok": true});
-    let cursor = |state: &State| state.cursor().unwrap().0;
+    let cursor = |state: &State| state.runs().first.cursor().unwrap().0;
     assert_eq!(ask(&mut state, &json!({"do": "seek", "event": 100})), done);
     assert_eq!(cursor(&state), 100);
     assert_eq!(
@@ -103,7 +106,7 @@ fn a_page_moves_through_time() {
     );
     assert_eq!(to_json(&state)["stage"], json!("iterate-1"));
     assert_eq!(ask(&mut state, &json!({"do": "seek", "part": 0.5})), done);
-    let (at, len) = state.cursor().unwrap();
+    let (at, len) = state.runs().first.cursor().unwrap();
     assert!(at.abs_diff(len / 2) <= 1);
     assert_eq!(ask(&mut state, &json!({"do": "play", "speed": 2})), done);
     assert!(state.time().playback.is_playing() && to_json(&state)["playing"] == json!(true));
@@ -116,7 +119,7 @@ fn a_page_moves_through_time() {
 #[test]
 fn a_page_seeks_events() {
     let mut state = small();
-    let cursor = |state: &State| state.cursor().unwrap().0;
+    let cursor = |state: &State| state.runs().first.cursor().unwrap().0;
     assert_eq!(
         ask(&mut state, &json!({"do": "seek", "event": 0}))["ok"],
         json!(true)
@@ -424,17 +427,17 @@ fn a_long_run_to_a_breakpoint_takes_several_frames() {
     state.apply(Command::Time(TimeCommand::FirstStage));
     let on = Command::Time(TimeCommand::Continue(Direction::Forwards));
     state.apply(on.clone());
-    let (first, _) = state.cursor().unwrap();
+    let (first, _) = state.runs().first.cursor().unwrap();
     assert!(first < len, "it stopped to let a frame be drawn");
     state.advance(0.0);
-    let (second, _) = state.cursor().unwrap();
+    let (second, _) = state.runs().first.cursor().unwrap();
     assert!(second > first, "and goes on with the next");
     settle(&mut state);
-    assert_eq!(state.cursor(), Some((len, len)));
+    assert_eq!(state.runs().first.cursor(), Some((len, len)));
     // Any other move in time ends it.
     state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(on);
     state.apply(Command::Time(TimeCommand::Jump(7)));
     settle(&mut state);
-    assert_eq!(state.cursor(), Some((7, len)));
+    assert_eq!(state.runs().first.cursor(), Some((7, len)));
 }

@@ -19,9 +19,11 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Choice;
+use tilescope_workbench::files::SaveTask;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
 use tilescope_workbench::scenes::SceneCommand;
+use tilescope_workbench::state::{PageAddress, Settings};
 use tilescope_workbench::{Command, State};
 
 use super::support::{Draws, digest, notice_text, opened, settle, state};
@@ -88,7 +90,10 @@ fn a_session_with_everything_set_is_restored() {
     assert_eq!(notice_text(&there), "");
     assert_eq!(there.link().fragment, link.fragment);
     assert_eq!(digest(&there), digest(&state));
-    let (a, b) = (state.saved().unwrap(), there.saved().unwrap());
+    let (a, b) = (
+        SaveTask::of(&state).run.unwrap(),
+        SaveTask::of(&there).run.unwrap(),
+    );
     assert_eq!((a.cursor, a.parameters), (b.cursor, b.parameters));
     assert_eq!((a.breakpoints, a.watches), (b.breakpoints, b.watches));
     assert_eq!(a.scenes.len(), b.scenes.len());
@@ -244,7 +249,12 @@ fn random_states_are_restored_from_their_links() {
         settle(&mut there);
         assert_eq!(there.link().fragment, link.fragment, "round {round}");
         assert_eq!(digest(&there), digest(&state), "{}", link.fragment);
-        assert_eq!(there.cursor(), state.cursor(), "{}", link.fragment);
+        assert_eq!(
+            there.runs().first.cursor(),
+            state.runs().first.cursor(),
+            "{}",
+            link.fragment
+        );
         seen.insert((link.fragment, digest(&there)));
     }
     assert!(seen.len() > 20, "the rounds differ: {}", seen.len());
@@ -260,7 +270,7 @@ fn a_link_to_the_current_run_samples_nothing() {
         state.runs().first.session.as_ref().unwrap().generation,
         generation
     );
-    assert_eq!(state.cursor().unwrap().0, 1234);
+    assert_eq!(state.runs().first.cursor().unwrap().0, 1234);
     assert_eq!(state.runs().first.selected, Some(12));
     state.open_link("v=1&seed=2&at=1234");
     assert!(
@@ -381,7 +391,13 @@ fn links_are_copied_with_the_address_of_their_page() {
         notice_text(&state)
     );
     let address = "https://lecture.example/tilescope/".to_owned();
-    state.begin_at(Some(address), "en".to_owned());
+    state.restore(Settings {
+        page: Some(PageAddress {
+            address: Some(address),
+            language: "en".to_owned(),
+        }),
+        ..Settings::default()
+    });
     state.apply(Command::Link(LinkCommand::Copy));
     let copied = state.take_requests().copied.unwrap();
     assert_eq!(copied, "https://lecture.example/tilescope/#v=1");

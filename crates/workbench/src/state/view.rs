@@ -1,0 +1,92 @@
+//! The view in the state: makes the one that is saved, and applies one. Sessions that are opened are shown by it.
+
+use tilescope_core::Parameters;
+use tilescope_session::layers::SessionKind;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
+
+use super::effects::{Context, Effect};
+use super::{Runs, State, Time};
+use crate::device::EngineChoice;
+use crate::view::SavedView;
+
+impl Runs {
+    /// Returns the parameters of the second run, if it is made of parameters alone.
+    pub(super) fn second_parameters(&self) -> Option<Parameters> {
+        let session = self.second.as_ref()?.0.session.as_ref()?;
+        let made = session.own.is_none() && session.kind() == SessionKind::Run;
+        made.then_some(session.run().parameters)
+    }
+}
+
+impl SavedView {
+    /// Returns the current view of a window.
+    #[must_use]
+    pub fn of(state: &State) -> Self {
+        let runs = &state.runs;
+        let first = &runs.first;
+        // The camera of the pattern is not saved, as the pattern has its own domain.
+        let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
+        let second = runs.second.as_ref();
+        let links = second.map(|(_, comparison)| comparison.links());
+        Self {
+            camera: (!fitted).then_some(camera),
+            appearance: state.appearance.clone(),
+            layout: state.past.layout_to_store(&state.window).clone(),
+            selection: first.selection(),
+            playback: state.time.playback.clone(),
+            second: runs.second_parameters(),
+            links: links.unwrap_or_else(|| Self::default().links),
+        }
+    }
+
+    /// Applies the view to runs and playback; the second run is made by `engine`. Returns the names of the parts that do not
+    /// fit the current session.
+    pub(super) fn apply(
+        &self,
+        runs: &mut Runs,
+        time: &mut Time,
+        engine: EngineChoice,
+        context: &mut Context,
+    ) -> Vec<&'static str> {
+        let mut dropped = Vec::new();
+        context.ask(Effect::Appearance(Box::new(self.appearance.clone())));
+        context.ask(Effect::Layout(self.layout.clone()));
+        let run = &mut runs.first;
+        let camera = self.camera.unwrap_or(run.camera);
+        run.take_camera(self.camera, camera);
+
+        // The passes of the GPU are not saved.
+        let clock = self.playback.clock_of_events();
+        if run.clock_refusal(clock).is_none() {
+            time.playback.choose(clock);
+        } else if clock != time.playback.clock_of_events() {
+            dropped.push("clock");
+        }
+        time.playback.speed = self.playback.speed;
+        time.playback.whole_run_secs = self.playback.whole_run_secs;
+        if let Some(range) = &self.playback.range {
+            if run.cursor().is_some_and(|(_, len)| range.end <= len) {
+                time.playback.range = Some(range.clone());
+            } else {
+                dropped.push("range");
+            }
+        }
+
+        if self.selection != Selection::Nothing {
+            if run.can_select(self.selection) {
+                run.pick(self.selection, context);
+            } else {
+                dropped.push("selection");
+            }
+        }
+        runs.second = None;
+        if let Some(parameters) = self.second {
+            runs.compare_with(Recipe::from(parameters), engine, context);
+            if let Some((_, comparison)) = &mut runs.second {
+                comparison.link(self.links);
+            }
+        }
+        dropped
+    }
+}
