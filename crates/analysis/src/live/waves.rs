@@ -158,9 +158,9 @@ impl WaveSums {
             self.row(row * stride, &mut whole);
             for column in 0..columns {
                 let from = column * stride;
-                for part in 0..4 {
-                    thin.sums[row * blocks + column / LANES][part][column % LANES] =
-                        whole[from / LANES][part][from % LANES];
+                let sums = &mut thin.sums[row * blocks + column / LANES];
+                for (sum, kept) in sums.iter_mut().zip(&whole[from / LANES]) {
+                    sum[column % LANES] = kept[from % LANES];
                 }
             }
         }
