@@ -47,6 +47,8 @@ mod table;
 mod tile;
 
 pub use exposed::{ExposedArc, exposed_arcs};
+pub(crate) use exposed::{open_arcs, unproven_circles};
 pub(crate) use found::Question;
 pub(crate) use search::search;
 pub(crate) use stream::CircleBands;
+pub(crate) use table::CircleTest;

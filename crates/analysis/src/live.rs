@@ -2,9 +2,18 @@
 //! counted, never timed: a caller chooses by them between changes and a new beginning. They see places alone, nothing of
 //! what put the samples there.
 
+mod cell;
+mod cover;
+mod pairs;
+mod place_grid;
 mod plane;
 mod spectrum;
+mod tournament;
+mod verdict;
 mod waves;
 
+pub use cover::LiveCover;
+pub use pairs::LivePairs;
 pub use plane::Plane;
 pub use spectrum::LiveSpectrum;
+pub use verdict::LiveVerdict;

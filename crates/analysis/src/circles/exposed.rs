@@ -2,6 +2,7 @@
 //! of arcs are rounded, so no verdict uses them.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -47,6 +48,39 @@ pub fn exposed_arcs(
     radius: f64,
     control: Control<'_>,
 ) -> Result<Vec<ExposedArc>, VerifyError> {
+    let arcs_of = |search: &Search<'_>, scratch: &mut Scratch, index: usize, id: usize| {
+        let covering = search.covering_arcs(scratch, index);
+        let open = open_arcs(&covering).into_iter();
+        let arcs = open.map(|[from, to]| ExposedArc {
+            sample: id,
+            from,
+            to,
+        });
+        arcs.collect::<Vec<_>>()
+    };
+    let mut arcs = of_open_circles(points, region, radius, control, arcs_of)?.concat();
+    arcs.sort_unstable_by(|a, b| a.sample.cmp(&b.sample).then(a.from.total_cmp(&b.from)));
+    Ok(arcs)
+}
+
+/// Returns the samples whose circles the table does not prove covered, by index.
+pub(crate) fn unproven_circles(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+) -> Result<Vec<u32>, VerifyError> {
+    let go_on = |_| ControlFlow::Continue(());
+    of_open_circles(points, region, radius, &go_on, |_, _, _, id| id as u32)
+}
+
+/// Looks at the samples whose circles the table does not prove covered: in a tile, by their index there and in the set.
+fn of_open_circles<T: Send>(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+    control: Control<'_>,
+    look: impl Fn(&Search<'_>, &mut Scratch, usize, usize) -> T + Sync,
+) -> Result<Vec<T>, VerifyError> {
     let domain = Domain::new(region)?;
     let scaled_radius = domain.scale_radius(radius)?;
     check_points(points, region)?;
@@ -63,39 +97,34 @@ pub fn exposed_arcs(
         },
         Declined::Radius | Declined::Sparse | Declined::Holes => VerifyError::BadRadius { radius },
     };
+
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
-    let arcs = tiles
+    let found = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, rectangle| {
             let mut found = Found::new(0);
             search
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
-            let mut arcs = Vec::new();
-            for index in scratch.tile.open().collect::<Vec<_>>() {
+            let open: Vec<usize> = scratch.tile.open().collect();
+            let looked = open.into_iter().map(|index| {
                 let id = samples.at(scratch.tile.source[index] as usize).id as usize;
-                let covering = search.covering_arcs(scratch, index);
-                arcs.extend(open(&covering).into_iter().map(|[from, to]| ExposedArc {
-                    sample: id,
-                    from,
-                    to,
-                }));
-            }
+                look(&search, scratch, index, id)
+            });
+            let looked: Vec<T> = looked.collect();
             monitor.advance(scratch.tile.own().map(|run| run.len() as u64).sum())?;
-            Ok(arcs)
+            Ok(looked)
         })
         .collect::<Result<Vec<_>, VerifyError>>()?;
-    let mut arcs = arcs.concat();
-    arcs.sort_unstable_by(|a, b| a.sample.cmp(&b.sample).then(a.from.total_cmp(&b.from)));
-    Ok(arcs)
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// Returns the arcs of the circle that no given arc covers. An arc is given by the direction of its middle and the
 /// cosine of half its angle.
-fn open(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
+pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut arcs: Vec<[f64; 2]> = covered
         .iter()
         .map(|&(toward, cos)| {
@@ -109,6 +138,7 @@ fn open(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
         return vec![[0.0, TAU]];
     };
     let begin = first[0];
+
     // Arcs that begin late cover the beginning of the circle as well.
     let around = arcs.iter().map(|arc| arc[1] - TAU).fold(begin, f64::max);
     let mut covered_to = around.max(begin);
@@ -143,12 +173,12 @@ mod tests {
 
     #[test]
     fn what_arcs_leave_is_open() {
-        assert_eq!(degrees(&open(&[])), [[0, 360]]);
-        assert_eq!(degrees(&open(&[arc(10.0, 100.0)])), [[100, 370]]);
-        assert_eq!(degrees(&open(&[arc(-30.0, 100.0)])), [[100, 330]]);
+        assert_eq!(degrees(&open_arcs(&[])), [[0, 360]]);
+        assert_eq!(degrees(&open_arcs(&[arc(10.0, 100.0)])), [[100, 370]]);
+        assert_eq!(degrees(&open_arcs(&[arc(-30.0, 100.0)])), [[100, 330]]);
         let three = [arc(-30.0, 100.0), arc(90.0, 220.0), arc(230.0, 300.0)];
-        assert_eq!(degrees(&open(&three)), [[220, 230], [300, 330]]);
+        assert_eq!(degrees(&open_arcs(&three)), [[220, 230], [300, 330]]);
         let all = [arc(-30.0, 100.0), arc(90.0, 220.0), arc(210.0, 340.0)];
-        assert!(open(&all).is_empty());
+        assert!(open_arcs(&all).is_empty());
     }
 }

@@ -16,6 +16,8 @@ const BINS: usize = 128;
 pub(super) const SQUARES: usize = 256;
 /// Squares in a radius.
 pub(super) const PER_RADIUS: f64 = SQUARES as f64 / 2.0;
+/// The largest squared distance, in squares, for which the table is used: a little less than two radii.
+pub(super) const WIDEST: f32 = (SQUARES * SQUARES) as f32 * (1.0 - 1.0 / 1024.0);
 /// Offsets are known up to this part of a square: more than the rounding of two positions in a tile.
 pub(super) const UNCERTAIN: f64 = 1.0 / 64.0;
 
@@ -161,6 +163,47 @@ pub(super) fn squares_of<S: Simd>(simd: S, dx: f32x8<S>, dy: f32x8<S>) -> i32x8<
     lines * number(SQUARES as i32) + columns + one + two
 }
 
+/// The square that holds one offset, like [`squares_of`].
+fn square_of(dx: f32, dy: f32) -> Square {
+    let (left, below) = (dx < 0.0, dy < 0.0);
+    let (column, line) = if left == below { (dx, dy) } else { (dy, dx) };
+    let turns = i32::from(left != below) + 2 * i32::from(below);
+    line.abs() as i32 * SQUARES as i32 + column.abs() as i32 + (turns << TURN_SHIFT)
+}
+
+/// A quick test of one circle: whether the disks of other samples certainly cover it.
+pub(crate) struct CircleTest {
+    table: &'static Table,
+    squares_per_unit: f64,
+    covered: Mask,
+}
+
+impl CircleTest {
+    /// Begins with a circle, of the radius of all disks, that none covers.
+    pub fn new(radius: f64) -> Self {
+        Self {
+            table: Table::get(),
+            squares_per_unit: PER_RADIUS / radius,
+            covered: 0,
+        }
+    }
+
+    /// Adds the disk of a sample at an offset. One at the same place covers nothing.
+    #[inline]
+    pub fn add(&mut self, offset: [f64; 2]) {
+        let [dx, dy] = offset.map(|value| (value * self.squares_per_unit) as f32);
+        // Farther disks hardly meet the circle, and the table does not hold them.
+        if dx * dx + dy * dy < WIDEST {
+            self.covered |= self.table.mask(square_of(dx, dy));
+        }
+    }
+
+    /// Whether the circle is certainly covered.
+    pub const fn is_covered(&self) -> bool {
+        self.covered == FULL
+    }
+}
+
 /// Directions covered by the disk at an offset: from `start` to `end`, in turns counted anticlockwise.
 #[derive(Clone, Copy)]
 struct Arc {
@@ -261,6 +304,31 @@ mod tests {
             claimed > 0 && f64::from(claimed) > 0.98 * f64::from(covered),
             "{claimed} of {covered}"
         );
+    }
+
+    #[test]
+    fn one_offset_has_the_square_of_eight() {
+        for index in (0..4 * SQUARES * SQUARES).step_by(101) {
+            let corner =
+                [index % (2 * SQUARES), index / (2 * SQUARES)].map(|at| at as i32 - SQUARES as i32);
+            let [dx, dy] = corner.map(|at| at as f32 + 0.5);
+            assert_eq!(square_of(dx, dy), square(corner), "{corner:?}");
+        }
+    }
+
+    #[test]
+    fn a_circle_is_covered_by_a_tight_ring_and_not_without_one_of_it() {
+        let ring = |count: usize, left_out: usize| {
+            let mut test = CircleTest::new(100.0);
+            for index in (0..count).filter(|index| *index != left_out) {
+                let direction = DVec2::from_angle(index as f64 / count as f64 * TAU);
+                test.add((direction * 120.0).to_array());
+            }
+            test.is_covered()
+        };
+        assert!(ring(6, 6));
+        assert!((0..6).all(|left_out| !ring(6, left_out)));
+        assert!(!CircleTest::new(1.0).is_covered());
     }
 
     #[test]

@@ -12,14 +12,11 @@ use super::found::{Declined, Found};
 use super::sample::Sample;
 use super::samples::{Cells, Samples};
 use super::table::{
-    FULL, Mask, PER_RADIUS, SQUARES, Square, Table, UNCERTAIN, opposite, squares_of,
+    FULL, Mask, PER_RADIUS, Square, Table, UNCERTAIN, WIDEST, opposite, squares_of,
 };
 
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
-
-/// The largest squared distance, in squares, for which the table is used: a little less than two radii.
-const WIDEST: f32 = (SQUARES * SQUARES) as f32 * (1.0 - 1.0 / 1024.0);
 
 /// Most pairs of samples in one cell, per sample of a tile.
 const MAX_CROWD: usize = 16;

@@ -73,6 +73,7 @@ impl PairCorrelation {
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.5 * region.shorter_side() / r_max;
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
+
         let monitor = Monitor::begin(control, points.len() as u64)?;
         let domain = Domain::new(region)?;
         let distance = most * r_max * domain.scale;
@@ -82,22 +83,37 @@ impl PairCorrelation {
             distance,
             bins,
         };
-        let found = search.run(&monitor)?;
-        let bin_width = most / bins as f64;
-        let (count, area) = (points.len() as f64, domain.extent.element_product());
+        let PairSums { counts, weights } = search.run(&monitor)?;
+        Ok(Self::of_sums(points.len(), &domain, most, counts, &weights))
+    }
+
+    /// Returns g(r) from the pairs in each bin up to `most`, and their weights: the sums of the inverse areas in the
+    /// domain's unit.
+    pub(crate) fn of_sums(
+        samples: usize,
+        domain: &Domain,
+        most: f64,
+        counts: Vec<u64>,
+        weights: &[f64],
+    ) -> Self {
+        let area = domain.extent.element_product();
+        let users_area = area / (domain.scale * domain.scale);
+        let r_max = largest_min_distance(samples, users_area);
+        let bins = counts.len() as f64;
+        let (bin_width, step) = (most / bins, most * r_max * domain.scale / bins);
+
+        let count = samples as f64;
         let density = 0.5 * count * (count - 1.0) / (area * area);
-        let step = distance / bins as f64;
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;
-        let g = (found.weights.iter().enumerate())
-            .map(|(bin, weight)| weight / (density * ring(bin)))
-            .collect();
-        Ok(Self {
-            samples: points.len(),
+        let g = weights.iter().enumerate();
+        let g = g.map(|(bin, weight)| weight / (density * ring(bin)));
+        Self {
+            samples,
             r_max,
             bin_width,
-            counts: found.counts,
-            g,
-        })
+            g: g.collect(),
+            counts,
+        }
     }
 
     /// Returns [`Self::of`] for distances up to 5 `r_max`, or half the shorter side, in 40 bins each.
@@ -128,13 +144,22 @@ impl PairCorrelation {
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
-        let r_max = largest_min_distance(points.len(), region.area());
+        let (most, bins) = Self::bins_in_units_of(points.len(), region, unit)?;
+        Self::of(points, region, most, bins, control)
+    }
+
+    /// The farthest distance and the number of the bins of [`Self::in_units_of`].
+    pub(crate) fn bins_in_units_of(
+        samples: usize,
+        region: Region,
+        unit: f64,
+    ) -> Result<(f64, usize), MeasureError> {
+        let r_max = largest_min_distance(samples, region.area());
         let half = 0.499 * region.shorter_side();
         let reach = half.min(Self::MAX_DISTANCE * r_max);
         check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;
         let bins = (40.0 * (reach / unit).min(5.0)).floor().max(1.0);
-        let most = bins / 40.0 * unit / r_max;
-        Self::of(points, region, most, bins as usize, control)
+        Ok((bins / 40.0 * unit / r_max, bins as usize))
     }
 
     /// Returns the curve: for each bin its middle in units of `r_max`, and `g`.

@@ -6,6 +6,8 @@ mod blue_noise;
 mod distances;
 mod distant_pairs;
 mod judges;
+mod live_cover;
+mod live_pairs;
 mod live_spectrum;
 mod numbers;
 mod order;

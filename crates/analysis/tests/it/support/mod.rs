@@ -4,6 +4,7 @@
 
 #![allow(dead_code, missing_docs, reason = "the example uses a part of it")]
 
+pub mod changes;
 pub mod sets;
 
 use std::f64::consts::TAU;

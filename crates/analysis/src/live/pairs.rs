@@ -1,0 +1,515 @@
+//! Distances between samples, kept while samples come and go: those of g(r), the smallest one, and conflicts. Squared distances
+//! are integers, and each change adds or takes those to the samples around it, so nothing drifts. Begin with [`LivePairs`].
+
+use std::cmp::Ordering;
+use std::ops::ControlFlow;
+
+use glam::DVec2;
+
+use super::place_grid::{Occupant, PlaceGrid, check_plane};
+use super::plane::Plane;
+use super::tournament::Tournament;
+use crate::domain::Domain;
+use crate::measures::{MeasureError, PairCorrelation, largest_min_distance};
+use crate::region::Boundary;
+use crate::witness::Conflict;
+use crate::worst::Witness;
+
+/// Bins in a radius, as the pair correlation of a set of one radius has them.
+const EACH: f64 = 40.0;
+
+/// Bins at most: they end at 5 radii.
+const MAX_BINS: f64 = 200.0;
+
+/// How many cells away all samples are whose distances are kept. Fewer and larger cells than these make a change no quicker.
+const REACH: usize = 2;
+
+/// The weight of a pair in a bounded plane is the area over that in which its first sample can lie when both are moved together,
+/// in multiples of this part. It is 1 to 4, and the sum of 2^32 pairs is exact in 128 bits.
+const WEIGHT_UNITS: f64 = (1_u64 << 40) as f64;
+
+/// The steps that a change of a maximal set takes in the mean, as measured.
+const STEPS_OF_CHANGE: u64 = 200;
+
+/// The steps that a sample of a maximal set takes in the mean when all is made anew, as measured.
+const STEPS_OF_SAMPLE: u64 = 80;
+
+/// The distances of all pairs by bin, and the conflicts among them. Each pair counts once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Histogram {
+    plane: Plane,
+    /// Of each bin the pairs exactly where it begins, which rounding may put into the bin before, and all others. The last but
+    /// one has the pairs at the end of the one before, the last one all that are farther.
+    counts: Vec<[u64; 2]>,
+    /// The sums of their weights, in a bounded plane.
+    weights: Vec<[u128; 2]>,
+    conflicts: u64,
+    /// Pairs at one place.
+    coincident: u64,
+}
+
+impl Histogram {
+    fn new(plane: Plane) -> Self {
+        // As `PairCorrelation::in_units_of` has them, of sets that are not too dense.
+        let half = 0.499 * plane.region_in_radii().shorter_side();
+        let bins = (EACH * half).floor().min(MAX_BINS) as usize + 2;
+        let weights = match plane.boundary {
+            Boundary::Periodic => 0,
+            Boundary::Bounded => bins,
+        };
+        Self {
+            plane,
+            counts: vec![[0; 2]; bins],
+            weights: vec![[0; 2]; weights],
+            conflicts: 0,
+            coincident: 0,
+        }
+    }
+
+    /// The distance beyond which no pair matters, in units.
+    fn reach(&self) -> f64 {
+        let farthest = (self.counts.len() - 2) as f64 / EACH;
+        // Conflicts are looked for in a plane of any size.
+        farthest.max(1.0) * f64::from(self.plane.radius) + 1.0
+    }
+
+    /// Adds a pair that comes, or takes one that goes.
+    #[inline]
+    fn change(&mut self, offset: [i32; 2], square: u64, comes: bool) {
+        // Half of the pairs are farther, so a branch for them would be mispredicted as often.
+        let (bin, part) = self.bin(square);
+        let step = |count: &mut u64| *count = if comes { *count + 1 } else { *count - 1 };
+        step(&mut self.counts[bin][part]);
+        if !self.weights.is_empty() && bin + 1 < self.counts.len() {
+            let weight = self.weight(offset);
+            let sum = &mut self.weights[bin][part];
+            *sum = if comes { *sum + weight } else { *sum - weight };
+        }
+
+        let radius = u64::from(self.plane.radius);
+        if square < radius * radius {
+            step(&mut self.conflicts);
+            if square == 0 {
+                step(&mut self.coincident);
+            }
+        }
+    }
+
+    /// The bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise 1.
+    #[inline]
+    fn bin(&self, square: u64) -> (usize, usize) {
+        let radius = f64::from(self.plane.radius);
+        let at = (square as f64).sqrt() * (EACH / radius);
+        let bin = (at as usize).min(self.counts.len() - 1);
+        let beyond = at - bin as f64;
+        // The rounding of `at` is far less than this doubt. Farther pairs are in the last bin, wherever they are.
+        if (1e-9..1.0 - 1e-9).contains(&beyond) || bin + 1 == self.counts.len() {
+            return (bin, 1);
+        }
+
+        let nearest = if beyond < 0.5 { bin } else { bin + 1 };
+        let edge = nearest as u64 * u64::from(self.plane.radius);
+        match ((EACH * EACH) as u64 * square).cmp(&(edge * edge)) {
+            Ordering::Less => (nearest - 1, 1),
+            Ordering::Equal => (nearest, 0),
+            Ordering::Greater => (nearest, 1),
+        }
+    }
+
+    fn weight(&self, offset: [i32; 2]) -> u128 {
+        let share = |axis: usize| {
+            let size = f64::from(self.plane.size[axis]);
+            size / (size - f64::from(offset[axis].abs()))
+        };
+        (share(0) * share(1) * WEIGHT_UNITS).round() as u128
+    }
+}
+
+/// The distances between the samples of a set that changes.
+#[derive(Clone, Debug)]
+pub struct LivePairs {
+    histogram: Histogram,
+    grid: PlaceGrid,
+    /// Samples by slot: id and place.
+    samples: Vec<(u32, [i32; 2])>,
+    /// Slots without a sample.
+    free: Vec<u32>,
+    /// Of each sample the squared distance to the nearest other one, if that is at most `certain`: its complement, so that the
+    /// largest number is that of the smallest distance.
+    nearest: Tournament,
+    /// All pairs at most that far apart, squared, are seen.
+    certain: u64,
+    count: usize,
+    /// Slots whose nearest sample went, a buffer.
+    widowed: Vec<u32>,
+}
+
+impl LivePairs {
+    /// Returns the distances of no sample.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::OutOfRange`] for sides beyond 2^30 units or a radius beyond 2^20.
+    pub fn new(plane: Plane) -> Result<Self, MeasureError> {
+        check_plane(plane)?;
+        let histogram = Histogram::new(plane);
+        let grid = PlaceGrid::new(plane, histogram.reach() / REACH as f64);
+        let certain = grid.certain_distance(REACH);
+        Ok(Self {
+            histogram,
+            grid,
+            samples: Vec::new(),
+            free: Vec::new(),
+            nearest: Tournament::new(0),
+            certain: (certain * certain) as u64,
+            count: 0,
+            widowed: Vec::new(),
+        })
+    }
+
+    /// Adds a sample at a place of the plane. Returns the counted steps.
+    pub fn insert(&mut self, id: u32, place: [i32; 2]) -> u64 {
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.samples.push((0, [0; 2]));
+            self.samples.len() as u32 - 1
+        });
+        self.samples[slot as usize] = (id, place);
+
+        let mut own = 0;
+        let steps = self.grid.around(place, REACH, |other, offset| {
+            let square = square(offset);
+            self.histogram.change(offset, square, true);
+            if square <= self.certain {
+                own = own.max(!square);
+                if !square > self.nearest.at(other.slot) {
+                    self.nearest.set(other.slot, !square);
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        self.nearest.set(slot, own);
+        self.grid.insert(Occupant { place, slot });
+        self.count += 1;
+        steps
+    }
+
+    /// Takes out the sample that was added with an id at a place. Returns the counted steps.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such sample.
+    pub fn remove(&mut self, id: u32, place: [i32; 2]) -> u64 {
+        let is_it = |occupant: &Occupant| self.samples[occupant.slot as usize] == (id, place);
+        let removed = self.grid.remove(place, is_it);
+        let slot = removed.expect("the sample was added at the place");
+        self.nearest.set(slot, 0);
+        self.free.push(slot);
+        self.count -= 1;
+
+        let mut widowed = std::mem::take(&mut self.widowed);
+        widowed.clear();
+        let mut steps = self.grid.around(place, REACH, |other, offset| {
+            let square = square(offset);
+            self.histogram.change(offset, square, false);
+            if self.nearest.at(other.slot) == !square {
+                widowed.push(other.slot);
+            }
+            ControlFlow::Continue(())
+        });
+        for &other in &widowed {
+            steps += self.find_nearest(other);
+        }
+        self.widowed = widowed;
+        steps
+    }
+
+    /// Takes these samples in place of all others. Returns the counted steps.
+    pub fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+        self.grid.clear();
+        self.samples.clear();
+        self.free.clear();
+        self.nearest = Tournament::new(samples.len());
+        self.histogram = Histogram::new(self.histogram.plane);
+        self.count = 0;
+        let each = samples.iter();
+        each.map(|&(id, place)| self.insert(id, place)).sum()
+    }
+
+    /// Returns about how many counted steps a change takes.
+    #[must_use]
+    pub const fn cost_of_change(&self) -> u64 {
+        STEPS_OF_CHANGE
+    }
+
+    /// Returns about how many counted steps it takes to make all anew, of so many samples.
+    #[must_use]
+    pub const fn cost_of_rebuild(&self, count: usize) -> u64 {
+        STEPS_OF_SAMPLE * count as u64
+    }
+
+    fn find_nearest(&mut self, slot: u32) -> u64 {
+        let mut found = 0;
+        let place = self.samples[slot as usize].1;
+        let steps = self.grid.around(place, REACH, |other, offset| {
+            let square = square(offset);
+            if other.slot != slot && square <= self.certain {
+                found = found.max(!square);
+            }
+            ControlFlow::Continue(())
+        });
+        self.nearest.set(slot, found);
+        steps
+    }
+
+    /// Returns the number of samples.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The square of the shorter period of a torus: the distance of each sample from its own copy.
+    fn period_square(&self) -> Option<u64> {
+        let plane = self.histogram.plane;
+        let shorter = u64::from(plane.size[0].min(plane.size[1]));
+        (plane.boundary == Boundary::Periodic && self.count > 0).then_some(shorter * shorter)
+    }
+
+    /// Whether each sample is in conflict with its own copy.
+    fn has_own_conflicts(&self) -> bool {
+        self.period_square()
+            .is_some_and(|square| square < self.radius_square())
+    }
+
+    fn radius_square(&self) -> u64 {
+        u64::from(self.histogram.plane.radius).pow(2)
+    }
+
+    /// Returns the number of pairs of samples nearer than r: [`Report::conflicts`](crate::Report::conflicts), but without a
+    /// limit.
+    #[must_use]
+    pub fn conflicts(&self) -> u64 {
+        let own = if self.has_own_conflicts() {
+            self.count as u64
+        } else {
+            0
+        };
+        self.histogram.conflicts + own
+    }
+
+    /// Returns the smallest distance between two samples, in radii: [`Report::min_distance`](crate::Report::min_distance).
+    /// Infinite if there is none.
+    ///
+    /// It is kept from change to change, but where no two samples are within 5 r: sets so sparse are searched.
+    #[must_use]
+    pub fn smallest_distance_in_radii(&self) -> f64 {
+        let least = match self.nearest.largest() {
+            0 => self.closest_of_sparse().map(|(square, _)| square),
+            kept => Some(!kept),
+        };
+        let least = least.into_iter().chain(self.period_square()).min();
+        least.map_or(f64::INFINITY, |square| self.in_radii(square))
+    }
+
+    fn in_radii(&self, square: u64) -> f64 {
+        (square as f64).sqrt() / f64::from(self.histogram.plane.radius)
+    }
+
+    /// Returns the closest pair of samples, by ids, and their distance in radii; of equally close pairs the first by ids.
+    /// None if there is no pair.
+    #[must_use]
+    pub fn closest(&self) -> Option<Conflict> {
+        let kept = self.nearest.largest();
+        let mut pairs: Vec<(u64, [u32; 2])> = Vec::new();
+        if kept == 0 {
+            pairs.extend(self.closest_of_sparse());
+        }
+        for slot in self.nearest.winners() {
+            self.each_nearer(slot, !kept + 1, |other| pairs.push((!kept, [slot, other])));
+        }
+        // The smallest id is searched only where no pair is closer than a sample and its copy.
+        let own = self.period_square();
+        if let Some(square) = own.filter(|&square| kept == 0 || square <= !kept) {
+            let slots = self.grid.all().map(|occupant| occupant.slot);
+            let first = slots.min_by_key(|&slot| self.samples[slot as usize].0);
+            pairs.extend(first.map(|slot| (square, [slot; 2])));
+        }
+        let pairs = pairs.into_iter();
+        pairs
+            .map(|(square, slots)| self.pair(square, slots))
+            .min_by(Witness::rank)
+    }
+
+    fn pair(&self, square: u64, slots: [u32; 2]) -> Conflict {
+        let [one, other] = slots.map(|slot| self.samples[slot as usize].0 as usize);
+        Conflict {
+            first: one.min(other),
+            second: one.max(other),
+            distance: self.in_radii(square),
+        }
+    }
+
+    /// Calls `each` with the slots of the samples whose squared distance from one is less than `end`.
+    fn each_nearer(&self, slot: u32, end: u64, mut each: impl FnMut(u32)) {
+        let place = self.samples[slot as usize].1;
+        self.grid.around(place, REACH, |other, offset| {
+            if other.slot != slot && square(offset) < end {
+                each(other.slot);
+            }
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// The closest pair where no two samples are near each other: there are few, and those around each are looked for in the
+    /// pyramid.
+    fn closest_of_sparse(&self) -> Option<(u64, [u32; 2])> {
+        let size = self.histogram.plane.size.map(i64::from);
+        let mut best: Option<(u64, [u32; 2])> = None;
+        for occupant in self.grid.all() {
+            let center = DVec2::from(occupant.place.map(f64::from));
+            let farthest = size[0] * size[0] + size[1] * size[1];
+            let least = best.map_or(farthest as f64, |(square, _)| square as f64);
+
+            self.grid.within(center, least, |other, periods, within| {
+                let along = |axis: usize| {
+                    let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
+                    copy - i64::from(occupant.place[axis])
+                };
+                let (x, y) = (along(0), along(1));
+                let found = ((x * x + y * y) as u64, [occupant.slot, other.slot]);
+                let is_better = |best: (u64, [u32; 2])| {
+                    let [new, old] = [found, best].map(|(square, slots)| self.pair(square, slots));
+                    new.rank(&old).is_lt()
+                };
+                if other.slot != occupant.slot && best.is_none_or(is_better) {
+                    best = Some(found);
+                    *within = within.min(found.0 as f64);
+                }
+            });
+        }
+        best
+    }
+
+    /// Returns the conflicts, as [`Report::worst_conflicts`](crate::Report::worst_conflicts) lists them, but all.
+    #[must_use]
+    pub fn conflict_pairs(&self) -> Vec<Conflict> {
+        let (end, period) = (self.radius_square(), self.period_square());
+        let mut found = Vec::new();
+        for &Occupant { slot, place } in self.grid.all() {
+            // Samples without a conflict are passed over.
+            if self.nearest.at(slot) > !end {
+                self.each_nearer(slot, end, |other| {
+                    let offset = self.grid.offset(place, self.samples[other as usize].1);
+                    if slot < other {
+                        found.push(self.pair(square(offset), [slot, other]));
+                    }
+                });
+            }
+            if let Some(period) = period.filter(|&period| period < end) {
+                found.push(self.pair(period, [slot; 2]));
+            }
+        }
+        found.sort_unstable_by(Witness::rank);
+        found
+    }
+
+    /// Returns g(r): what [`PairCorrelation::in_units_of`] the radius gives for these samples in radii. Counts are the same
+    /// numbers where r is a power of two, so that places in radii are not rounded; g of a bounded plane differs by less than
+    /// 10^-11 of itself.
+    ///
+    /// # Errors
+    ///
+    /// Those of that function.
+    pub fn correlation(&self) -> Result<PairCorrelation, MeasureError> {
+        const LEAST: usize = 3;
+        let (count, region) = (self.count, self.histogram.plane.region_in_radii());
+        if count < LEAST {
+            return Err(MeasureError::TooFew {
+                count,
+                limit: LEAST,
+            });
+        }
+        if self.histogram.coincident == count as u64 * (count as u64 - 1) / 2 {
+            let place = self
+                .grid
+                .all()
+                .next()
+                .map_or([0; 2], |occupant| occupant.place);
+            let radius = f64::from(self.histogram.plane.radius);
+            let point = place.map(|value| f64::from(value) / radius);
+            return Err(MeasureError::AllEqual { count, point });
+        }
+
+        let (most, bins) = PairCorrelation::bins_in_units_of(count, region, 1.0)?;
+        let domain = Domain::new(region)?;
+        let distance = most * largest_min_distance(count, region.area()) * domain.scale;
+        let per_length = bins as f64 / distance;
+        // Farther pairs are added to one more.
+        let (mut counts, mut sums) = (vec![0; bins + 1], vec![0; bins + 1]);
+        for (index, in_bin) in self.histogram.counts.iter().enumerate() {
+            // Which of its two bins an edge belongs to follows from the same rounded numbers as there.
+            let edge = index as f64 / EACH * domain.scale;
+            let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
+            for part in [0, 1] {
+                counts[to[part]] += in_bin[part];
+                let weight = self.histogram.weights.get(index);
+                sums[to[part]] += weight.map_or(0, |weight| weight[part]);
+            }
+        }
+        counts.pop();
+
+        let area = domain.extent.element_product();
+        let weight = |(count, sum): (&u64, u128)| match self.histogram.plane.boundary {
+            Boundary::Periodic => *count as f64 / area,
+            Boundary::Bounded => sum as f64 / WEIGHT_UNITS / area,
+        };
+        let weights: Vec<f64> = counts.iter().zip(sums).map(weight).collect();
+        Ok(PairCorrelation::of_sums(
+            count, &domain, most, counts, &weights,
+        ))
+    }
+}
+
+fn square(offset: [i32; 2]) -> u64 {
+    let [x, y] = offset.map(i64::from);
+    (x * x + y * y) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The control: with cells too small for the distances, pairs are missed.
+    #[test]
+    fn a_wrong_range_of_neighbours_is_noticed() {
+        let plane = Plane {
+            size: [20_000; 2],
+            radius: 1000,
+            boundary: Boundary::Periodic,
+        };
+        let mut right = LivePairs::new(plane).expect("a plane");
+        let mut wrong = right.clone();
+        wrong.grid = PlaceGrid::new(plane, 0.5 * right.histogram.reach() / REACH as f64);
+        let samples: Vec<(u32, [i32; 2])> = (0..200_u32)
+            .map(|i| (i, [7919, 5417].map(|step| (i * step % 20_000) as i32)))
+            .collect();
+        let mut counts = [0_u64; 3];
+        for (i, a) in samples.iter().enumerate() {
+            for b in &samples[..i] {
+                let square = square(right.grid.offset(a.1, b.1));
+                let is_in_a_bin = right.histogram.bin(square).0 + 1 < right.histogram.counts.len();
+                counts[2] += u64::from(is_in_a_bin);
+            }
+        }
+
+        right.rebuild(&samples);
+        wrong.rebuild(&samples);
+        for (pairs, count) in [&right, &wrong].into_iter().zip(&mut counts) {
+            let bins = &pairs.histogram.counts;
+            *count = bins[..bins.len() - 1].iter().flatten().sum();
+        }
+        assert!(
+            counts[0] == counts[2] && counts[1] < counts[2],
+            "{counts:?}"
+        );
+    }
+}

@@ -1,0 +1,459 @@
+//! Samples in square cells, where each comes and goes in a few steps. Above the cells lies a pyramid of which cells hold any:
+//! a search in a large hole sees blocks of empty cells at once, so no search takes in the plane because a hole is large.
+
+use std::ops::ControlFlow;
+
+use glam::DVec2;
+
+use super::plane::Plane;
+use crate::measures::{MeasureError, check_range};
+use crate::region::Boundary;
+
+/// Cells beyond these would take more memory than the samples; the cells of larger planes are larger.
+const MAX_CELLS: f64 = 4_194_304.0;
+
+/// The longest side of a plane. The products that decide about circles then have less than 127 bits.
+const MAX_SIDE: u32 = 1 << 30;
+
+/// The largest radius: 1,600 times the square of five radii then fits 64 bits.
+const MAX_RADIUS: u32 = 1 << 20;
+
+/// Blocks of a layer of the pyramid along each side of the block above them.
+const BLOCK: usize = 8;
+
+/// The rounding of a border of cells, in units, with room to spare.
+const ROUNDING: f64 = 0.01;
+
+/// Refuses planes that are too large.
+pub(super) fn check_plane(Plane { size, radius, .. }: Plane) -> Result<(), MeasureError> {
+    let within = |name, value: u32, most: u32| check_range(name, value.into(), [1.0, most.into()]);
+    within("the width of a plane", size[0], MAX_SIDE)?;
+    within("the height of a plane", size[1], MAX_SIDE)?;
+    within("the radius of a plane", radius, MAX_RADIUS)
+}
+
+/// A sample: its place, and the slot of what a measure knows of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Occupant {
+    pub place: [i32; 2],
+    pub slot: u32,
+}
+
+/// Where the occupants of a cell lie in the pool.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bucket {
+    start: u32,
+    len: u32,
+    /// There is room for `1 << room` occupants, but for none at 0.
+    room: u32,
+}
+
+/// A layer of the pyramid: of each block of 8 x 8 cells, or of 8 x 8 blocks of the layer below, which are occupied.
+#[derive(Clone, Debug)]
+struct Layer {
+    columns: usize,
+    masks: Vec<u64>,
+}
+
+/// The samples of a plane.
+#[derive(Clone, Debug)]
+pub(super) struct PlaceGrid {
+    size: [i32; 2],
+    is_periodic: bool,
+    /// Columns and rows.
+    counts: [usize; 2],
+    /// Sides of a cell.
+    sides: DVec2,
+    per_unit: DVec2,
+    buckets: Vec<Bucket>,
+    pool: Vec<Occupant>,
+    /// Places in the pool that were left, by room.
+    free: Vec<Vec<u32>>,
+    /// From the one above the cells to a single block.
+    layers: Vec<Layer>,
+}
+
+impl PlaceGrid {
+    /// Returns the empty grid of a plane, with cells whose sides are at least `side` units where the plane is so large.
+    pub fn new(plane: Plane, side: f64) -> Self {
+        let extent = DVec2::from(plane.size.map(f64::from));
+        let side = side.max((extent.element_product() / MAX_CELLS).sqrt());
+        // A thin plane has as many cells along its length as that, at most.
+        let counts = (extent / side)
+            .floor()
+            .clamp(DVec2::ONE, DVec2::splat(MAX_CELLS));
+        let counts_of = counts.to_array().map(|count| count as usize);
+        Self {
+            size: plane.size.map(|side| side as i32),
+            is_periodic: plane.boundary == Boundary::Periodic,
+            counts: counts_of,
+            sides: extent / counts,
+            per_unit: counts / extent,
+            buckets: vec![Bucket::default(); counts_of[0] * counts_of[1]],
+            pool: Vec::new(),
+            free: vec![Vec::new(); 32],
+            layers: layers(counts_of),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.buckets.fill(Bucket::default());
+        self.pool.clear();
+        self.free.iter_mut().for_each(Vec::clear);
+        for layer in &mut self.layers {
+            layer.masks.fill(0);
+        }
+    }
+
+    /// The column and the row of a place; neither falls when its coordinate rises.
+    fn cell_of(&self, place: [i32; 2]) -> [usize; 2] {
+        [0, 1].map(|axis| {
+            let cell = f64::from(place[axis]) * self.per_unit[axis];
+            (cell as usize).min(self.counts[axis] - 1)
+        })
+    }
+
+    pub fn insert(&mut self, occupant: Occupant) {
+        let [column, row] = self.cell_of(occupant.place);
+        let index = row * self.counts[0] + column;
+        let bucket = self.buckets[index];
+        let is_full = bucket.room == 0 || bucket.len == 1 << bucket.room;
+        if is_full {
+            self.buckets[index] = self.moved(bucket);
+        }
+
+        let Bucket { start, len, .. } = self.buckets[index];
+        self.pool[(start + len) as usize] = occupant;
+        self.buckets[index].len += 1;
+        if len == 0 {
+            self.mark(column, row, true);
+        }
+    }
+
+    /// Moves the occupants of a cell to where there is twice the room.
+    fn moved(&mut self, bucket: Bucket) -> Bucket {
+        let room = bucket.room + 1;
+        let start = self.free[room as usize].pop().unwrap_or_else(|| {
+            let end = self.pool.len();
+            self.pool.resize(end + (1 << room), Occupant::default());
+            end as u32
+        });
+
+        let from = bucket.start as usize;
+        self.pool
+            .copy_within(from..from + bucket.len as usize, start as usize);
+        if bucket.room > 0 {
+            self.free[bucket.room as usize].push(bucket.start);
+        }
+        Bucket {
+            start,
+            room,
+            ..bucket
+        }
+    }
+
+    /// Takes out the occupant of a cell that `is_it` names, and returns its slot; none if there is none.
+    pub fn remove(&mut self, place: [i32; 2], is_it: impl Fn(&Occupant) -> bool) -> Option<u32> {
+        let [column, row] = self.cell_of(place);
+        let index = row * self.counts[0] + column;
+        let Bucket { start, len, .. } = self.buckets[index];
+        let (first, last) = (start as usize, (start + len) as usize);
+        let at = self.pool[first..last].iter().position(is_it)?;
+
+        let slot = self.pool[first + at].slot;
+        self.pool[first + at] = self.pool[last - 1];
+        self.buckets[index].len -= 1;
+        if len == 1 {
+            self.mark(column, row, false);
+        }
+        Some(slot)
+    }
+
+    /// Returns the occupants of the cell that holds a place.
+    pub fn beside(&self, place: [i32; 2]) -> &[Occupant] {
+        let [column, row] = self.cell_of(place);
+        self.cell(column, row)
+    }
+
+    /// Returns all samples.
+    pub fn all(&self) -> impl Iterator<Item = &Occupant> {
+        let occupants = |bucket: &Bucket| {
+            &self.pool[bucket.start as usize..(bucket.start + bucket.len) as usize]
+        };
+        self.buckets.iter().flat_map(occupants)
+    }
+
+    fn cell(&self, column: usize, row: usize) -> &[Occupant] {
+        let Bucket { start, len, .. } = self.buckets[row * self.counts[0] + column];
+        &self.pool[start as usize..(start + len) as usize]
+    }
+
+    /// Notes in the pyramid whether a cell is occupied.
+    fn mark(&mut self, mut column: usize, mut row: usize, is_occupied: bool) {
+        for layer in &mut self.layers {
+            let bit = 1 << (row % BLOCK * BLOCK + column % BLOCK);
+            (column, row) = (column / BLOCK, row / BLOCK);
+            let mask = &mut layer.masks[row * layer.columns + column];
+            let before = *mask;
+            *mask = if is_occupied {
+                before | bit
+            } else {
+                before & !bit
+            };
+            // The block above sees whether there is any, not which.
+            if (before == 0) == (*mask == 0) {
+                break;
+            }
+        }
+    }
+
+    /// Returns the offset of a sample from a place, the shorter way around a torus.
+    pub fn offset(&self, from: [i32; 2], to: [i32; 2]) -> [i32; 2] {
+        let along = |axis: usize| {
+            let (direct, size) = (to[axis] - from[axis], self.size[axis]);
+            if !self.is_periodic {
+                direct
+            } else if direct > size / 2 {
+                direct - size
+            } else if direct < -(size / 2) {
+                direct + size
+            } else {
+                direct
+            }
+        };
+        [along(0), along(1)]
+    }
+
+    /// Whether so many cells to either side, and one more to be sure of the shorter way, are fewer than there are.
+    fn is_wide(&self, axis: usize, reach: usize) -> bool {
+        self.counts[axis] > 2 * reach + 2
+    }
+
+    /// The distance up to which [`Self::around`] sees all samples around every place.
+    pub fn certain_distance(&self, reach: usize) -> f64 {
+        let along = |axis: usize| {
+            if self.is_wide(axis, reach) {
+                reach as f64 * self.sides[axis] - ROUNDING
+            } else {
+                f64::INFINITY
+            }
+        };
+        along(0).min(along(1))
+    }
+
+    /// The distance up to which [`Self::around`] also sees all of their copies on a torus.
+    pub fn certain_with_copies(&self, reach: usize) -> f64 {
+        let half = if self.is_periodic {
+            0.5 * f64::from(self.size[0].min(self.size[1])) - ROUNDING
+        } else {
+            f64::INFINITY
+        };
+        self.certain_distance(reach).min(half)
+    }
+
+    /// Calls `each` with the samples of the cells at most `reach` cells away, two at most, and their offsets, until it breaks;
+    /// nearer cells come first, but at seams and borders. Each sample is seen once, at its shorter offset. Returns the counted steps.
+    pub fn around(
+        &self,
+        place: [i32; 2],
+        reach: usize,
+        mut each: impl FnMut(&Occupant, [i32; 2]) -> ControlFlow<()>,
+    ) -> u64 {
+        let [column, row] = self.cell_of(place);
+        let mut steps = 0;
+        let mut look = |cell: &[Occupant], is_inside: bool| {
+            steps += 1 + cell.len() as u64;
+            for occupant in cell {
+                let offset = if is_inside {
+                    [0, 1].map(|axis| occupant.place[axis] - place[axis])
+                } else {
+                    self.offset(place, occupant.place)
+                };
+                each(occupant, offset)?;
+            }
+            ControlFlow::Continue(())
+        };
+
+        let inside = |axis: usize, at: usize| {
+            self.is_wide(axis, reach) && at >= reach && at + reach < self.counts[axis]
+        };
+        let _: ControlFlow<()> = if inside(0, column) && inside(1, row) {
+            // Nearly all samples: no seam or border is near.
+            let mut ways = WAYS[..(2 * reach + 1) * (2 * reach + 1)].iter();
+            ways.try_for_each(|[across, up]| {
+                let at = [column as i64 + across, row as i64 + up].map(|at| at as usize);
+                look(self.cell(at[0], at[1]), true)
+            })
+        } else {
+            let (columns, rows) = (self.lines(0, column, reach), self.lines(1, row, reach));
+            let mut all = rows
+                .iter()
+                .flat_map(|row| columns.iter().map(move |column| (column, row)));
+            all.try_for_each(|(&column, &row)| look(self.cell(column, row), false))
+        };
+        steps
+    }
+
+    /// The columns or rows at most `reach` away from one, each once; all of them where there are not many more.
+    fn lines(&self, axis: usize, at: usize, reach: usize) -> Vec<usize> {
+        let count = self.counts[axis];
+        if !self.is_wide(axis, reach) {
+            return (0..count).collect();
+        }
+
+        let (at, reach, count) = (at as i64, reach as i64, count as i64);
+        let near =
+            (at - reach..=at + reach).filter(|line| self.is_periodic || (0..count).contains(line));
+        near.map(|line| line.rem_euclid(count) as usize).collect()
+    }
+
+    /// Calls `each` with the samples, and on a torus their copies, in the closed disk about a place: `each` gets the sample and
+    /// the shift of the copy in periods, and may make the squared radius smaller. Blocks without samples are passed over at
+    /// once. Returns the counted steps.
+    pub fn within(
+        &self,
+        center: DVec2,
+        square: f64,
+        mut each: impl FnMut(&Occupant, [i32; 2], &mut f64),
+    ) -> u64 {
+        let mut search = DiskSearch {
+            center,
+            square,
+            periods: [0; 2],
+            steps: 0,
+        };
+        if !self.is_periodic {
+            self.descend(self.layers.len() - 1, [0; 2], &mut search, &mut each);
+            return search.steps;
+        }
+
+        // The same disk about each copy of the centre that is near enough to the plane.
+        let extent = DVec2::from(self.size.map(f64::from));
+        let radius = square.sqrt();
+        let first = ((center - radius) / extent).floor();
+        let last = ((center + radius) / extent).floor();
+        for up in first.y as i32..=last.y as i32 {
+            for across in first.x as i32..=last.x as i32 {
+                search.periods = [across, up];
+                search.center = center - DVec2::new(across.into(), up.into()) * extent;
+                self.descend(self.layers.len() - 1, [0; 2], &mut search, &mut each);
+            }
+        }
+        search.steps
+    }
+
+    fn descend(
+        &self,
+        layer: usize,
+        block: [usize; 2],
+        search: &mut DiskSearch,
+        each: &mut impl FnMut(&Occupant, [i32; 2], &mut f64),
+    ) {
+        let Layer { columns, masks } = &self.layers[layer];
+        let sides = self.sides * (BLOCK as f64).powi(layer as i32);
+        search.steps += 1;
+        let mut open = masks[block[1] * columns + block[0]] & search.near(block, sides);
+
+        while open != 0 {
+            let bit = open.trailing_zeros() as usize;
+            open &= open - 1;
+            let at = [
+                block[0] * BLOCK + bit % BLOCK,
+                block[1] * BLOCK + bit / BLOCK,
+            ];
+            if !search.meets(at, sides) {
+                continue;
+            }
+            if layer > 0 {
+                self.descend(layer - 1, at, search, each);
+                continue;
+            }
+
+            let cell = self.cell(at[0], at[1]);
+            search.steps += 1 + cell.len() as u64;
+            for occupant in cell {
+                let place = DVec2::from(occupant.place.map(f64::from));
+                if place.distance_squared(search.center) <= search.square {
+                    each(occupant, search.periods, &mut search.square);
+                }
+            }
+        }
+    }
+}
+
+/// A disk in which samples are looked for, as seen from one copy of the plane.
+struct DiskSearch {
+    center: DVec2,
+    square: f64,
+    /// The copy.
+    periods: [i32; 2],
+    steps: u64,
+}
+
+impl DiskSearch {
+    /// The parts of a block that the square around the disk meets, as bits.
+    fn near(&self, block: [usize; 2], sides: DVec2) -> u64 {
+        let radius = self.square.sqrt() + ROUNDING;
+        let along = |axis: usize| {
+            let first = (block[axis] * BLOCK) as f64;
+            let part = |at: f64| (at / sides[axis]).floor() - first;
+            let low = part(self.center[axis] - radius).clamp(0.0, BLOCK as f64) as u32;
+            let high = (part(self.center[axis] + radius) + 1.0).clamp(0.0, BLOCK as f64) as u32;
+            // The bits of the parts from `low` up to `high`, of one line.
+            (0xff_u64 << low) & !(0xff_u64 << high) & 0xff
+        };
+
+        let (columns, mut rows, mut bits) = (along(0), along(1), 0);
+        while rows != 0 {
+            bits |= columns << (8 * rows.trailing_zeros());
+            rows &= rows - 1;
+        }
+        bits
+    }
+
+    /// Whether the disk meets a cell or a block.
+    fn meets(&self, at: [usize; 2], sides: DVec2) -> bool {
+        let low = DVec2::new(at[0] as f64, at[1] as f64) * sides;
+        let high = low + sides;
+        let apart = (low - self.center).max(self.center - high) - ROUNDING;
+        apart.max(DVec2::ZERO).length_squared() <= self.square
+    }
+}
+
+/// The empty layers of the pyramid over so many cells.
+fn layers(cells: [usize; 2]) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    let mut below = cells;
+    while layers.is_empty() || below != [1, 1] {
+        below = below.map(|count| count.div_ceil(BLOCK));
+        layers.push(Layer {
+            columns: below[0],
+            masks: vec![0; below[0] * below[1]],
+        });
+    }
+    layers
+}
+
+/// The most cells away at which samples are looked for around one.
+const MAX_REACH: i64 = 2;
+
+/// The ways to the cells around one, the nearer cells first.
+const WAYS: [[i64; 2]; 25] = {
+    let (mut ways, mut count, mut ring) = ([[0; 2]; 25], 0, 0);
+    while ring <= MAX_REACH {
+        let mut up = -ring;
+        while up <= ring {
+            let mut across = -ring;
+            while across <= ring {
+                if across.abs() == ring || up.abs() == ring {
+                    ways[count] = [across, up];
+                    count += 1;
+                }
+                across += 1;
+            }
+            up += 1;
+        }
+        ring += 1;
+    }
+    ways
+};
