@@ -81,7 +81,7 @@ pub use pattern::{Pattern, PatternVariant, Symmetry};
 pub use progress::{Observer, Progress, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
 pub use record::{Recorder, RunEvent, Unrecorded, Verdict};
-pub use reference::reference_sample;
+pub use reference::{reference_recorded, reference_sample};
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
 pub use stage::Stage;

@@ -5,6 +5,7 @@ use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
 use crate::progress::Observer;
 use crate::random::Key;
+use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::stage::Stage;
 use crate::stages::darts::DartProcess;
 
@@ -18,14 +19,38 @@ pub fn reference_sample(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
+    let mut samples = reference_recorded(domain, seed, observer, &mut Unrecorded)?;
+    samples.sort_unstable_by_key(|p| p.canonical());
+    Ok(samples)
+}
+
+/// Like [`reference_sample`], and reports events to `recorder`. The samples are in the order of their insertion, which is
+/// that of the ids in the events.
+pub fn reference_recorded<T: Recorder>(
+    domain: Domain,
+    seed: u64,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Vec<Point>, SampleError> {
     let mut process = DartProcess::everywhere(Key::from_seed(seed), domain);
     let mut samples = Vec::new();
     let mut throw = 0;
+
     while !process.is_finished() {
         throw += 1;
-        samples.extend(process.step(Stage::Iterate(throw), observer)?);
+        recorder.record(RunEvent::Iteration {
+            number: throw,
+            detectors: process.active_cells().len() as u32,
+        });
+
+        let first = samples.len() as u32;
+        let inserted = process.step_recorded(Stage::Iterate(throw), observer, first, recorder)?;
+        recorder.record(RunEvent::IterationEnd {
+            number: throw,
+            inserted: inserted.len() as u32,
+        });
+        samples.extend(inserted);
     }
-    samples.sort_unstable_by_key(|p| p.canonical());
     Ok(samples)
 }
 
