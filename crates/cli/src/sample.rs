@@ -21,8 +21,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
     }
-    let outcome = if let Some(levels) = arguments.nested.levels {
-        finish(arguments, nested::make(arguments, levels)?)?
+    let outcome = if let Some(nested) = arguments.nested.request() {
+        finish(arguments, nested::make(arguments, nested)?)?
     } else {
         outcome(arguments)?
     };

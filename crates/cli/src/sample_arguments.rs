@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_core::WithinLevel;
+use tilescope_core::{NestedRequest, WithinLevel};
 use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
 use tilescope_sets::Facts;
 
@@ -31,7 +31,7 @@ pub struct SampleArguments {
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
     /// that reaches the upper border includes it
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
-        conflicts_with_all = ["shuffle", "resume", "no_verify"])]
+        conflicts_with_all = ["shuffle", "resume", "no_verify", "levels"])]
     pub window: Option<Vec<f64>>,
     /// KDRT, or the reference sampler, which makes a maximal set from scratch and, of the arguments
     /// above, uses only radius or count, sides, boundary and seed
@@ -42,7 +42,7 @@ pub struct SampleArguments {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Continue an interrupted --out from its last checkpoint; all other arguments must be the same
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "out", conflicts_with = "levels")]
     pub resume: bool,
     /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work
     #[arg(long, value_name = "SECONDS", default_value_t = 30, requires = "out")]
@@ -65,7 +65,7 @@ pub struct SampleArguments {
     #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
     pub precision: Precision,
     /// Write the samples in an order drawn from this seed
-    #[arg(long, value_name = "SEED", requires = "out")]
+    #[arg(long, value_name = "SEED", requires = "out", conflicts_with = "levels")]
     pub shuffle: Option<u64>,
     /// Print one JSON object
     #[arg(long)]
@@ -100,8 +100,7 @@ pub enum SamplingMethod {
 pub struct NestedArguments {
     /// Make K sets, each with all samples of the one before and maximal for a radius smaller by the root of 2. The last has
     /// the radius or the count given. The samples of the first come first, so that every prefix of the set is evenly spread
-    #[arg(long, value_name = "K",
-        conflicts_with_all = ["pattern", "window", "resume", "shuffle"])]
+    #[arg(long, value_name = "K", conflicts_with = "pattern")]
     pub levels: Option<u32>,
     /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
     /// set of exactly so many samples in general: of these, every place is within 1.42 radii
@@ -120,6 +119,17 @@ const ORDERS_WITHIN: Names<2> = [
         "Each is the farthest from all samples before it",
     ),
 ];
+
+impl NestedArguments {
+    /// Returns the levels that the arguments ask for, if any.
+    pub fn request(&self) -> Option<NestedRequest> {
+        Some(NestedRequest {
+            levels: self.levels?,
+            exactly: self.exactly,
+            order_within: self.order_within,
+        })
+    }
+}
 
 impl SampleArguments {
     /// Returns the file's format, if there is a file.
