@@ -28,6 +28,7 @@ const LIMITS: [(&str, usize, usize); 23] = [
     ("crates/gpu", 44, 15),
     ("crates/lessons", 23, 15),
     ("crates/passes", 9, 14),
+    ("crates/live", 0, 25),
     ("crates/python", 10, 16),
     ("crates/reproduce", 42, 5),
     ("crates/session", 18, 12),

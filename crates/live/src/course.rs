@@ -1,0 +1,252 @@
+//! The course of a run: which sample comes or goes at which event. It is all that measures need of a run, so that one code
+//! follows runs of every kind: recorded ones, those of the reference sampler, and nested levels, whose moments are prefixes.
+
+use tilescope_analysis::live::Plane;
+use tilescope_analysis::{Boundary, Region};
+use tilescope_core::{Domain, Point, R, Recorder, RunEvent, Stage};
+use tilescope_debugger::{EventKind, Recording};
+use tilescope_sets::region;
+
+/// A sample comes, or goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The index of the event that it follows from.
+    pub event: u32,
+    /// The sample's id.
+    pub sample: u32,
+    /// Whether it covers its disk from then on; otherwise it no longer does.
+    pub comes: bool,
+    /// How many samples cover their disks after it.
+    pub count: u32,
+}
+
+/// A stage and the first cursor at which it is current: that after the event that begins it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Start {
+    cursor: usize,
+    stage: Stage,
+}
+
+/// When the samples of a run come and go.
+pub struct Course {
+    domain: Domain,
+    places: Vec<[i32; 2]>,
+    changes: Vec<Change>,
+    starts: Vec<Start>,
+    events: usize,
+    /// The most samples that ever cover their disks at once.
+    most: u32,
+}
+
+impl Course {
+    /// Returns the course of a recorded run. Reads every event once.
+    #[must_use]
+    pub fn of_recording(recording: &Recording) -> Self {
+        // What comes before the first event of a run is its pattern.
+        let mut recorder = CourseRecorder::from(Stage::Pattern);
+        for event in recording.tape().iter() {
+            // Most events change no sample and begin no stage, and unpacking them would take most of the time. Tests that
+            // were left out for the budget are among them: every change is on the tape.
+            let run_event = match event.kind() {
+                EventKind::Begin
+                | EventKind::Iteration
+                | EventKind::Tiled
+                | EventKind::Eliminate
+                | EventKind::Insert => event.run_event(),
+                _ => None,
+            };
+            recorder.take(run_event);
+        }
+        recorder.finish(*recording.domain(), &recording.run().samples.points)
+    }
+
+    /// Returns the course of samples in an order of their own, such as nested levels: a cursor is a number of samples.
+    #[must_use]
+    pub fn of_order(domain: Domain, points: &[Point]) -> Self {
+        let mut recorder = CourseRecorder::from(Stage::Finish);
+        for sample in 0..points.len() as u32 {
+            recorder.change(sample, true);
+            recorder.events += 1;
+        }
+        recorder.finish(domain, points)
+    }
+
+    /// Returns the domain.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Returns the domain in the units of the lattice, as measures take it.
+    #[must_use]
+    pub const fn plane(&self) -> Plane {
+        Plane {
+            size: [self.domain.width() as u32, self.domain.height() as u32],
+            radius: R as u32,
+            boundary: if self.domain.is_periodic() {
+                Boundary::Periodic
+            } else {
+                Boundary::Bounded
+            },
+        }
+    }
+
+    /// Returns the region in user units.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        region(&self.domain)
+    }
+
+    /// Returns how many events there are: the last cursor.
+    #[must_use]
+    pub const fn events(&self) -> usize {
+        self.events
+    }
+
+    /// Returns all changes, in their sequence. An event makes at most one.
+    #[must_use]
+    pub fn changes(&self) -> &[Change] {
+        &self.changes
+    }
+
+    /// Returns how many changes there are before `cursor`.
+    #[must_use]
+    pub fn changes_before(&self, cursor: usize) -> usize {
+        self.changes
+            .partition_point(|change| (change.event as usize) < cursor)
+    }
+
+    /// Returns how many samples cover their disks after so many changes.
+    #[must_use]
+    pub fn count_after(&self, changes: usize) -> usize {
+        let last = changes.checked_sub(1);
+        last.map_or(0, |last| self.changes[last].count as usize)
+    }
+
+    /// Returns how many samples cover their disks at the end.
+    #[must_use]
+    pub fn final_count(&self) -> usize {
+        self.count_after(self.changes.len())
+    }
+
+    /// Returns the most samples that ever cover their disks at once.
+    #[must_use]
+    pub const fn most_samples(&self) -> usize {
+        self.most as usize
+    }
+
+    /// Returns the place of a sample.
+    ///
+    /// # Panics
+    ///
+    /// If the run has no such sample.
+    #[must_use]
+    pub fn place(&self, sample: u32) -> [i32; 2] {
+        self.places[sample as usize]
+    }
+
+    /// Returns the samples that cover their disks after so many changes, by id.
+    #[must_use]
+    pub fn samples_after(&self, changes: usize) -> Vec<(u32, [i32; 2])> {
+        let mut is_there = vec![false; self.places.len()];
+        for change in &self.changes[..changes] {
+            is_there[change.sample as usize] = change.comes;
+        }
+
+        let all = (0..).zip(&self.places).zip(is_there);
+        all.filter(|(_, is_there)| *is_there)
+            .map(|((sample, place), _)| (sample, *place))
+            .collect()
+    }
+
+    /// Returns the stage that is current at `cursor`.
+    #[must_use]
+    pub fn stage(&self, cursor: usize) -> Stage {
+        let begun = self.starts.partition_point(|start| start.cursor <= cursor);
+        // The first stage is current from cursor 0 on.
+        self.starts[begun - 1].stage
+    }
+}
+
+/// Notes the course of a run while it is made, without keeping its events.
+pub struct CourseRecorder {
+    changes: Vec<Change>,
+    starts: Vec<Start>,
+    events: usize,
+    count: u32,
+    most: u32,
+}
+
+impl From<Stage> for CourseRecorder {
+    /// Returns a recorder of a run whose first stage this is.
+    fn from(stage: Stage) -> Self {
+        Self {
+            changes: Vec::new(),
+            starts: vec![Start { cursor: 0, stage }],
+            events: 0,
+            count: 0,
+            most: 0,
+        }
+    }
+}
+
+impl CourseRecorder {
+    /// Returns the course of a run whose samples lie at `points`, by id.
+    #[must_use]
+    pub fn finish(self, domain: Domain, points: &[Point]) -> Course {
+        Course {
+            domain,
+            places: points.iter().map(|point| [point.x, point.y]).collect(),
+            changes: self.changes,
+            starts: self.starts,
+            events: self.events,
+            most: self.most,
+        }
+    }
+
+    /// Takes the next event; `None` for one that neither changes a sample nor begins a stage.
+    fn take(&mut self, run_event: Option<RunEvent>) {
+        match run_event {
+            Some(RunEvent::Begin(stage)) => self.begin(stage),
+            Some(RunEvent::Iteration { number, .. }) => self.begin(Stage::Iterate(number)),
+            // A sample that is tiled outside a bounded domain is dropped at once.
+            Some(
+                RunEvent::Tiled {
+                    sample,
+                    inside: true,
+                    ..
+                }
+                | RunEvent::Insert { sample, .. },
+            ) => self.change(sample, true),
+            Some(RunEvent::Eliminate { sample, .. }) => self.change(sample, false),
+            _ => {}
+        }
+        self.events += 1;
+    }
+
+    fn begin(&mut self, stage: Stage) {
+        let cursor = self.events + 1;
+        self.starts.push(Start { cursor, stage });
+    }
+
+    fn change(&mut self, sample: u32, comes: bool) {
+        if comes {
+            self.count += 1;
+        } else {
+            self.count -= 1;
+        }
+        self.most = self.most.max(self.count);
+        self.changes.push(Change {
+            event: self.events as u32,
+            sample,
+            comes,
+            count: self.count,
+        });
+    }
+}
+
+impl Recorder for CourseRecorder {
+    fn record(&mut self, run_event: RunEvent) {
+        self.take(Some(run_event));
+    }
+}

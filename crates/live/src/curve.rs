@@ -1,0 +1,212 @@
+//! The run as a curve: numbers of the catalogue over its events. It is made in slices, so that a window can show how far it
+//! is and stop it.
+
+use std::sync::Arc;
+
+use tilescope_analysis::measures::{MeasureError, SetNumber};
+use tilescope_core::Stage;
+
+use crate::course::Course;
+use crate::moment::{LiveMoment, Wanted};
+use crate::numbers::{is_of_spectrum, wanted_for};
+
+/// The moments of a curve of the spectrum, if no number of them is stated: reading the rings of a quarter of a million
+/// frequencies takes as long as ten changes do, and a curve is drawn a thousand points wide.
+pub const MOMENTS_OF_SPECTRUM: usize = 1_000;
+
+/// The most samples of a curve of the spectrum. Both the frequencies and the changes grow with the samples, so that the time
+/// grows with their square: 20,000 samples take some seconds.
+pub const MAX_SAMPLES_OF_SPECTRUM: usize = 20_000;
+
+/// The fewest moments of a curve: its two ends.
+pub const MIN_MOMENTS: usize = 2;
+
+/// The steps that reading the numbers of a moment counts for, beside those of the spectrum.
+const READING: u64 = 100;
+
+/// Numbers of a run over its events.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The numbers, one for each column.
+    pub numbers: Vec<&'static SetNumber>,
+    /// How many events have happened at each moment, from 0 to all.
+    pub events: Vec<usize>,
+    /// The stage of each moment.
+    pub stages: Vec<Stage>,
+    /// The value of each number at each moment; NaN where it is not defined.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Curve {
+    /// Returns the curve as CSV: a header, and a row for each moment. A number that is not defined is an empty cell.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut out = String::from("event,stage");
+        for number in &self.numbers {
+            out.push(',');
+            out.push_str(number.key);
+        }
+        out.push('\n');
+
+        for (row, (event, stage)) in self.events.iter().zip(&self.stages).enumerate() {
+            out.push_str(&format!("{event},{stage}"));
+            for column in &self.columns {
+                let value = column[row];
+                out.push(',');
+                if value.is_finite() {
+                    out.push_str(&value.to_string());
+                }
+            }
+            out.push('\n');
+        }
+        out
+    }
+}
+
+/// Why a curve cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    /// There are too many samples for the spectrum.
+    #[error(
+        "the run has up to {count} samples at once; the curve of {key} takes at most {MAX_SAMPLES_OF_SPECTRUM}: leave it out, or take a larger radius"
+    )]
+    TooMany {
+        /// A number that needs the spectrum.
+        key: &'static str,
+        /// The most samples at once.
+        count: usize,
+    },
+    /// There are too few moments.
+    #[error(
+        "a curve of {moments} moments has not both of its ends; at least {MIN_MOMENTS} are needed"
+    )]
+    TooFewMoments {
+        /// The number asked for.
+        moments: usize,
+    },
+    /// A measure is not defined in the domain of the run.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
+
+/// A curve that is being made.
+pub struct CurveMaker {
+    moment: LiveMoment,
+    wanted: Wanted,
+    cursors: Vec<usize>,
+    curve: Curve,
+}
+
+impl CurveMaker {
+    /// Begins the curve of `numbers`, of which every one can be had at every moment ([`crate::numbers_named`]): at both ends
+    /// of the run and after every change of its samples, or at `moments` of these that are evenly spread among them.
+    ///
+    /// # Errors
+    ///
+    /// [`CurveError`]. Nothing is computed before.
+    pub fn new(
+        course: Arc<Course>,
+        numbers: &[&'static SetNumber],
+        moments: Option<usize>,
+    ) -> Result<Self, CurveError> {
+        let of_spectrum = numbers.iter().find(|number| is_of_spectrum(number));
+        let count = course.most_samples();
+        if let Some(number) = of_spectrum.filter(|_| count > MAX_SAMPLES_OF_SPECTRUM) {
+            let key = number.key;
+            return Err(CurveError::TooMany { key, count });
+        }
+        if let Some(moments) = moments.filter(|moments| *moments < MIN_MOMENTS) {
+            return Err(CurveError::TooFewMoments { moments });
+        }
+
+        let moments = moments.or(of_spectrum.map(|_| MOMENTS_OF_SPECTRUM));
+        let cursors = cursors(&course, moments.unwrap_or(usize::MAX));
+        let curve = Curve {
+            numbers: numbers.to_vec(),
+            events: Vec::with_capacity(cursors.len()),
+            stages: Vec::with_capacity(cursors.len()),
+            columns: vec![Vec::with_capacity(cursors.len()); numbers.len()],
+        };
+        Ok(Self {
+            moment: LiveMoment::new(course),
+            wanted: wanted_for(numbers),
+            cursors,
+            curve,
+        })
+    }
+
+    /// Goes on for about `budget` counted steps, and returns whether all moments are there.
+    ///
+    /// # Errors
+    ///
+    /// A measure is not defined in this domain.
+    pub fn proceed(&mut self, budget: u64) -> Result<bool, CurveError> {
+        let mut steps = 0;
+        while let Some(&cursor) = self.cursors.get(self.curve.events.len()) {
+            if steps >= budget {
+                return Ok(false);
+            }
+
+            let moved = self.moment.seek(cursor, self.wanted, budget - steps)?;
+            steps += moved.steps;
+            if !moved.arrived {
+                return Ok(false);
+            }
+            steps += self.read(cursor);
+        }
+        Ok(true)
+    }
+
+    /// Adds the numbers of the moment at `cursor`, and returns the steps that it took.
+    fn read(&mut self, cursor: usize) -> u64 {
+        let set = self.moment.measured();
+        let Curve {
+            numbers,
+            events,
+            stages,
+            columns,
+        } = &mut self.curve;
+
+        for (number, column) in numbers.iter().zip(columns) {
+            column.push(number.of(&set).unwrap_or(f64::NAN));
+        }
+        events.push(cursor);
+        stages.push(self.moment.course().stage(cursor));
+
+        READING + self.moment.cost_of_reading(self.wanted)
+    }
+
+    /// Returns how many moments are there, and how many there will be.
+    #[must_use]
+    pub fn progress(&self) -> [usize; 2] {
+        [self.curve.events.len(), self.cursors.len()]
+    }
+
+    /// Returns the moments that are there: the curve, once [`Self::proceed`] has returned true.
+    #[must_use]
+    pub fn finish(self) -> Curve {
+        self.curve
+    }
+}
+
+/// Returns the cursors of a curve: both ends, and those after changes, of which at most `most` are taken.
+fn cursors(course: &Course, most: usize) -> Vec<usize> {
+    let after = course
+        .changes()
+        .iter()
+        .map(|change| change.event as usize + 1);
+    let mut all: Vec<usize> = [0]
+        .into_iter()
+        .chain(after)
+        .chain([course.events()])
+        .collect();
+    // The last event of a recording that was cut off may be a change.
+    all.dedup();
+    if all.len() <= most {
+        return all;
+    }
+
+    let last = all.len() - 1;
+    let index = |moment: usize| (moment as u128 * last as u128 / (most - 1) as u128) as usize;
+    (0..most).map(|moment| all[index(moment)]).collect()
+}

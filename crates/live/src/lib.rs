@@ -1,0 +1,43 @@
+//! Measures that move with a recorded run: those of the module `live` of `tilescope-analysis`, changed by the samples that come
+//! and go between two moments, and any number of the catalogue over the events of a run.
+//!
+//! Begin with [`Course`]: which sample comes or goes at which event. [`LiveMoment`] holds the measures of one moment,
+//! [`CurveMaker`] makes a [`Curve`] of all moments.
+//!
+//! Architecture invariant: no window, no thread, no clock. Work is bounded in counted steps.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use tilescope_core::{Parameters, Unobserved};
+//! use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+//! use tilescope_live::{Course, CurveMaker, numbers_named};
+//!
+//! let parameters = Parameters { radius: 0.05, leaf: 10.0, ..Parameters::default() };
+//! let recording = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)?;
+//! let course = Arc::new(Course::of_recording(&recording));
+//!
+//! let numbers = numbers_named(&["samples", "conflicts"])?;
+//! let mut maker = CurveMaker::new(course, &numbers, None)?;
+//! while !maker.proceed(1_000_000)? {}
+//! let curve = maker.finish();
+//!
+//! // Tiling makes conflicts, and elimination resolves them.
+//! let conflicts = &curve.columns[1];
+//! assert!(conflicts.iter().any(|count| *count > 0.0));
+//! assert_eq!(conflicts.last(), Some(&0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod course;
+mod curve;
+mod kept;
+mod make;
+mod moment;
+mod numbers;
+mod spectra;
+
+pub use course::{Change, Course, CourseRecorder};
+pub use curve::{Curve, CurveError, CurveMaker};
+pub use make::CourseError;
+pub use moment::{FRAME_STEPS, LiveMoment, Moved, Wanted};
+pub use numbers::{NumberError, is_of_spectrum, live_numbers, numbers_named};

@@ -1,0 +1,110 @@
+//! Makes runs of which only the course is wanted.
+
+use std::sync::Arc;
+
+use tilescope_core::{
+    MAXIMAL_DENSITY, NestedRequest, Observer, ParameterError, Parameters, SampleError, Stage,
+    radius_estimate, reference_recorded,
+};
+use tilescope_debugger::{DEFAULT_BUDGET, MAX_SAMPLES, Recording};
+use tilescope_sets::{Recipe, Settled};
+
+use crate::course::{Course, CourseRecorder};
+
+/// Why a run was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum CourseError {
+    /// Its events would take too much memory.
+    #[error(
+        "the run has about {samples} samples; the events of at most {MAX_SAMPLES} can be recorded: take a larger radius or a smaller count"
+    )]
+    TooMany {
+        /// The expected number.
+        samples: u64,
+    },
+    /// The run cannot be made, or was cancelled.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
+
+impl From<ParameterError> for CourseError {
+    fn from(error: ParameterError) -> Self {
+        Self::Sample(error.into())
+    }
+}
+
+impl Course {
+    /// Refuses runs of more samples than saved sessions have, before anything is made.
+    ///
+    /// # Errors
+    ///
+    /// [`CourseError::TooMany`], and parameters that cannot be sampled.
+    pub fn check(parameters: &Parameters) -> Result<(), CourseError> {
+        let samples = parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
+        if samples > MAX_SAMPLES as f64 {
+            let samples = samples as u64;
+            return Err(CourseError::TooMany { samples });
+        }
+        Ok(())
+    }
+
+    /// Makes a run by randomized tiling. Its events are counted as in a window that records the same run.
+    ///
+    /// # Errors
+    ///
+    /// [`CourseError`]; its [`SampleError`] also when `observer` stops it.
+    pub fn of_run(run: &Settled, observer: &mut dyn Observer) -> Result<Self, CourseError> {
+        Self::check(&run.parameters)?;
+        let pattern = Arc::clone(&run.pattern);
+        // The tape, of which details are left out beyond its budget, decides the numbers of events.
+        let recording =
+            Recording::with_pattern(&run.parameters, pattern, DEFAULT_BUDGET, observer)?;
+        Ok(Self::of_recording(&recording))
+    }
+
+    /// Makes a run of the reference sampler: its events are darts, cells that are cut, and insertions.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_run`].
+    pub fn of_reference(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Self, CourseError> {
+        Self::check(&recipe.parameters)?;
+        // The radius of a count is searched for, by making sets.
+        let radius = match recipe.count {
+            Some(_) => recipe.reference(observer)?.facts.radius,
+            None => recipe.parameters.radius,
+        };
+        let parameters = Parameters {
+            radius,
+            ..recipe.parameters
+        };
+
+        let domain = parameters.validate_sequential()?;
+        let mut recorder = CourseRecorder::from(Stage::Iterate(1));
+        let points = reference_recorded(domain, parameters.seed, observer, &mut recorder)?;
+        Ok(recorder.finish(domain, &points))
+    }
+
+    /// Makes nested levels. Their moments are prefixes, measured for the radius of the last level.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_run`].
+    pub fn of_levels(
+        recipe: &Recipe,
+        nested: &NestedRequest,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, CourseError> {
+        let mut expected = recipe.parameters;
+        if let Some(count) = nested.exactly {
+            expected.radius = radius_estimate(&expected, count as u64)?;
+        }
+        Self::check(&expected)?;
+
+        let made = match recipe.count {
+            Some(count) => nested.of_count(&recipe.parameters, count, observer)?,
+            None => nested.make(&recipe.parameters, observer)?,
+        };
+        Ok(Self::of_order(*made.domain(), made.points()))
+    }
+}

@@ -1,0 +1,138 @@
+//! The measures of the moment at a cursor.
+
+use std::sync::Arc;
+
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::measures::MeasureError;
+
+use crate::course::Course;
+use crate::kept::Kept;
+use crate::spectra::Spectra;
+
+/// The steps of a move that takes about 4 ms on one core: the share of a frame that measures have.
+pub const FRAME_STEPS: u64 = 800_000;
+
+/// What visible panels, curves and players ask for. Nothing else is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// The spectrum.
+    pub spectrum: bool,
+    /// Whether every second or third frequency along each axis will do, while all take more steps than there are.
+    pub thinned: bool,
+    /// Distances: g(r), the smallest one, conflicts.
+    pub pairs: bool,
+    /// Open places and the covering radius.
+    pub cover: bool,
+}
+
+/// What a move took, and whether it arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moved {
+    /// The counted steps.
+    pub steps: u64,
+    /// Whether all that was wanted is the moment's.
+    pub arrived: bool,
+}
+
+/// The measures of the moment at a cursor.
+pub struct LiveMoment {
+    course: Arc<Course>,
+    /// How many changes lie before the cursor.
+    changes: usize,
+    spectra: Spectra,
+    pairs: Kept<LivePairs>,
+    cover: Kept<LiveCover>,
+}
+
+impl LiveMoment {
+    /// Returns the moment before the first event. Nothing is measured yet.
+    #[must_use]
+    pub fn new(course: Arc<Course>) -> Self {
+        Self {
+            course,
+            changes: 0,
+            spectra: Spectra::default(),
+            pairs: Kept::default(),
+            cover: Kept::default(),
+        }
+    }
+
+    /// Returns the course that it follows.
+    #[must_use]
+    pub const fn course(&self) -> &Arc<Course> {
+        &self.course
+    }
+
+    /// Returns how many samples cover their disks at the cursor.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.course.count_after(self.changes)
+    }
+
+    /// Moves to `cursor`, forwards or backwards, and brings what is wanted there: change by change or anew, whichever takes
+    /// fewer steps, in about `budget` steps at most. What needs more is not the moment's yet; later calls with the same
+    /// cursor go on.
+    ///
+    /// # Errors
+    ///
+    /// A measure is not defined in this domain.
+    pub fn seek(
+        &mut self,
+        cursor: usize,
+        wanted: Wanted,
+        budget: u64,
+    ) -> Result<Moved, MeasureError> {
+        let (course, changes) = (&*self.course, self.course.changes_before(cursor));
+        self.changes = changes;
+        let plane = course.plane();
+        let mut steps = 0;
+
+        // The quick ones come first, so that a spectrum that takes the whole budget does not hold them up.
+        if wanted.pairs {
+            self.pairs.begin(|| LivePairs::new(plane))?;
+            steps += self.pairs.seek(course, changes, budget);
+        }
+        if wanted.cover {
+            let left = budget.saturating_sub(steps);
+            self.cover.begin(|| LiveCover::new(plane))?;
+            steps += self.cover.seek(course, changes, left);
+        }
+        if wanted.spectrum {
+            let left = budget.saturating_sub(steps);
+            steps += self.spectra.seek(course, changes, left, wanted.thinned)?;
+        }
+
+        let has_spectrum = self.spectra.after(changes, wanted.thinned).is_some();
+        let arrived = (has_spectrum || !wanted.spectrum)
+            && (self.pairs().is_some() || !wanted.pairs)
+            && (self.cover().is_some() || !wanted.cover);
+        Ok(Moved { steps, arrived })
+    }
+
+    /// Returns about the steps of reading what is wanted: the rings and the picture of a spectrum take far more than the rest.
+    pub(crate) fn cost_of_reading(&self, wanted: Wanted) -> u64 {
+        if wanted.spectrum {
+            self.spectra.cost_of_reading(self.changes)
+        } else {
+            0
+        }
+    }
+
+    /// Returns the spectrum, if it is this moment's: with all frequencies, or else with the most that there are.
+    #[must_use]
+    pub fn spectrum(&self) -> Option<&LiveSpectrum> {
+        self.spectra.after(self.changes, true)
+    }
+
+    /// Returns the distances, if they are this moment's.
+    #[must_use]
+    pub fn pairs(&self) -> Option<&LivePairs> {
+        self.pairs.after(self.changes)
+    }
+
+    /// Returns the covered circles, if they are this moment's.
+    #[must_use]
+    pub fn cover(&self) -> Option<&LiveCover> {
+        self.cover.after(self.changes)
+    }
+}

@@ -1,0 +1,159 @@
+//! Numbers of the catalogue, read from the measures of a moment. The catalogue reads them from the same fields as those of a
+//! set that was measured from nothing, so that no number has a second name or a second formula.
+
+use tilescope_analysis::live::LiveSpectrum;
+use tilescope_analysis::measures::{
+    CATALOGUE, MeasuredSet, Part, SetNumber, largest_min_distance, number,
+};
+use tilescope_analysis::{COVERING_TOLERANCE, MAX_CONFLICTS, Report};
+
+use crate::moment::{LiveMoment, Wanted};
+
+/// Why numbers cannot be had at every moment.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NumberError {
+    /// No number has this key.
+    #[error("there is no number \"{key}\"; those that can be had at every moment are {known}")]
+    Unknown {
+        /// The key.
+        key: String,
+        /// The keys that can be used, in the catalogue's sequence.
+        known: String,
+    },
+    /// It is measured of whole sets alone.
+    #[error(
+        "the number \"{key}\" is measured of whole sets alone; those that can be had at every moment are {known}"
+    )]
+    NotLive {
+        /// The key.
+        key: String,
+        /// The keys that can be used, in the catalogue's sequence.
+        known: String,
+    },
+    /// It is named twice, and columns need different names.
+    #[error("the number \"{key}\" is named twice; name it once")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+    /// No number is named.
+    #[error("no number is named; those that can be had at every moment are {known}")]
+    None {
+        /// The keys that can be used, in the catalogue's sequence.
+        known: String,
+    },
+}
+
+/// Returns the numbers of the catalogue that can be had at every moment.
+pub fn live_numbers() -> impl Iterator<Item = &'static SetNumber> {
+    CATALOGUE.iter().filter(|number| is_live(number))
+}
+
+/// Returns the numbers with these keys.
+pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber>, NumberError> {
+    let known = || {
+        let keys: Vec<&str> = live_numbers().map(|number| number.key).collect();
+        keys.join(", ")
+    };
+    if keys.is_empty() {
+        return Err(NumberError::None { known: known() });
+    }
+
+    let mut numbers: Vec<&SetNumber> = Vec::with_capacity(keys.len());
+    for key in keys.iter().map(AsRef::as_ref) {
+        let (owned, known) = (key.to_owned(), known());
+        let Some(found) = number(key) else {
+            return Err(NumberError::Unknown { key: owned, known });
+        };
+        if !is_live(found) {
+            return Err(NumberError::NotLive { key: owned, known });
+        }
+        if numbers.iter().any(|number| number.key == key) {
+            return Err(NumberError::Twice { key: owned });
+        }
+        numbers.push(found);
+    }
+    Ok(numbers)
+}
+
+/// Returns whether a number is read from what live measures give.
+const fn is_live(number: &SetNumber) -> bool {
+    match number.needs {
+        None | Some(Part::Report | Part::Spectrum) => true,
+        Some(
+            Part::Pairs
+            | Part::Distances
+            | Part::Rough
+            | Part::Smooth
+            | Part::Cells
+            | Part::Discrepancy,
+        ) => false,
+    }
+}
+
+/// Returns whether a number is read from the spectrum, which takes the most time.
+#[must_use]
+pub fn is_of_spectrum(number: &SetNumber) -> bool {
+    number.needs == Some(Part::Spectrum)
+}
+
+/// Returns the measures that numbers are read from.
+pub fn wanted_for(numbers: &[&SetNumber]) -> Wanted {
+    let is_of_report = |number: &&SetNumber| number.needs == Some(Part::Report);
+    let any_of_report = numbers.iter().any(is_of_report);
+    Wanted {
+        spectrum: numbers.iter().any(|number| is_of_spectrum(number)),
+        // Numbers of a part of the frequencies scatter more than the set's own.
+        thinned: false,
+        pairs: any_of_report,
+        cover: any_of_report,
+    }
+}
+
+impl LiveMoment {
+    /// Returns what is known of the moment as the measures of a set, of which the numbers of the catalogue are read. What is
+    /// not the moment's is not in it. Distances are those on the lattice, by which the sampler decides: the sides of the domain
+    /// are rounded to its units there, so that they differ from distances in user units by up to 2 in a million.
+    #[must_use]
+    pub fn measured(&self) -> MeasuredSet {
+        let course = self.course();
+        let radius = course.domain().radius();
+        let mut set = MeasuredSet::new(self.count(), course.region(), Some(radius));
+        if let Some(report) = self.report() {
+            set.take_report(report);
+        }
+        // Of no samples there is no spectrum.
+        if let Some(Ok(spectrum)) = self.spectrum().map(LiveSpectrum::spectrum) {
+            set.take_spectrum(spectrum);
+        }
+        set
+    }
+
+    /// Returns the numbers of a verdict, without witnesses; `None` without samples, or while a measure is not the moment's.
+    fn report(&self) -> Option<Report> {
+        let (pairs, cover) = (self.pairs()?, self.cover()?);
+        let count = self.count();
+        if count == 0 {
+            return None;
+        }
+
+        let (region, radius) = (self.course().region(), self.course().domain().radius());
+        let min_distance = pairs.smallest_distance_in_radii() * radius;
+        let r_max = largest_min_distance(count, region.area());
+        Some(Report {
+            judges: Vec::new(),
+            count,
+            region,
+            radius,
+            covering_tolerance: COVERING_TOLERANCE,
+            conflicts: pairs.conflicts().min(MAX_CONFLICTS),
+            worst_conflicts: Vec::new(),
+            gaps: cover.open_places(),
+            worst_gaps: Vec::new(),
+            min_distance,
+            covering_radius: cover.covering_radius_in_radii() * radius,
+            density: count as f64 * radius * radius / region.area(),
+            relative_radius: min_distance / r_max,
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! The spectrum of a moment, with all frequencies or, where these take too many steps, with every second or third along each
+//! axis.
+
+use tilescope_analysis::live::LiveSpectrum;
+use tilescope_analysis::measures::MeasureError;
+
+use crate::course::Course;
+use crate::kept::Kept;
+
+/// The rings and the picture of a spectrum are read in the time of about so many changes.
+const READING_CHANGES: u64 = 32;
+
+const STRIDES: usize = LiveSpectrum::MAX_STRIDE as usize;
+
+/// The spectra of all strides, the finest first. Each is made when it is first needed.
+#[derive(Default)]
+pub struct Spectra([Kept<LiveSpectrum>; STRIDES]);
+
+impl Spectra {
+    /// Returns the finest spectrum that has taken exactly so many changes; that of all frequencies, unless it may be thinned.
+    pub fn after(&self, changes: usize, may_be_thinned: bool) -> Option<&LiveSpectrum> {
+        let usable = if may_be_thinned { STRIDES } else { 1 };
+        self.0[..usable].iter().find_map(|kept| kept.after(changes))
+    }
+
+    /// Returns about the steps of reading the spectrum that has taken so many changes.
+    pub fn cost_of_reading(&self, changes: usize) -> u64 {
+        let shown = self.0.iter().find(|kept| kept.after(changes).is_some());
+        shown.map_or(0, |kept| READING_CHANGES * kept.cost_of_change())
+    }
+
+    /// Moves the finest spectrum that gets there and can be read within `budget` steps to the moment after `target` changes,
+    /// or else the coarsest that may be. Finer ones come nearer in the steps that are left. Returns the steps.
+    pub fn seek(
+        &mut self,
+        course: &Course,
+        target: usize,
+        budget: u64,
+        may_be_thinned: bool,
+    ) -> Result<u64, MeasureError> {
+        let last = if may_be_thinned { STRIDES - 1 } else { 0 };
+        let mut chosen = 0;
+        loop {
+            self.begin(chosen, course, target)?;
+            let kept = &self.0[chosen];
+            let reading = READING_CHANGES * kept.cost_of_change();
+            if chosen == last || kept.cost(course, target).saturating_add(reading) <= budget {
+                break;
+            }
+            chosen += 1;
+        }
+
+        let kept = &mut self.0[chosen];
+        let mut steps = kept.seek(course, target, budget);
+        // Where nearly no sample is left of a set that was transformed, the rounding of those that went is.
+        let must_renew = LiveSpectrum::must_renew;
+        if kept.after(target).is_some_and(must_renew) {
+            steps += kept.make_anew(course, target);
+        }
+
+        // Otherwise a run that is played would never have all frequencies again after a moment of many changes.
+        for finer in self.0[..chosen].iter_mut().rev() {
+            steps += finer.seek(course, target, budget.saturating_sub(steps));
+        }
+        Ok(steps)
+    }
+
+    /// Makes the spectrum of a stride where there is none, and takes it from that of all frequencies where this is nearer.
+    fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<(), MeasureError> {
+        let stride = index as u32 + 1;
+        let (finest, others) = self.0.split_at_mut(1);
+        if let Some(kept) = index.checked_sub(1).map(|index| &mut others[index]) {
+            // That of all frequencies was shown while time stood still, and the others stayed behind.
+            if kept.distance(target) > finest[0].distance(target) || kept.is_empty() {
+                kept.replace(&finest[0], |whole| whole.thinned(stride));
+            }
+        }
+
+        self.0[index].begin(|| LiveSpectrum::new(course.plane(), course.most_samples(), stride))
+    }
+}

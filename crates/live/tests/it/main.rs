@@ -1,0 +1,6 @@
+//! Integration tests of `tilescope-live`.
+
+mod course;
+mod curve;
+mod moment;
+mod support;
