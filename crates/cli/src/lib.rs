@@ -17,6 +17,7 @@ mod bench_common;
 mod bench_gpu;
 mod combine;
 mod convert;
+mod curve;
 mod draw;
 mod engine;
 mod gpu;
@@ -86,6 +87,8 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Measure point sets: spectra, distances, order; as a table and as a report
     Analyze(analyze::AnalyzeArguments),
+    /// Follow numbers of a run, such as conflicts and gaps, over its events; as a table
+    Curve(Box<curve::CurveArguments>),
     /// Convert a point set to another format, verified
     Convert(convert::ConvertArguments),
     /// Glue maximal sets, placed side by side by a layout, into one
@@ -125,6 +128,7 @@ Examples:
   tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
   tilescope verify set.csv
   tilescope analyze set.csv --out report.html          spectra, distances and order, in one page
+  tilescope curve --radius 0.01 --out run.csv          conflicts and gaps at every change of a run
   tilescope convert set.csv set.npy
   tilescope combine nine.json --out nine.csv           nine sets, glued along their seams
   tilescope draw set.csv set.svg
@@ -248,6 +252,7 @@ pub fn run(command: &Command, window: FromWindow) -> ExitCode {
         Command::Sample(arguments) => sample::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
         Command::Analyze(arguments) => analyze::run(arguments),
+        Command::Curve(arguments) => curve::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Combine(arguments) => combine::run(arguments),
         Command::Draw(arguments) => draw::run(arguments),

@@ -4,6 +4,7 @@ mod analyze;
 mod analyze_many;
 mod combine;
 mod command_line;
+mod curve;
 mod device;
 mod judging;
 mod large_sets;

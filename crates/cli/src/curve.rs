@@ -1,0 +1,258 @@
+//! `tilescope curve`: numbers of a run at every change of its samples, as a table.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use tilescope_core::memory::Making;
+use tilescope_core::{Parameter, Pattern};
+use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
+use tilescope_formats::{read_whole, write_whole};
+use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
+use tilescope_sets::GivenDomain;
+
+use crate::make::ask_for_whole;
+use crate::nested::{NOT_REFERENCE, ask_for_levels};
+use crate::parameters::{RunArguments, set_of_file};
+use crate::paths::{InFile, check_file, check_inputs_stay, named};
+use crate::progress::{Stopwatch, bar};
+use crate::sample_arguments::{NestedArguments, SamplingMethod};
+use crate::{EXIT_FINE, interrupt, output};
+
+/// Arguments of `tilescope curve`.
+#[derive(Debug, Args)]
+#[command(after_help = examples(), allow_negative_numbers = true)]
+pub struct CurveArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    #[command(flatten)]
+    nested: NestedArguments,
+    /// KDRT, or the reference sampler, which uses only radius or count, sides, boundary and seed
+    #[arg(long, value_enum, default_value = "kdrt")]
+    method: SamplingMethod,
+    /// The run of a saved session instead of one that the arguments describe
+    #[arg(long, value_name = "FILE", group = "size", conflicts_with_all = options_of_runs())]
+    session: Option<PathBuf>,
+    /// The numbers, separated by commas; if not given, all that need no spectrum
+    #[arg(long, value_name = "KEYS", value_delimiter = ',')]
+    numbers: Vec<String>,
+    /// At so many moments, evenly spread among the changes; if not given, at every change, and at 1000 moments if a number
+    /// needs the spectrum
+    #[arg(long, value_name = "K")]
+    moments: Option<usize>,
+    /// Save the table as CSV instead of printing it
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn examples() -> String {
+    let keys = |of_spectrum| -> String {
+        let numbers = live_numbers().filter(|number| is_of_spectrum(number) == of_spectrum);
+        let keys: Vec<&str> = numbers.map(|number| number.key).collect();
+        keys.join(", ")
+    };
+    let [quick, of_spectrum] = [keys(false), keys(true)];
+    format!(
+        "\
+Each row is a moment: how many events have happened, the stage, and the numbers of the samples that are
+there: tiled or inserted, and not eliminated. Events are counted as in the window. A number that is not
+defined, as the smallest distance of no samples, is an empty cell.
+
+Numbers, as `tilescope analyze` has them: {quick}.
+Those that need the spectrum: {of_spectrum}.
+
+Examples:
+  tilescope curve --radius 0.01 --numbers conflicts,gaps,min_distance_r --out run.csv
+  tilescope curve --count 5000 --variant as-printed --numbers samples,gaps
+  tilescope curve --count 2000 --method reference --numbers density,low_power --moments 200
+  tilescope curve --session lecture.json --out lecture.csv"
+    )
+}
+
+/// Returns the options that describe a run, which a saved session does, too.
+fn options_of_runs() -> Vec<&'static str> {
+    let parameters = Parameter::all().map(Parameter::key);
+    parameters
+        .chain([
+            "count",
+            "pattern",
+            "pattern-radius",
+            "levels",
+            "exactly",
+            "method",
+        ])
+        .collect()
+}
+
+pub fn run(arguments: &CurveArguments) -> Result<u8> {
+    interrupt::listen();
+    if let Some(path) = &arguments.out {
+        let inputs = [&arguments.session, &arguments.run.pattern];
+        check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
+        check_file(path).context("--out")?;
+    }
+    // A misspelt number is refused before the run is made.
+    let numbers = if arguments.numbers.is_empty() {
+        let quick = live_numbers().filter(|number| !is_of_spectrum(number));
+        quick.collect()
+    } else {
+        numbers_named(&arguments.numbers).context("--numbers")?
+    };
+
+    let course = course(arguments)?;
+    let maker = CurveMaker::new(Arc::new(course), &numbers, arguments.moments)?;
+    let table = made(maker)?.csv();
+    match &arguments.out {
+        Some(path) => write_whole(path, table.as_bytes())?,
+        None => output::emit(&table)?,
+    }
+    Ok(EXIT_FINE)
+}
+
+/// Makes a curve with a bar; stops on Ctrl-C.
+fn made(mut maker: CurveMaker) -> Result<Curve> {
+    /// The steps between two looks at the bar: some hundredths of a second.
+    const SLICE: u64 = 20_000_000;
+
+    let [_, moments] = maker.progress();
+    let bar = bar("curve", moments as u64);
+    while !maker.proceed(SLICE)? {
+        bar.set_position(maker.progress()[0] as u64);
+        interrupt::check("the curve was made")?;
+    }
+    Ok(maker.finish())
+}
+
+/// Makes the run and returns its course.
+fn course(arguments: &CurveArguments) -> Result<Course> {
+    let mut watch = Stopwatch::start();
+    if let Some(path) = &arguments.session {
+        let recording = of_session(path, &mut watch).in_file(path)?;
+        return Ok(Course::of_recording(&recording));
+    }
+
+    let recipe = arguments.run.recipe()?;
+    if let Some(nested) = arguments.nested.request() {
+        ensure!(arguments.method == SamplingMethod::Kdrt, "{NOT_REFERENCE}");
+        ask_for_levels(&nested, &recipe.parameters)?;
+        return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);
+    }
+
+    // Before the radius of a count is searched for, and before memory is asked for.
+    Course::check(&recipe.parameters)?;
+    match arguments.method {
+        SamplingMethod::Kdrt => {
+            let run = arguments.run.settle(recipe, true, &mut watch)?;
+            ask_for_whole(Making::Sequential, &run.parameters)?;
+            Ok(Course::of_run(&run, &mut watch)?)
+        }
+        SamplingMethod::Reference => {
+            ask_for_whole(Making::Reference, &recipe.parameters)?;
+            Ok(Course::of_reference(&recipe, &mut watch)?)
+        }
+    }
+}
+
+/// Makes the run of a saved session, and checks that it is the same run.
+fn of_session(path: &Path, watch: &mut Stopwatch) -> Result<Arc<Recording>> {
+    let text = String::from_utf8(read_whole(path)?).context("this is not a saved session")?;
+    let session = Session::from_json(&text)?;
+    let mut load = |file: &PatternFile| pattern_beside(path, file).map_err(|e| format!("{e:#}"));
+    let recording = Arc::new(session.record(&mut load, watch)?);
+    Debugger::resume(&session, Arc::clone(&recording))?;
+    Ok(recording)
+}
+
+/// Reads the pattern of a saved session from the session's folder. A session from others names no other place to read from.
+fn pattern_beside(session: &Path, file: &PatternFile) -> Result<Pattern> {
+    let name = Path::new(&file.path).file_name();
+    let path = session.with_file_name(name.unwrap_or_default());
+    ensure!(
+        path.is_file(),
+        "there is no {}; put the pattern beside the session",
+        named(&path)
+    );
+    let set = set_of_file(&path, &GivenDomain::default(), "it beside the pattern")?;
+    Ok(Arc::unwrap_or_clone(set.pattern))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use tilescope_core::{Parameters, PatternSpec, Unobserved};
+    use tilescope_debugger::{DEFAULT_BUDGET, pattern_digest};
+    use tilescope_formats::{ExportContext, PointSet, export};
+
+    use super::*;
+
+    /// Returns a saved session of a run, with its pattern in a file if there is a name for it.
+    fn saved(pattern: &Pattern, file: Option<&str>) -> Session {
+        let parameters = Parameters {
+            radius: 0.05,
+            leaf: 10.0,
+            ..Parameters::default()
+        };
+        let pattern_used = Arc::new(pattern.clone());
+        let recording =
+            Recording::with_pattern(&parameters, pattern_used, DEFAULT_BUDGET, &mut Unobserved);
+        let mut debugger = Debugger::new(Arc::new(recording.unwrap()), DEFAULT_BUDGET);
+        debugger.pattern = file.map(|path| PatternFile {
+            path: path.to_owned(),
+            digest: pattern_digest(pattern),
+        });
+        debugger.session()
+    }
+
+    #[test]
+    fn a_saved_session_is_the_same_run_or_is_refused() {
+        let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved).unwrap();
+        let session = saved(&pattern, None);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("saved.json");
+        let read = |session: &Session| {
+            fs::write(&path, session.to_json().unwrap()).unwrap();
+            of_session(&path, &mut Stopwatch::start())
+        };
+        let recording = read(&session).unwrap();
+        assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
+
+        // The control: another result.
+        let other = Session {
+            digest: "0".repeat(16),
+            ..session
+        };
+        let error = read(&other).err().unwrap().to_string();
+        assert!(error.contains("it is not the same run"), "{error}");
+    }
+
+    #[test]
+    fn the_pattern_of_a_session_lies_beside_it() {
+        let spec = PatternSpec {
+            side: 30.0,
+            seed: 9,
+            ..PatternSpec::default()
+        };
+        let pattern = Pattern::of_spec(&spec, &mut Unobserved).unwrap();
+        let session = saved(&pattern, Some("elsewhere/pattern.npy"));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("saved.json");
+        fs::write(&path, session.to_json().unwrap()).unwrap();
+        let error = of_session(&path, &mut Stopwatch::start()).err().unwrap();
+        assert!(
+            error
+                .to_string()
+                .contains("put the pattern beside the session"),
+            "{error}"
+        );
+
+        let domain = pattern.domain();
+        let set = PointSet::from_points(domain.users_from_lattice(pattern.samples()));
+        let context = ExportContext::new(tilescope_sets::region(domain), domain.radius());
+        let go_on = |_| std::ops::ControlFlow::Continue(());
+        export(&folder.path().join("pattern.npy"), &set, &context, &go_on).unwrap();
+        let recording = of_session(&path, &mut Stopwatch::start()).unwrap();
+        assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
+    }
+}
