@@ -12,6 +12,7 @@ use tilescope_core::memory::NoMemory;
 use tilescope_core::{ParameterError, PatternError, SampleError};
 use tilescope_figures::FigureError;
 use tilescope_formats::{CheckError, ExportError, FormatError};
+use tilescope_live::{CourseError, CurveError};
 
 /// An exception to raise.
 #[derive(Debug)]
@@ -136,6 +137,26 @@ impl From<MeasureError> for Failure {
             MeasureError::Set(error) => error.into(),
             MeasureError::Cancelled => Self::Runtime(error.to_string()),
             _ => Self::Value(error.to_string()),
+        }
+    }
+}
+
+impl From<CourseError> for Failure {
+    fn from(error: CourseError) -> Self {
+        match error {
+            CourseError::Sample(error) => error.into(),
+            CourseError::TooMany { .. } => Self::Value(error.to_string()),
+        }
+    }
+}
+
+impl From<CurveError> for Failure {
+    fn from(error: CurveError) -> Self {
+        match error {
+            CurveError::Measure(error) => error.into(),
+            CurveError::TooMany { .. } | CurveError::TooFewMoments { .. } => {
+                Self::Value(error.to_string())
+            }
         }
     }
 }

@@ -13,6 +13,7 @@
 mod arguments;
 mod arrays;
 mod combine;
+mod curve;
 mod cut;
 mod failure;
 mod files;
@@ -32,6 +33,8 @@ mod _tilescope {
     use crate::arguments::{RunRequest, check_domain, prefix};
     #[pymodule_export]
     use crate::combine::combine;
+    #[pymodule_export]
+    use crate::curve::curve;
     #[pymodule_export]
     use crate::cut::verify_window;
     #[pymodule_export]

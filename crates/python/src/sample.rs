@@ -73,7 +73,7 @@ fn facts_of(facts: &Facts) -> Value {
 /// How a set is made.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum SetMethod {
+pub enum SetMethod {
     Kdrt,
     Reference,
 }
@@ -99,11 +99,7 @@ pub fn sample<'py>(
     let (method, engine) = (named("method", method)?, named("engine", engine)?);
     // With a count the radius is an estimate, which is near enough.
     let limited = request.recipe.parameters.validate_sequential();
-    if request.nested.is_some() && matches!(method, SetMethod::Reference) {
-        return Err(PyValueError::new_err(
-            "method is 'reference', which makes one set; levels need 'kdrt'",
-        ));
-    }
+    check_method(request, method)?;
     let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
@@ -122,6 +118,16 @@ pub fn sample<'py>(
         }
     })?;
     into_python(made, py)
+}
+
+/// Refuses levels of the reference sampler.
+pub fn check_method(request: &RunRequest, method: SetMethod) -> PyResult<()> {
+    if request.nested.is_some() && matches!(method, SetMethod::Reference) {
+        return Err(PyValueError::new_err(
+            "method is 'reference', which makes one set; levels need 'kdrt'",
+        ));
+    }
+    Ok(())
 }
 
 fn is_sequential(request: &RunRequest, engine: RunEngine) -> bool {

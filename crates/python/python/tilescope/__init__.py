@@ -22,7 +22,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from typing import Any, Literal, SupportsIndex
 
@@ -48,6 +48,7 @@ __all__ = [
     "Spectrum",
     "analyze",
     "combine",
+    "curve",
     "read",
     "sample",
     "set_threads",
@@ -195,6 +196,76 @@ def sample(
         made = PointSet._made(*_tilescope.sample(request, method, engine, told))
     made._origin = at
     return made
+
+
+def curve(
+    count: SupportsIndex | None = None,
+    *,
+    radius: float | None = None,
+    width: float = 1.0,
+    height: float = 1.0,
+    boundary: Boundary = "periodic",
+    seed: SupportsIndex = 1,
+    leaf: float = 30.0,
+    pattern_side: float = 100.0,
+    pattern_boundary: Boundary = "periodic",
+    pattern_seed: SupportsIndex = 0,
+    pattern: PointSet | Path | None = None,
+    dihedral: bool = False,
+    order: _Order = "own-block-first",
+    insertion: _Insertion = "circumcentre",
+    search: Literal[4, 2] = 4,
+    variant: _Variant = "staged",
+    levels: SupportsIndex | None = None,
+    exactly: SupportsIndex | None = None,
+    order_within: Literal["random", "farthest"] = "random",
+    method: Literal["kdrt", "reference"] = "kdrt",
+    numbers: Iterable[str] | None = None,
+    moments: SupportsIndex | None = None,
+    progress: Progress = False,
+) -> dict[str, Any]:
+    """Follows numbers of a run from its first event to its last.
+
+    The run is that of :func:`sample` with the same arguments, and the numbers are those of
+    :func:`analyze`, of the samples that are there at a moment: tiled or inserted, and not eliminated.
+
+    Parameters
+    ----------
+    numbers : iterable of str, optional
+        Keys of numbers, such as ``"conflicts"`` and ``"gaps"``; all that need no spectrum, if none are
+        given. An unknown one is refused with the list of those that there are.
+    moments : int, optional
+        At so many moments, evenly spread among the changes of the samples; at every change, if it is not
+        given, and at 1000 moments if a number needs the spectrum.
+
+    Returns
+    -------
+    dict
+        Columns by their names, all of one length: ``"event"``, how many events have happened, as an array
+        of integers; ``"stage"``, a list of names; and an array for each number, with NaN where it is not
+        defined.
+
+    Examples
+    --------
+    Tiling makes conflicts, and elimination leaves gaps, which insertion fills:
+
+    >>> run = tilescope.curve(radius=0.05, numbers=["conflicts", "gaps"])
+    >>> run["conflicts"].max() > 0, run["conflicts"][-1], run["gaps"][-1]
+    (True, 0.0, 0.0)
+    >>> run["stage"][0], run["stage"][-1]
+    ('pattern', 'finish')
+    """
+    request = _request(
+        count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
+        pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
+        dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant, levels=levels,
+        exactly=exactly, order_within=order_within,
+    )  # fmt: skip
+    if isinstance(numbers, str):
+        raise TypeError(f"numbers is the text {numbers!r}; it must be a list of keys")
+    keys = None if numbers is None else list(numbers)
+    with following(progress) as told:
+        return _tilescope.curve(request, method, keys, moments, told)
 
 
 def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope.RunRequest:

@@ -1,0 +1,94 @@
+//! `curve`: numbers of a run at every change of its samples.
+
+use std::sync::Arc;
+
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tilescope_core::MAXIMAL_DENSITY;
+use tilescope_core::memory::{Making, ask_for};
+use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
+
+use crate::arguments::RunRequest;
+use crate::failure::Failure;
+use crate::sample::{SetMethod, check_method};
+use crate::task::{TaskWatch, run};
+use crate::values::{named, whole};
+
+/// The counted steps between two looks whether to stop: some hundredths of a second.
+const SLICE: u64 = 20_000_000;
+
+/// Makes a run and returns its moments: how many events have happened, the stage, and every number by its key. Without
+/// `numbers` they are all that need no spectrum.
+#[pyfunction]
+pub fn curve<'py>(
+    py: Python<'py>,
+    request: &RunRequest,
+    method: &str,
+    numbers: Option<Vec<String>>,
+    moments: Option<&Bound<'_, PyAny>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let method = named("method", method)?;
+    check_method(request, method)?;
+    let numbers = match numbers {
+        None => live_numbers()
+            .filter(|number| !is_of_spectrum(number))
+            .collect(),
+        Some(keys) => numbers_named(&keys)
+            .map_err(|error| PyValueError::new_err(format!("numbers: {error}")))?,
+    };
+    // More than the type holds are as many as there are.
+    let moments = moments.map(|count| whole("moments", count)).transpose()?;
+    let moments = moments.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+
+    let made = run(py, progress, |watch| {
+        let course = Arc::new(course(request, method, watch)?);
+        let mut maker = CurveMaker::new(course, &numbers, moments)?;
+        let mut go_on = watch.steps("curve");
+        while !maker.proceed(SLICE)? {
+            let [done, total] = maker.progress();
+            if go_on(done, total).is_break() {
+                return Err(Failure::Runtime("the curve was cancelled".to_owned()));
+            }
+        }
+        Ok(maker.finish())
+    })?;
+    into_python(made, py)
+}
+
+/// Makes the run and returns its course.
+fn course(request: &RunRequest, method: SetMethod, watch: &TaskWatch) -> Result<Course, Failure> {
+    let (recipe, mut observer) = (&request.recipe, watch.observer());
+    Course::check(&recipe.parameters)?;
+    let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
+    let ask = |making: Making| ask_for(samples, making.bytes_a_sample());
+
+    Ok(match (method, &request.nested) {
+        (SetMethod::Kdrt, Some(nested)) => {
+            ask(Making::Levels)?;
+            Course::of_levels(recipe, nested, &mut observer)?
+        }
+        (SetMethod::Kdrt, None) => {
+            ask(Making::Sequential)?;
+            Course::of_run(&recipe.settle(&mut observer)?, &mut observer)?
+        }
+        (SetMethod::Reference, _) => {
+            ask(Making::Reference)?;
+            Course::of_reference(recipe, &mut observer)?
+        }
+    })
+}
+
+fn into_python(curve: Curve, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let found = PyDict::new(py);
+    let events = curve.events.iter().map(|&event| event as i64);
+    found.set_item("event", PyArray1::from_iter(py, events))?;
+    let stages: Vec<String> = curve.stages.iter().map(ToString::to_string).collect();
+    found.set_item("stage", stages)?;
+    for (number, column) in curve.numbers.iter().zip(curve.columns) {
+        found.set_item(number.key, PyArray1::from_vec(py, column))?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,67 @@
+"""The run as a curve: columns of one length, with the numbers of the finished set at the end."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import tilescope
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {},
+        {"boundary": "bounded", "insertion": "uniform"},
+        {"variant": "as-printed"},
+        {"method": "reference"},
+        {"levels": 3},
+    ],
+)
+def test_the_last_row_is_what_analyze_says_of_the_set(arguments):
+    numbers = ["samples", "density", "conflicts", "gaps", "min_distance_r", "covering_radius_r"]
+    run = tilescope.curve(radius=0.04, seed=3, numbers=numbers, **arguments)
+    assert list(run) == ["event", "stage", *numbers]
+    assert len({len(column) for column in run.values()}) == 1
+    assert run["event"].dtype == np.int64 and (np.diff(run["event"]) >= 0).all() and run["event"][0] == 0
+
+    made = tilescope.sample(radius=0.04, seed=3, **arguments)
+    measured = tilescope.analyze(made)
+    for key in numbers:
+        assert math.isclose(run[key][-1], measured[key], rel_tol=2e-6), key
+    assert (run["samples"][0], math.isnan(run["gaps"][0])) == (0, True)
+
+
+def test_conflicts_come_by_tiling_and_go_by_elimination():
+    run = tilescope.curve(radius=0.04, numbers=["conflicts"])
+    stages = np.array(run["stage"])
+    assert run["conflicts"][stages == "tile"].max() > 0
+    assert run["conflicts"][stages == "finish"].tolist() == [0]
+
+
+def test_moments_are_spread_and_without_numbers_there_is_no_spectrum():
+    run = tilescope.curve(500, moments=7)
+    assert len(run["event"]) == 7 and "covering_radius_r" in run and "peak" not in run
+    assert len(tilescope.curve(500, numbers=["peak"], moments=3)["peak"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"numbers": ["conflict"]}, 'there is no number "conflict"; those that can be had at every moment are samples'),
+        ({"numbers": ["mean_sides"]}, "measured of whole sets alone"),
+        ({"numbers": []}, "no number is named"),
+        ({"moments": 1}, "at least 2 are needed"),
+        ({"levels": 3, "method": "reference"}, "levels need 'kdrt'"),
+        ({"radius": 0.0001}, "at most 2000000"),
+    ],
+)
+def test_what_cannot_be_had_is_refused(arguments, said):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        tilescope.curve(**({"radius": 0.05} | arguments))
+
+
+def test_a_text_is_no_list_of_numbers():
+    with pytest.raises(TypeError, match="it must be a list of keys"):
+        tilescope.curve(radius=0.05, numbers="gaps")
