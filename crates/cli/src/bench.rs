@@ -8,10 +8,13 @@ use tilescope_reproduce::rates::{Bench, CpuRates, Engine, EngineRate};
 
 use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes};
 use crate::engine::check_threads;
-use crate::{bench_gpu, interrupt, output, verdict_code};
+use crate::{bench_gpu, bench_live, interrupt, output, verdict_code};
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     interrupt::listen();
+    if arguments.live {
+        return bench_live::run(arguments);
+    }
     ensure!(
         (1..=1000).contains(&arguments.rounds),
         "--rounds is {}; it must be between 1 and 1000",

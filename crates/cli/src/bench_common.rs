@@ -39,6 +39,9 @@ pub struct BenchArguments {
     /// Samples of the plane from which windows of 10,000 samples are taken
     #[arg(long, value_name = "N", default_value_t = 1_000_000_000)]
     pub plane: u64,
+    /// Measure the measures that move with a run of 10,041 and of 100,400 samples, instead of engines
+    #[arg(long, conflicts_with_all = ["engine", "gpu_adapter", "samples", "leaf", "threads", "sequential", "rounds", "seed", "plane"])]
+    pub live: bool,
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
@@ -59,10 +62,14 @@ to make the pattern is not part of it. Ratios are taken within a round, and the 
 printed: to the reference sampler, and in the column of threads to one thread. With --engine gpu they are
 to the CPU on all threads.
 
+With --live each row is a motion of the cursor, with and without the analysis: a run played in 30 seconds at
+60 frames a second, within the steps that a frame has for it; steps from one change to the next; and jumps.
+
 Examples:
   tilescope bench --samples 1000000 --leaf 20 40 80
   tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential
-  tilescope bench --engine gpu --samples 100000000 --leaf 40";
+  tilescope bench --engine gpu --samples 100000000 --leaf 40
+  tilescope bench --live";
 
 impl BenchArguments {
     /// Returns the bench that times the parallel engine with these numbers of threads.

@@ -15,6 +15,7 @@ mod analyze;
 mod bench;
 mod bench_common;
 mod bench_gpu;
+mod bench_live;
 mod combine;
 mod convert;
 mod curve;
@@ -95,7 +96,7 @@ pub enum Command {
     Combine(combine::CombineArguments),
     /// Draw a point set as PNG or SVG
     Draw(draw::DrawArguments),
-    /// Measure KDRT against the reference sampler, or a GPU against the threads
+    /// Measure KDRT against the reference sampler, a GPU against the threads, or measures that move with a run
     Bench(bench_common::BenchArguments),
     /// Sample at random parameters with both engines, compare and verify
     Soak(soak::SoakArguments),
