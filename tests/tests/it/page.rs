@@ -14,7 +14,7 @@ const BODY: usize = 15;
 
 /// For each crate the most long functions without a blank line, and the fewest comments in 1,000 lines of bodies. They are the
 /// counts of the day when the crate was last gone through: lower the first and raise the second with each pass.
-const LIMITS: [(&str, usize, usize); 23] = [
+const LIMITS: [(&str, usize, usize); 24] = [
     ("crates/analysis", 72, 16),
     ("crates/app", 170, 11),
     ("crates/canvas", 25, 11),
@@ -27,8 +27,8 @@ const LIMITS: [(&str, usize, usize); 23] = [
     ("crates/formats", 44, 20),
     ("crates/gpu", 44, 15),
     ("crates/lessons", 23, 15),
-    ("crates/passes", 9, 14),
     ("crates/live", 0, 25),
+    ("crates/passes", 9, 14),
     ("crates/python", 10, 16),
     ("crates/reproduce", 42, 5),
     ("crates/session", 18, 12),
