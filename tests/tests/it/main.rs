@@ -8,6 +8,7 @@ mod digests;
 mod documents;
 mod engines;
 mod instructions;
+mod live_moments;
 mod numbers;
 mod packages;
 mod page;
