@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::{Value, json};
+use tilescope_analysis::live::LiveSpectrum;
 use tilescope_core::Parameters;
 use tilescope_debugger::{DEFAULT_BUDGET, Recording, State};
 use tilescope_live::{Course, FRAME_STEPS, LiveMoment, Wanted};
@@ -153,7 +154,7 @@ fn row(
         if analysis {
             // What panels read.
             let _ = std::hint::black_box(moment.measured());
-            shown += moment.spectrum().map_or(0.0, |spectrum| spectrum.share());
+            shown += moment.spectrum().map_or(0.0, LiveSpectrum::share);
         }
     }
 

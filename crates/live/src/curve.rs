@@ -1,6 +1,7 @@
 //! The run as a curve: numbers of the catalogue over its events. It is made in slices, so that a window can show how far it
 //! is and stop it.
 
+use std::fmt::Write;
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{MeasureError, SetNumber};
@@ -49,12 +50,12 @@ impl Curve {
         out.push('\n');
 
         for (row, (event, stage)) in self.events.iter().zip(&self.stages).enumerate() {
-            out.push_str(&format!("{event},{stage}"));
+            let _ = write!(out, "{event},{stage}");
             for column in &self.columns {
                 let value = column[row];
                 out.push(',');
                 if value.is_finite() {
-                    out.push_str(&value.to_string());
+                    let _ = write!(out, "{value}");
                 }
             }
             out.push('\n');

@@ -14,6 +14,7 @@ pub const FRAME_STEPS: u64 = 800_000;
 
 /// What visible panels, curves and players ask for. Nothing else is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 pub struct Wanted {
     /// The spectrum.
     pub spectrum: bool,

@@ -21,7 +21,7 @@ fn differences(found: &MeasuredSet, expected: &MeasuredSet, part: Part) -> Vec<S
         let is_near = match (a, b) {
             // The lattice's side is rounded to whole units, at least 327,680 of them.
             (Some(a), Some(b)) if number.decimals > 0 => (a - b).abs() <= 2e-6 * b.abs(),
-            (Some(a), Some(b)) => a == b,
+            (Some(a), Some(b)) => a.to_bits() == b.to_bits(),
             (None, None) => true,
             (Some(_), None) | (None, Some(_)) => false,
         };
