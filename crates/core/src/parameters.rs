@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
 use crate::lattice::{Boundary, Domain, R, check_side};
+use crate::random::{Key, Stream};
 
 pub use table::{
     PARAMETERS, Parameter, ParameterGroup, ParameterKind, ParameterOption, ParameterRow,
@@ -235,6 +236,12 @@ impl PatternSpec {
             });
         }
         Ok((self.side * f64::from(R)).round() as i32)
+    }
+
+    /// Returns the key of all darts of the pattern: that of the seed under which the reference sampler makes it.
+    pub(crate) const fn key(&self) -> Key {
+        // A pattern's seed must not make the run's own draws when the two seeds are equal.
+        Key::from_seed(self.seed).derive(Stream::Pattern, 0)
     }
 }
 

@@ -9,7 +9,6 @@ use crate::lattice::Domain;
 use crate::parameters::PatternSpec;
 use crate::pattern::Pattern;
 use crate::progress::{Observer, Progress};
-use crate::random::{Key, Stream};
 use crate::reference::reference_sample;
 use crate::stage::Stage;
 
@@ -21,8 +20,7 @@ impl Pattern {
     pub fn generate(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
         let side = spec.side_units()?;
         let domain = Domain::from_units(side, side, spec.boundary);
-        // A pattern's seed must not make the run's own draws when the two seeds are equal.
-        let [low, high] = Key::from_seed(spec.seed).draw(Stream::Pattern, 0);
+        let [low, high] = spec.key().words();
         let seed = u64::from(low) | u64::from(high) << 32;
         let mut restage = |mut progress: Progress| {
             progress.stage = Stage::Pattern;

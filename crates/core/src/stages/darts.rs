@@ -36,10 +36,14 @@ pub const POISSON: [u32; 11] = [
 /// The last level of a run, whose cells have sides of one unit; level 0 has sides of R.
 pub const LAST_LEVEL: u32 = R.ilog2();
 
-/// Throws at level 0, whose cells hardly any sample covers: as many darts to an area as one throw at the
-/// level below, in portions, so that most darts that come too late are found covered in the cheap
-/// pass over the cells and never sorted.
-const FIRST_THROWS: u32 = 4;
+/// Returns how many throws a level has.
+///
+/// Hardly any sample covers a cell of level 0: it gets as many darts to an area as one throw at the level below, in four
+/// portions, so that most darts that come too late are found covered in the cheap pass over the cells and never sorted.
+#[must_use]
+pub const fn throws(level: u32) -> u32 {
+    if level == 0 { 4 } else { 1 }
+}
 
 /// The side of the cells at which uniform insertion starts: most gaps are smaller than a radius.
 pub const GAP_SIDE: i32 = R / 2;
@@ -176,7 +180,7 @@ impl DartProcess {
             meter.tick()?;
         }
         self.throw += 1;
-        if self.level > 0 || self.throw == FIRST_THROWS {
+        if self.throw == throws(self.level) {
             self.split(&mut meter, recorder)?;
         }
         meter.end()?;

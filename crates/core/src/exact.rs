@@ -1,0 +1,19 @@
+//! Exact tiling: KDRT's blocks and clips with no bias at their seams. It clips *the darts with their arrival order instead
+//! of the samples*: a dart is a sample unless an earlier sample covers it.
+//!
+//! *Definition.* A pattern is random sequential addition of keyed darts ([`PatternDarts`]). A block holds every dart of
+//! the pattern whose image lies in the block itself: no margin around it. Darts arrive in the order of [`PlacedDart`],
+//! and each is a sample unless a sample that arrived before covers it. That is a unique set, whoever computes it.
+//!
+//! *Why it has no bias.* Independent Poisson processes in disjoint rectangles are one Poisson process, and blocks and
+//! offsets do not depend on the darts. So the darts of all blocks are distributed as the reference sampler's, and with
+//! them the samples, at seams as anywhere. What remains is that blocks share one pattern.
+//!
+//! *Why it is cheap.* A dart that the pattern refused was refused by its *first blocker*, the earliest sample that covers
+//! it. Its fate in a block is the same unless the first blocker is missing; that of a pattern's sample is the same unless
+//! a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed farther than 4.7 r
+//! from one.
+
+mod darts;
+
+pub use darts::{Arrival, PatternDarts, PlacedDart};

@@ -1,0 +1,237 @@
+//! The darts of a pattern, and the order in which they arrive: what the reference sampler throws, without looking where
+//! samples are.
+
+use std::cmp::Ordering;
+
+use crate::error::ParameterError;
+use crate::lattice::{Domain, Point, R, Rect};
+use crate::parameters::PatternSpec;
+use crate::random::Key;
+use crate::stages::darts::{DartDraws, LAST_LEVEL, cell_darts, throw_key, throws};
+use crate::stages::disks::Cell;
+
+/// The arrival of a dart of a pattern: by level, then by throw, then by the dart's rank in the throw. Two darts may have
+/// the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Arrival(u64);
+
+impl Arrival {
+    /// Returns the arrival of a dart of `rank` in a throw; a level has at most four.
+    #[must_use]
+    pub const fn new(level: u32, throw: u32, rank: u32) -> Self {
+        Self(((4 * level + throw) as u64) << 32 | rank as u64)
+    }
+
+    /// Returns the level, from 0 to [`LAST_LEVEL`].
+    #[must_use]
+    pub const fn level(self) -> u32 {
+        (self.0 >> 34) as u32
+    }
+
+    /// Returns the throw of the level, from 0.
+    #[must_use]
+    pub const fn throw(self) -> u32 {
+        (self.0 >> 32) as u32 % 4
+    }
+
+    /// Returns the rank in the throw.
+    #[must_use]
+    pub const fn rank(self) -> u32 {
+        self.0 as u32
+    }
+}
+
+/// A dart of a pattern where a block of a domain has it.
+///
+/// Their order is that of arrival. Darts of one arrival follow each other by their places in the pattern, row by row. One
+/// dart of the pattern can lie twice within r, in two blocks or in a block longer than the pattern: the copies follow
+/// each other by their places in the domain, row by row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlacedDart {
+    /// Its arrival.
+    pub arrival: Arrival,
+    /// Its place in the pattern.
+    pub source: Point,
+    /// Its place in the domain.
+    pub place: Point,
+}
+
+impl Ord for PlacedDart {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let places = |dart: &Self| (dart.source.row_major(), dart.place.row_major());
+        // Nearly always the arrivals differ.
+        let by_arrival = self.arrival.cmp(&other.arrival);
+        by_arrival.then_with(|| places(self).cmp(&places(other)))
+    }
+}
+
+impl PartialOrd for PlacedDart {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// One throw of a level: each cell of the level gets darts of it.
+#[derive(Clone, Copy, Debug)]
+struct Throw {
+    level: u32,
+    number: u32,
+    key: Key,
+}
+
+impl Throw {
+    /// Returns the side of the level's cells.
+    const fn side(&self) -> i32 {
+        R >> self.level
+    }
+
+    /// Returns the darts in the cell that begins at `min`, some of them beyond the pattern's border, in no order.
+    fn into_cell(self, min: Point) -> impl Iterator<Item = (Arrival, Point)> {
+        let side = self.side();
+        cell_darts(self.key, Cell { min, side }, DartDraws::One).map(move |(rank, place)| {
+            let arrival = Arrival::new(self.level, self.number, rank);
+            (arrival, place)
+        })
+    }
+}
+
+/// All darts of a pattern, those that became samples and those that were refused. On the last level every lattice point
+/// gets one.
+///
+/// The reference sampler throws the same darts, but not into cells that one sample covers. Darts there would all be
+/// refused, so that random sequential addition of all darts gives the same samples.
+#[derive(Clone, Debug)]
+pub struct PatternDarts {
+    rect: Rect,
+    throws: Vec<Throw>,
+}
+
+impl PatternDarts {
+    /// Returns the darts of the pattern that `spec` describes.
+    pub fn of_spec(spec: &PatternSpec) -> Result<Self, ParameterError> {
+        let side = spec.side_units()?;
+        let throws = (0..=LAST_LEVEL).flat_map(|level| {
+            (0..throws(level)).map(move |number| Throw {
+                level,
+                number,
+                key: throw_key(spec.key(), level, number),
+            })
+        });
+        Ok(Self {
+            rect: Domain::from_units(side, side, spec.boundary).rect(),
+            throws: throws.collect(),
+        })
+    }
+
+    /// Returns the throws of a level, in the sequence of arrival.
+    fn level(&self, level: u32) -> &[Throw] {
+        let first = self.throws.partition_point(|throw| throw.level < level);
+        &self.throws[first..first + throws(level) as usize]
+    }
+
+    /// Returns the darts of a level in a cell of side `R >> level` that begins at `min`, a multiple of the side, in no
+    /// order.
+    pub fn of_cell(&self, level: u32, min: Point) -> impl Iterator<Item = (Arrival, Point)> {
+        let darts = self
+            .level(level)
+            .iter()
+            .flat_map(move |throw| throw.into_cell(min));
+        darts.filter(|(_, place)| self.rect.contains(*place))
+    }
+
+    /// Returns the arrival of the first dart at a place of the pattern: a sample's, if there is one. Had the sample
+    /// arrived with a later dart of its place, that one would have been refused, as the first was.
+    #[must_use]
+    pub fn first_at(&self, place: Point) -> Arrival {
+        let earliest = |throw: &Throw| {
+            let side = throw.side();
+            let min = Point::new(place.x & -side, place.y & -side);
+            let darts = throw.into_cell(min).filter(|(_, at)| *at == place);
+            darts.map(|(arrival, _)| arrival).min()
+        };
+        let mut found = self.throws.iter().filter_map(earliest);
+        found
+            .next()
+            .expect("the last throw puts a dart at every place")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Boundary;
+    use crate::pattern::Pattern;
+    use crate::progress::Unobserved;
+    use crate::stages::disks::{DiskGrid, tiling_cells};
+
+    fn spec(side: f64, boundary: Boundary) -> PatternSpec {
+        PatternSpec {
+            side,
+            boundary,
+            seed: 5,
+        }
+    }
+
+    /// All darts of levels 0 to 4, one after another, leave exactly those samples of the pattern that arrived by then.
+    #[test]
+    fn darts_in_order_of_arrival_give_the_samples_of_the_pattern() {
+        for (side, boundary) in [(14.3, Boundary::Periodic), (12.0, Boundary::Bounded)] {
+            let spec = spec(side, boundary);
+            let darts = PatternDarts::of_spec(&spec).unwrap();
+            let pattern = Pattern::generate(&spec, &mut Unobserved).unwrap();
+            let last = 4;
+
+            let mut thrown = Vec::new();
+            for level in 0..=last {
+                for cell in tiling_cells(&darts.rect, R >> level) {
+                    thrown.extend(darts.of_cell(level, cell.min));
+                }
+            }
+            thrown.sort_unstable_by_key(|(arrival, place)| (*arrival, place.row_major()));
+            let mut disks = DiskGrid::new(*pattern.domain());
+            let mut samples = Vec::new();
+            for (arrival, place) in thrown {
+                if !disks.covers(place) {
+                    assert!(disks.insert(place));
+                    assert_eq!(darts.first_at(place), arrival);
+                    samples.push(place);
+                }
+            }
+
+            samples.sort_unstable_by_key(|p| p.canonical());
+            let early = |p: &Point| darts.first_at(*p).level() <= last;
+            let expected: Vec<Point> = pattern.samples().iter().copied().filter(early).collect();
+            assert!(expected.len() > 80 && expected.len() < pattern.samples().len());
+            assert_eq!(samples, expected);
+        }
+    }
+
+    #[test]
+    fn arrivals_come_by_level_throw_and_rank_and_copies_by_place() {
+        let arrivals = [
+            (0, 0, 9),
+            (0, 3, 2),
+            (1, 0, 0),
+            (1, 0, u32::MAX),
+            (15, 0, 1),
+        ];
+        let made = arrivals.map(|(level, throw, rank)| Arrival::new(level, throw, rank));
+        assert!(made.is_sorted());
+        for (arrival, parts) in made.iter().zip(arrivals) {
+            assert_eq!((arrival.level(), arrival.throw(), arrival.rank()), parts);
+        }
+
+        let dart = |source: i32, place: [i32; 2]| PlacedDart {
+            arrival: made[1],
+            source: Point::new(source, 0),
+            place: Point::new(place[0], place[1]),
+        };
+        let all = [
+            dart(1, [9, 9]),
+            dart(2, [8, 3]),
+            dart(2, [1, 4]),
+            dart(2, [2, 4]),
+        ];
+        assert!(all.is_sorted());
+    }
+}
