@@ -12,8 +12,15 @@
 //! *Why it is cheap.* A dart that the pattern refused was refused by its *first blocker*, the earliest sample that covers
 //! it. Its fate in a block is the same unless the first blocker is missing; that of a pattern's sample is the same unless
 //! a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed farther than 4.7 r
-//! from one.
+//! from one. [`PatternHistory`] knows the first blockers, and [`exact_sample`] follows the differences.
 
+mod bare;
 mod darts;
+mod engine;
+mod history;
+mod pieces;
+mod present;
 
 pub use darts::{Arrival, PatternDarts, PlacedDart};
+pub use engine::exact_sample;
+pub use history::PatternHistory;

@@ -53,7 +53,8 @@ pub enum Insertion {
     /// At uncovered circumcentres (paper, Algorithm 3): deterministic, slightly biased.
     #[default]
     Circumcentre,
-    /// By the reference sampler's dart process restricted to the gaps: no bias.
+    /// By the reference sampler's dart process restricted to the gaps: without a bias within a gap. Seams stay biased, as
+    /// with circumcentres: samples that arrived late act as if they had come first.
     Uniform,
 }
 

@@ -2,6 +2,7 @@
 //! A pattern that exists is conflict-free and maximal on the lattice: it was generated or checked, both by
 //! [`crate::pattern_making`].
 
+use glam::IVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
@@ -27,6 +28,43 @@ impl PartialEq for Pattern {
 /// axes (bit 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Symmetry(pub u8);
+
+impl Symmetry {
+    /// Returns an offset in the pattern as it is under the symmetry.
+    #[must_use]
+    pub const fn turn(self, IVec2 { x, y }: IVec2) -> IVec2 {
+        let x = if self.0 & 1 == 0 { x } else { -x };
+        let y = if self.0 & 2 == 0 { y } else { -y };
+        if self.0 & 4 == 0 {
+            IVec2::new(x, y)
+        } else {
+            IVec2::new(y, x)
+        }
+    }
+
+    /// Returns the offset that [`Self::turn`] gives this one for.
+    #[must_use]
+    pub const fn turn_back(self, turned: IVec2) -> IVec2 {
+        let mirrors = Self(self.0 & 3);
+        if self.0 & 4 == 0 {
+            mirrors.turn(turned)
+        } else {
+            mirrors.turn(IVec2::new(turned.y, turned.x))
+        }
+    }
+
+    /// Returns how far a turned pattern of so many columns and rows moves to have its lowest corner at 0 again.
+    #[must_use]
+    pub const fn corner(self, extent: Point) -> IVec2 {
+        let right = if self.0 & 1 == 0 { 0 } else { extent.x - 1 };
+        let up = if self.0 & 2 == 0 { 0 } else { extent.y - 1 };
+        if self.0 & 4 == 0 {
+            IVec2::new(right, up)
+        } else {
+            IVec2::new(up, right)
+        }
+    }
+}
 
 /// The pattern under one symmetry, row by row, ready to be clipped.
 #[derive(Clone, Debug)]
@@ -89,22 +127,10 @@ impl Pattern {
     #[must_use]
     pub fn variant(&self, symmetry: Symmetry) -> PatternVariant {
         let extent = self.domain.rect().max;
+        let corner = symmetry.corner(extent);
         let map = |p: Point| {
-            let x = if symmetry.0 & 1 == 0 {
-                p.x
-            } else {
-                extent.x - 1 - p.x
-            };
-            let y = if symmetry.0 & 2 == 0 {
-                p.y
-            } else {
-                extent.y - 1 - p.y
-            };
-            if symmetry.0 & 4 == 0 {
-                Point::new(x, y)
-            } else {
-                Point::new(y, x)
-            }
+            let turned = symmetry.turn(IVec2::new(p.x, p.y)) + corner;
+            Point::new(turned.x, turned.y)
         };
         let mut samples: Vec<(Point, u32)> = self
             .samples

@@ -123,6 +123,11 @@ impl PatternDarts {
         })
     }
 
+    /// Returns the places of the pattern.
+    pub(crate) const fn rect(&self) -> &Rect {
+        &self.rect
+    }
+
     /// Returns the throws of a level, in the sequence of arrival.
     fn level(&self, level: u32) -> &[Throw] {
         let first = self.throws.partition_point(|throw| throw.level < level);

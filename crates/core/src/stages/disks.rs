@@ -285,7 +285,7 @@ pub(crate) fn tiling_cells(rect: &Rect, side: i32) -> impl Iterator<Item = Cell>
 /// Returns the offset of a sample from the farthest place of a rectangle, on each axis, without its sign. `offset` is
 /// the sample's from the lowest place, and `extent` that of the highest.
 #[inline]
-fn farthest(offset: IVec2, extent: IVec2) -> IVec2 {
+pub(crate) fn farthest(offset: IVec2, extent: IVec2) -> IVec2 {
     offset.abs().max((offset - extent).abs())
 }
 

@@ -1,5 +1,5 @@
 //! Uniform insertion: the dart process of the reference sampler, restricted to the gaps. It has no
-//! bias within a gap and leaves no lattice point uncovered that the pattern covered.
+//! bias within a gap, which does not make seams unbiased ([`crate::exact_sample`] does), and leaves no lattice point uncovered that the pattern covered.
 
 use crate::lattice::{Domain, Point, R};
 use crate::random::{Key, Stream};

@@ -4,5 +4,6 @@ mod combine;
 mod combine_refusals;
 mod combining;
 mod definition;
+mod exact;
 mod extremes;
 mod levels;

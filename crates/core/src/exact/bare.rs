@@ -1,0 +1,149 @@
+//! The cells that throw darts of the later levels: where a dart's fate may be another than in the pattern, and where no
+//! single sample is known to cover the whole cell.
+
+use std::ops::Range;
+
+use crate::exact::pieces::Piece;
+use crate::exact::present::SamplesBefore;
+use crate::lattice::{Point, R, Rect};
+
+/// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
+pub(crate) const MARK_SIDE: i32 = R / 2;
+
+/// A cell of the pattern in a piece. Its side goes with the level.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PieceCell {
+    /// The index of the piece.
+    pub(crate) piece: u32,
+    /// The cell's lowest place in the pattern, a multiple of its side.
+    pub(crate) min: Point,
+}
+
+/// All pieces, with the cells of [`MARK_SIDE`] that were marked in them. A cell is handed out once.
+#[derive(Default)]
+pub(crate) struct MarkedCells {
+    pieces: Vec<Piece>,
+    /// Of each piece, where its marks begin.
+    firsts: Vec<usize>,
+    marks: Vec<bool>,
+}
+
+impl MarkedCells {
+    /// Returns the pieces.
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Adds a piece.
+    pub(crate) fn add(&mut self, piece: Piece) {
+        let [columns, rows] = spans(&piece.sources).map(|span| span.len());
+        self.firsts.push(self.marks.len());
+        self.marks.resize(self.marks.len() + columns * rows, false);
+        self.pieces.push(piece);
+    }
+
+    /// Marks the cells of a piece that hold a place at most r from another block, and appends those not marked before to
+    /// `out`. There, a dart's first blocker may be missing.
+    pub(crate) fn mark_border(&mut self, piece: u32, block: &Rect, out: &mut Vec<PieceCell>) {
+        let Piece { sources, .. } = self.pieces[piece as usize];
+        let [columns, rows] = spans(&sources);
+        for row in rows {
+            for column in columns.clone() {
+                let min = Point::new(column * MARK_SIDE, row * MARK_SIDE);
+                let Some(placed) = self.placed(PieceCell { piece, min }, MARK_SIDE) else {
+                    continue;
+                };
+                let highest = Point::new(placed.max.x - 1, placed.max.y - 1);
+                // The depth of a rectangle is the least of its corners'.
+                if block.depth(placed.min).min(block.depth(highest)) <= R {
+                    self.mark(piece, column, row, out);
+                }
+            }
+        }
+    }
+
+    /// Marks the cells of some pieces that a disk around `place` may touch, and appends those not marked before to `out`.
+    pub(crate) fn mark_disk(&mut self, pieces: Range<u32>, place: Point, out: &mut Vec<PieceCell>) {
+        for piece in pieces {
+            let Piece { sources, .. } = self.pieces[piece as usize];
+            let centre = self.pieces[piece as usize].source(place);
+            let box_around = Rect {
+                min: Point::new(
+                    centre.x.saturating_sub(R).max(sources.min.x),
+                    centre.y.saturating_sub(R).max(sources.min.y),
+                ),
+                max: Point::new(
+                    centre.x.saturating_add(R + 1).min(sources.max.x),
+                    centre.y.saturating_add(R + 1).min(sources.max.y),
+                ),
+            };
+            if box_around.width() <= 0 || box_around.height() <= 0 {
+                continue;
+            }
+
+            let [columns, rows] = spans(&box_around);
+            for row in rows {
+                for column in columns.clone() {
+                    self.mark(piece, column, row, out);
+                }
+            }
+        }
+    }
+
+    fn mark(&mut self, piece: u32, column: i32, row: i32, out: &mut Vec<PieceCell>) {
+        let [columns, rows] = spans(&self.pieces[piece as usize].sources);
+        let index = (row - rows.start) as usize * columns.len() + (column - columns.start) as usize;
+        let mark = &mut self.marks[self.firsts[piece as usize] + index];
+        if !*mark {
+            *mark = true;
+            let min = Point::new(column * MARK_SIDE, row * MARK_SIDE);
+            out.push(PieceCell { piece, min });
+        }
+    }
+
+    /// Appends to `out` the cells of side `to` within a cell of `side` that none of `decided` covers alone: all darts of the
+    /// others are refused.
+    pub(crate) fn cut(
+        &self,
+        cell: PieceCell,
+        side: i32,
+        to: i32,
+        decided: SamplesBefore<'_>,
+        out: &mut Vec<PieceCell>,
+    ) {
+        let Some(placed) = self.placed(cell, side) else {
+            return;
+        };
+        if decided.covers_rect(&placed) {
+            return;
+        }
+        if side == to {
+            out.push(cell);
+            return;
+        }
+
+        let half = side / 2;
+        for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+            let min = Point::new(cell.min.x + right, cell.min.y + up);
+            self.cut(PieceCell { min, ..cell }, half, to, decided, out);
+        }
+    }
+
+    /// Returns where a piece has a cell, without what of the cell lies beyond the piece.
+    fn placed(&self, PieceCell { piece, min }: PieceCell, side: i32) -> Option<Rect> {
+        let piece = &self.pieces[piece as usize];
+        let Rect { min: low, max: end } = piece.sources;
+        let held = Rect {
+            min: Point::new(min.x.max(low.x), min.y.max(low.y)),
+            max: Point::new((min.x + side).min(end.x), (min.y + side).min(end.y)),
+        };
+        let is_empty = held.width() <= 0 || held.height() <= 0;
+        (!is_empty).then(|| piece.placed(&held))
+    }
+}
+
+/// Returns the columns and the rows of cells of [`MARK_SIDE`] that a rectangle of the pattern touches.
+fn spans(sources: &Rect) -> [Range<i32>; 2] {
+    let Rect { min, max } = sources;
+    [(min.x, max.x), (min.y, max.y)].map(|(min, max)| min / MARK_SIDE..(max - 1) / MARK_SIDE + 1)
+}

@@ -1,0 +1,174 @@
+//! Exact tiling: against its definition, before the judge, which does not know the sampler, and with every lattice point
+//! looked at.
+
+mod oracle;
+
+use std::ops::ControlFlow;
+
+use tilescope_analysis::{Region, VerifyOptions, verify};
+use tilescope_core::stages::disks::DiskGrid;
+use tilescope_core::{
+    Boundary, Domain, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, Run, Stream,
+    Unobserved, below, exact_sample,
+};
+
+use oracle::{Ties, defined};
+
+fn history(parameters: &Parameters) -> PatternHistory {
+    PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap()
+}
+
+fn sampled(parameters: &Parameters) -> Run {
+    exact_sample(parameters, &history(parameters), &mut Unobserved).unwrap()
+}
+
+/// Returns the parameters of hostile set number `index`: small patterns, which repeat within blocks and often have a dart
+/// twice within r, and blocks of which many are all seam.
+fn hostile(index: u32) -> Parameters {
+    let key = Key::from_seed(2_000_000).derive(Stream::Sequence, index);
+    let real = |draw: u32, low: f64, high: f64| {
+        let [word, _] = key.draw(Stream::Sequence, draw);
+        low + (high - low) * f64::from(word) / 2.0_f64.powi(32)
+    };
+    let one_in = |draw: u32, n: u32| below(key.draw(Stream::Sequence, draw)[0], n) == 0;
+
+    // A bounded pattern must be larger than every block and its margin.
+    let bounded_pattern = one_in(0, 8);
+    let (side, leaf) = if bounded_pattern {
+        (real(1, 26.0, 40.0), real(2, 6.0, 12.0))
+    } else {
+        // One in four patterns is as small as patterns may be.
+        let least = if one_in(3, 4) { 10.0 } else { 20.0 };
+        (real(1, least, 2.0 * least), real(2, 6.0, 40.0))
+    };
+    // A whole number of radii, as patterns usually have, or any number.
+    let side = if one_in(4, 2) { side.floor() } else { side };
+    Parameters {
+        width: real(5, 10.5, 34.0),
+        height: real(6, 10.5, 34.0),
+        radius: 1.0,
+        boundary: Boundary::of(!one_in(7, 2)),
+        seed: u64::from(key.draw(Stream::Sequence, 8)[0]),
+        leaf,
+        pattern: PatternSpec {
+            side,
+            boundary: Boundary::of(!bounded_pattern),
+            seed: u64::from(index % 7),
+        },
+        dihedral: one_in(9, 2),
+        ..Parameters::default()
+    }
+}
+
+/// Returns whether the independent judge finds a set valid.
+fn is_valid(domain: &Domain, points: &[Point]) -> bool {
+    let [width, height] = domain.size();
+    let boundary = match domain.boundary() {
+        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
+        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
+    };
+    let region = Region {
+        width,
+        height,
+        boundary,
+    };
+    let positions = domain.users_from_lattice(points);
+    let never = |_| ControlFlow::Continue(());
+    let options = VerifyOptions::default();
+    let report = verify(&positions, region, domain.radius(), &options, &never);
+    report.unwrap().valid()
+}
+
+/// Returns a lattice point that no sample covers, looking at all of them.
+fn uncovered(domain: Domain, points: &[Point]) -> Option<Point> {
+    let mut disks = DiskGrid::new(domain);
+    assert!(points.iter().all(|&p| disks.insert(p)));
+    disks.uncovered_point(0)
+}
+
+fn check(index: u32) {
+    let parameters = hostile(index);
+    let run = sampled(&parameters);
+    let points = run.points();
+    assert_eq!(
+        points,
+        defined(&parameters, Ties::Domain),
+        "set {index}: {parameters:?}"
+    );
+    assert!(is_valid(&run.domain, &points), "set {index}");
+    assert_eq!(uncovered(run.domain, &points), None, "set {index}");
+    let counts = run.summary();
+    let inserted: usize = counts.inserted.iter().sum();
+    assert_eq!(counts.tiled - counts.eliminated + inserted, counts.count);
+}
+
+#[test]
+fn hostile_sets_follow_the_definition() {
+    for index in 0..tilescope_tests::cases(240) {
+        check(index);
+    }
+}
+
+#[test]
+#[ignore = "takes long: tests/run --slow runs it"]
+fn two_thousand_hostile_sets_follow_the_definition() {
+    for index in 0..2_000 {
+        check(index);
+    }
+}
+
+/// Without blocks there are no seams but those of the domain, and with the pattern's own period not even these.
+#[test]
+fn one_block_as_large_as_the_pattern_is_the_pattern() {
+    let parameters = Parameters {
+        width: 24.0,
+        height: 24.0,
+        radius: 1.0,
+        leaf: 24.0,
+        seed: 6,
+        pattern: PatternSpec {
+            side: 24.0,
+            ..PatternSpec::default()
+        },
+        ..Parameters::default()
+    };
+    let run = sampled(&parameters);
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    assert_eq!(run.points().len(), pattern.samples().len());
+    let counts = run.summary();
+    assert_eq!((counts.eliminated, counts.inserted.len()), (0, 0));
+}
+
+/// Controls: the definition with another order of copies of one dart gives other sets, and judge and enumeration see a
+/// sample that is missing.
+#[test]
+fn what_is_wrong_is_noticed() {
+    // Blocks of the smallest kind in the smallest pattern have many copies within r of each other.
+    let set = |seed| Parameters {
+        width: 60.0,
+        height: 60.0,
+        radius: 1.0,
+        leaf: 6.0,
+        seed,
+        pattern: PatternSpec {
+            side: 10.0,
+            ..PatternSpec::default()
+        },
+        ..Parameters::default()
+    };
+    let mut differing = 0;
+    for seed in 0..4 {
+        let parameters = set(seed);
+        let points = sampled(&parameters).points();
+        assert_eq!(points, defined(&parameters, Ties::Domain));
+        differing += u32::from(points != defined(&parameters, Ties::Clip));
+    }
+    assert!(differing > 0);
+
+    let run = sampled(&set(0));
+    let mut points = run.points();
+    let removed = points.remove(40);
+    assert!(!is_valid(&run.domain, &points));
+    let bare = uncovered(run.domain, &points).unwrap();
+    assert!(run.domain.covers(removed, bare));
+}
