@@ -3,9 +3,12 @@
 
 use std::ops::Range;
 
+use glam::IVec2;
+
 use crate::exact::pieces::Piece;
 use crate::exact::present::SamplesBefore;
-use crate::lattice::{Point, R, Rect};
+use crate::lattice::{Point, R, Rect, covers_offset};
+use crate::stages::disks::farthest;
 
 /// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
 pub(crate) const MARK_SIDE: i32 = R / 2;
@@ -102,19 +105,39 @@ impl MarkedCells {
     }
 
     /// Appends to `out` the cells of side `to` within a cell of `side` that none of `decided` covers alone: all darts of the
-    /// others are refused.
+    /// others are refused. `near` is a buffer.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,
         side: i32,
         to: i32,
         decided: SamplesBefore<'_>,
+        near: &mut Vec<IVec2>,
+        out: &mut Vec<PieceCell>,
+    ) {
+        if let Some(placed) = self.placed(cell, side) {
+            decided.near_rect(&placed, near);
+            self.cut_among(cell, side, to, placed.min, near, out);
+        }
+    }
+
+    /// The same among samples that are given by their offsets from a place.
+    fn cut_among(
+        &self,
+        cell: PieceCell,
+        side: i32,
+        to: i32,
+        from: Point,
+        near: &[IVec2],
         out: &mut Vec<PieceCell>,
     ) {
         let Some(placed) = self.placed(cell, side) else {
             return;
         };
-        if decided.covers_rect(&placed) {
+        let extent = IVec2::new(placed.width() - 1, placed.height() - 1);
+        let corner = placed.min - from;
+        let mut offsets = near.iter().map(|&offset| offset - corner);
+        if offsets.any(|offset| covers_offset(farthest(offset, extent))) {
             return;
         }
         if side == to {
@@ -125,7 +148,7 @@ impl MarkedCells {
         let half = side / 2;
         for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
             let min = Point::new(cell.min.x + right, cell.min.y + up);
-            self.cut(PieceCell { min, ..cell }, half, to, decided, out);
+            self.cut_among(PieceCell { min, ..cell }, half, to, from, near, out);
         }
     }
 

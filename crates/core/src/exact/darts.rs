@@ -146,8 +146,7 @@ impl PatternDarts {
 
     /// Returns the arrival of the first dart at a place of the pattern: a sample's, if there is one. Had the sample
     /// arrived with a later dart of its place, that one would have been refused, as the first was.
-    #[must_use]
-    pub fn first_at(&self, place: Point) -> Arrival {
+    pub(crate) fn first_at(&self, place: Point) -> Arrival {
         let earliest = |throw: &Throw| {
             let side = throw.side();
             let min = Point::new(place.x & -side, place.y & -side);

@@ -3,7 +3,6 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::Range;
 
 use crate::error::SampleError;
 use crate::exact::bare::{MARK_SIDE, MarkedCells, PieceCell};
@@ -48,12 +47,14 @@ pub fn exact_sample(
     tiling.tile(observer)?;
 
     // The darts of the first levels wait in the history.
-    tiling.settle(LATE_LEVEL, Stage::Eliminate, observer)?;
+    for level in 0..LATE_LEVEL {
+        tiling.settle(level, Stage::Eliminate, observer)?;
+    }
     // Those of later levels are thrown where something changed.
     tiling.open_borders();
     for level in LATE_LEVEL..=LAST_LEVEL {
         tiling.throw(level);
-        tiling.settle(level + 1, Stage::Iterate(level), observer)?;
+        tiling.settle(level, Stage::Iterate(level), observer)?;
     }
 
     let summary = tiling.summary();
@@ -61,10 +62,13 @@ pub fn exact_sample(
 }
 
 /// A block with its clip.
+#[derive(Clone, Copy)]
 struct ExactTile {
     rect: Rect,
     symmetry: Symmetry,
-    pieces: Range<u32>,
+    /// The first of its pieces, and the first of the next block.
+    first_piece: u32,
+    end_piece: u32,
 }
 
 /// Something that may be another way than in the pattern, to be decided when its dart arrives.
@@ -90,7 +94,11 @@ struct ExactTiling<'a> {
     dihedral: bool,
     tiles: Vec<ExactTile>,
     present: PresentSamples,
-    events: BinaryHeap<Reverse<Arriving>>,
+    /// What arrives with each level.
+    queues: Vec<Vec<Arriving>>,
+    /// What has come up since the level that is being decided began, and belongs to it.
+    sudden: BinaryHeap<Reverse<Arriving>>,
+    deciding: Option<u32>,
     cells: MarkedCells,
     /// The side of the cells to throw darts into, of the level that is being decided, and these cells.
     side: i32,
@@ -110,7 +118,9 @@ impl<'a> ExactTiling<'a> {
             dihedral: parameters.dihedral,
             tiles: Vec::new(),
             present: PresentSamples::with_capacity(domain, (1.1 * expected) as usize),
-            events: BinaryHeap::new(),
+            queues: vec![Vec::new(); LAST_LEVEL as usize + 1],
+            sudden: BinaryHeap::new(),
+            deciding: None,
             cells: MarkedCells::default(),
             side: R,
             active: Vec::new(),
@@ -142,7 +152,8 @@ impl<'a> ExactTiling<'a> {
             self.tiles.push(ExactTile {
                 rect: block.rect,
                 symmetry,
-                pieces: first..self.cells.pieces().len() as u32,
+                first_piece: first,
+                end_piece: self.cells.pieces().len() as u32,
             });
             self.clip(index as u32, start, variant);
             meter.tick()?;
@@ -169,16 +180,16 @@ impl<'a> ExactTiling<'a> {
             let id = self.present.add(dart, block, Some(pattern));
             // A sample of another block can cover only what is within r of the border.
             if rect.depth(place) <= R {
-                let what = What::Sample(id);
-                self.events.push(Reverse(Arriving { dart, what }));
+                self.await_arrival(dart, What::Sample(id));
             }
         });
     }
 
     /// Asks the darts again whose first blocker is a pattern's sample that is missing at `place`.
     fn wake(&mut self, block: u32, place: Point, pattern: u32) {
-        let ExactTile { rect, symmetry, .. } = &self.tiles[block as usize];
-        for waiting in self.history.waiting(pattern) {
+        let history = self.history;
+        let ExactTile { rect, symmetry, .. } = self.tiles[block as usize];
+        for waiting in history.waiting(pattern) {
             let offset = symmetry.turn(waiting.offset);
             let dart = PlacedDart {
                 arrival: waiting.arrival,
@@ -187,27 +198,47 @@ impl<'a> ExactTiling<'a> {
             };
             // Another block has its own darts there.
             if rect.contains(dart.place) {
-                let what = What::Dart(block);
-                self.events.push(Reverse(Arriving { dart, what }));
+                self.await_arrival(dart, What::Dart(block));
             }
         }
     }
 
-    /// Decides what arrives before a level, in order.
+    /// Notes what is to be decided when its dart arrives.
+    fn await_arrival(&mut self, dart: PlacedDart, what: What) {
+        let level = dart.arrival.level();
+        let arriving = Arriving { dart, what };
+        if self.deciding == Some(level) {
+            self.sudden.push(Reverse(arriving));
+        } else {
+            self.queues[level as usize].push(arriving);
+        }
+    }
+
+    /// Decides what arrives with a level, in order.
     fn settle(
         &mut self,
         level: u32,
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        let mut meter = Meter::begin(observer, stage, self.events.len() as u64)?;
-        let end = Arrival::new(level, 0, 0);
+        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all.
+        let mut queue = std::mem::take(&mut self.queues[level as usize]);
+        queue.sort_unstable();
+        let mut meter = Meter::begin(observer, stage, queue.len() as u64)?;
+        self.deciding = Some(level);
 
-        while let Some(Reverse(next)) = self.events.peek().copied() {
-            if next.dart.arrival >= end {
-                break;
-            }
-            self.events.pop();
+        let mut known = queue.into_iter().peekable();
+        loop {
+            let sudden = self.sudden.peek().map(|Reverse(sudden)| *sudden);
+            let is_sudden = sudden.is_some_and(|sudden| known.peek().is_none_or(|k| sudden < *k));
+            let next = if is_sudden {
+                self.sudden.pop();
+                sudden
+            } else {
+                known.next()
+            };
+            let Some(next) = next else { break };
+
             match next.what {
                 What::Sample(id) => self.decide_sample(id),
                 What::Dart(block) => self.decide_dart(next.dart, block),
@@ -229,7 +260,8 @@ impl<'a> ExactTiling<'a> {
 
         self.present.lose(id);
         self.wake(sample.block, sample.dart.place, pattern);
-        let pieces = self.tiles[sample.block as usize].pieces.clone();
+        let tile = &self.tiles[sample.block as usize];
+        let pieces = tile.first_piece..tile.end_piece;
         let place = sample.dart.place;
         self.cells.mark_disk(pieces, place, &mut self.fresh);
         let level = sample.dart.arrival.level();
@@ -244,13 +276,11 @@ impl<'a> ExactTiling<'a> {
         if self.present.refuses(&dart) {
             return;
         }
-        let events = &mut self.events;
-        let present = &self.present;
-        present.later(&dart, |id| {
-            let dart = present.get(id).dart;
-            let what = What::Sample(id);
-            events.push(Reverse(Arriving { dart, what }));
-        });
+        let mut later = Vec::new();
+        self.present.later(&dart, |id| later.push(id));
+        for id in later {
+            self.await_arrival(self.present.get(id).dart, What::Sample(id));
+        }
         self.present.add(dart, block, None);
     }
 
@@ -268,9 +298,10 @@ impl<'a> ExactTiling<'a> {
         let end = Arrival::new(level, 0, 0);
         let decided = self.present.before(end);
         let (side, before) = (R >> level, self.side);
-        let mut active = Vec::with_capacity(self.active.len());
+        let (mut active, mut near) = (Vec::with_capacity(self.active.len()), Vec::new());
         for &cell in &self.active {
-            self.cells.cut(cell, before, side, decided, &mut active);
+            self.cells
+                .cut(cell, before, side, decided, &mut near, &mut active);
         }
         self.active = active;
         self.side = side;
@@ -284,10 +315,11 @@ impl<'a> ExactTiling<'a> {
     /// Throws the darts of a level into cells that were marked, those later than `after`.
     fn throw_fresh(&mut self, level: u32, after: Option<&PlacedDart>) {
         let decided = self.present.before(Arrival::new(level, 0, 0));
-        let first = self.active.len();
+        let (first, mut near) = (self.active.len(), Vec::new());
         for cell in self.fresh.drain(..) {
-            let active = &mut self.active;
-            self.cells.cut(cell, MARK_SIDE, R >> level, decided, active);
+            let (side, active) = (R >> level, &mut self.active);
+            self.cells
+                .cut(cell, MARK_SIDE, side, decided, &mut near, active);
         }
         for index in first..self.active.len() {
             self.throw_into(self.active[index], level, after);
@@ -296,9 +328,9 @@ impl<'a> ExactTiling<'a> {
 
     /// Throws the darts of a level into a cell, those later than `after`.
     fn throw_into(&mut self, cell: PieceCell, level: u32, after: Option<&PlacedDart>) {
+        let history = self.history;
         let piece = self.cells.pieces()[cell.piece as usize];
-        let decided = self.present.before(Arrival::new(level, 0, 0));
-        for (arrival, source) in self.history.darts().of_cell(level, cell.min) {
+        for (arrival, source) in history.darts().of_cell(level, cell.min) {
             if !piece.sources.contains(source) {
                 continue;
             }
@@ -308,9 +340,9 @@ impl<'a> ExactTiling<'a> {
                 place: piece.place(source),
             };
             let is_later = after.is_none_or(|after| dart > *after);
+            let decided = self.present.before(Arrival::new(level, 0, 0));
             if is_later && !decided.covers(dart.place) {
-                let what = What::Dart(piece.block);
-                self.events.push(Reverse(Arriving { dart, what }));
+                self.await_arrival(dart, What::Dart(piece.block));
             }
         }
     }
@@ -390,8 +422,8 @@ mod tests {
     fn a_missing_wake_is_noticed() {
         let parameters = parameters(30.0);
         let whole = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-        let deaf = whole.without_waiting();
-        let [points, other] = [&whole, &deaf].map(|history| {
+        let unwoken = whole.without_waiting();
+        let [points, other] = [&whole, &unwoken].map(|history| {
             let run = exact_sample(&parameters, history, &mut Unobserved).unwrap();
             run.points()
         });

@@ -5,7 +5,6 @@ use glam::IVec2;
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, Rect, covers_offset};
-use crate::stages::disks::farthest;
 
 /// A sample that is or was present.
 #[derive(Clone, Copy, Debug)]
@@ -113,15 +112,26 @@ impl SamplesBefore<'_> {
         self.all.any_covering(place, is_before)
     }
 
-    /// Returns whether one of them covers all of a rectangle of the domain.
-    pub(crate) fn covers_rect(&self, rect: &Rect) -> bool {
+    /// Puts into `near` the offsets, from the rectangle's lowest place, of those that may cover a part of a rectangle of the
+    /// domain, which is at most R wide and high.
+    pub(crate) fn near_rect(&self, rect: &Rect, near: &mut Vec<IVec2>) {
+        near.clear();
         let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
-        // Such a sample covers the lowest place, too.
-        self.all.grid.any_near(rect.min, R, |near| {
-            covers_offset(farthest(near.offset, extent)) && {
-                let sample = self.all.get(near.id);
-                !sample.is_lost && sample.dart.arrival < self.end
+        let middle = extent / 2;
+        let centre = Point::new(rect.min.x + middle.x, rect.min.y + middle.y);
+        let reach = R + 1 + middle.max_element();
+
+        self.all.grid.any_near(centre, reach, |found| {
+            let offset = found.offset + middle;
+            // The nearest place of the rectangle must lie in the disk.
+            let nearest = offset.clamp(IVec2::ZERO, extent);
+            if covers_offset(offset - nearest) {
+                let sample = self.all.get(found.id);
+                if !sample.is_lost && sample.dart.arrival < self.end {
+                    near.push(offset);
+                }
             }
-        })
+            false
+        });
     }
 }

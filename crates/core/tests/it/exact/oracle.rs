@@ -219,7 +219,7 @@ fn darts(key: Key, min: [i64; 2], side: i64) -> Vec<(u32, [i64; 2])> {
     let dart = |index| {
         let [position, rank] = cell.draw(Stream::Dart, index);
         let [right, up] = [position >> 16, position & 0xffff];
-        let scaled = |v: u32| i64::from(v) * side >> 16;
+        let scaled = |v: u32| (i64::from(v) * side) >> 16;
         (rank, [min[0] + scaled(right), min[1] + scaled(up)])
     };
     (0..count).map(dart).collect()
