@@ -103,6 +103,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         print: false,
         caption: String::new(),
         legend: None,
+        analysis: false,
     };
     let moment = Moment::at(&session, cursor);
     let mut scene = thumbnail(&session, &MomentView { moment, view });

@@ -24,6 +24,7 @@ pub mod palette;
 pub mod parts;
 pub mod picture;
 pub mod scene;
+pub mod spectra;
 pub mod subject;
 pub mod surface;
 pub mod symbol;

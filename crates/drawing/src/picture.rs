@@ -1,7 +1,8 @@
 //! Pictures for files: a moment as a scene of `tilescope_figures`, with the canvas' camera, layers and colours, the moment in
-//! words above, and perhaps a caption and a legend below. Begin with [`scene`].
+//! words above, and perhaps a caption and a legend below and the analysis beside it. Begin with [`scene`].
 
 mod below;
+mod beside;
 mod groups;
 mod shapes;
 
@@ -27,6 +28,8 @@ use crate::camera::Camera;
 use crate::palette::{DARK, LIGHT, Palette};
 use below::Below;
 pub use below::Legend;
+pub use beside::Beside;
+use beside::Column;
 use groups::{empty_domain, groups};
 use shapes::rect;
 pub use shapes::{at, color};
@@ -61,6 +64,8 @@ pub struct PictureView {
     pub caption: String,
     /// The legend below it, if any.
     pub legend: Option<Legend>,
+    /// Whether there is room for the analysis of the moment beside it, which [`Beside`] draws.
+    pub analysis: bool,
 }
 
 impl PictureView {
@@ -93,6 +98,7 @@ impl PictureView {
             print: true,
             caption: String::new(),
             legend: None,
+            analysis: false,
         }
     }
 
@@ -103,7 +109,7 @@ impl PictureView {
             .unwrap_or_else(|| Layers::of_stage(stage))
     }
 
-    /// Returns the size in pixels of a picture with `scale` pixels for a point, including margins and caption.
+    /// Returns the size in pixels of a picture with `scale` pixels for a point, including margins, caption and analysis.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
         self.paper().map(|side| (side * scale).round() as usize)
@@ -130,8 +136,17 @@ impl PictureView {
         }
     }
 
-    /// Returns the size of the whole picture in points, including margins and caption.
+    /// Returns the size of the whole picture in points, including margins, caption and analysis.
     fn paper(&self) -> [f64; 2] {
+        let canvas = self.canvas_paper();
+        if self.analysis {
+            return Column::of(self, canvas).paper(self, canvas[1]);
+        }
+        canvas
+    }
+
+    /// Returns the size of the picture in points, including margins and caption, without the analysis beside it.
+    fn canvas_paper(&self) -> [f64; 2] {
         let width = self.width();
         let above = self.size[1] + (2.0 * MARGIN + HEADING) * width;
         [width, above + Below::of(self).height]

@@ -4,6 +4,7 @@
 //! more than their colours. Values are drawn as given: a logarithmic axis has logarithms as values, and ticks of its own.
 
 mod bars;
+mod blank;
 mod frame;
 mod image;
 mod layout;
@@ -12,8 +13,10 @@ mod ticks;
 mod tiles;
 
 pub use bars::{Bar, BarChart, BarGroup};
-pub use layout::figure_scene;
+pub use layout::{figure_scene, panel_around, panel_groups};
 pub use tiles::{ColorScale, TileChart, TileContent};
+
+use crate::error::FigureError;
 
 /// Colour, dash pattern and mark of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +125,21 @@ pub struct ImageChart {
     pub absent: Option<usize>,
 }
 
+/// The frame of a chart that has nothing to show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlankChart {
+    /// Its heading.
+    pub title: String,
+    /// The horizontal axis; its range must be given.
+    pub x: Axis,
+    /// The vertical axis; its range must be given.
+    pub y: Axis,
+    /// Columns and rows of the image that would be there; none where curves would be.
+    pub cells: Option<[usize; 2]>,
+    /// What is written in the middle: why there is nothing.
+    pub why: String,
+}
+
 /// A part of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Panel {
@@ -129,6 +147,8 @@ pub enum Panel {
     Lines(LineChart),
     /// A grid of values.
     Image(ImageChart),
+    /// A frame without content.
+    Blank(BlankChart),
     /// Bars; the only panel of its row.
     Bars(BarChart),
     /// A square picture.
@@ -202,6 +222,12 @@ pub enum ChartError {
         /// Columns.
         columns: usize,
     },
+}
+
+impl From<ChartError> for FigureError {
+    fn from(error: ChartError) -> Self {
+        Self::Chart(error.to_string())
+    }
 }
 
 /// Columns and rows of an image at most: more than pixels would not be seen.
@@ -283,6 +309,20 @@ impl ImageChart {
         }
         if !rises(self.clamp) {
             return Err(ChartError::Range(self.title.clone()));
+        }
+        Ok(())
+    }
+}
+
+impl BlankChart {
+    fn check(&self) -> Result<(), ChartError> {
+        for axis in [&self.x, &self.y] {
+            axis.checked_range()?;
+            axis.check_ticks(&self.title)?;
+        }
+        // No cells have no size.
+        if self.cells.is_some_and(|cells| cells.contains(&0)) {
+            return Err(ChartError::Empty(self.title.clone()));
         }
         Ok(())
     }

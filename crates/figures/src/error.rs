@@ -84,6 +84,9 @@ pub enum FigureError {
     /// The control function asked to stop.
     #[error("the picture was cancelled")]
     Cancelled,
+    /// A chart of the picture could not be drawn, for the reason of its `ChartError`.
+    #[error("{0}")]
+    Chart(String),
     /// The PNG encoder refused.
     #[error("the PNG could not be encoded: {0}")]
     Encode(String),

@@ -2,6 +2,7 @@
 //! `state/export.rs` keeps the sheet and decides whether an export may begin; [`refusal`] lists the reasons for which it may
 //! not. `write.rs` makes the files in the background. `state/export/outcome.rs` starts that and shows a notice at the end.
 
+pub mod beside;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod browse;
 pub mod form;
@@ -147,6 +148,8 @@ pub enum ExportCommand {
     Print(bool),
     /// Chooses whether a legend is below a picture.
     Legend(bool),
+    /// Chooses whether the analysis of the moment is beside a picture.
+    Analysis(bool),
     /// Chooses whether an animation shows the whole run.
     WholeRun(bool),
     /// Chooses the clock that counts the frames of an animation.

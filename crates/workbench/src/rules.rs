@@ -462,6 +462,7 @@ const fn export(command: &ExportCommand) -> Rules {
         | ExportCommand::Type(..)
         | ExportCommand::Print(_)
         | ExportCommand::Legend(_)
+        | ExportCommand::Analysis(_)
         | ExportCommand::WholeRun(_)
         | ExportCommand::Clock(_)
         | ExportCommand::Browse

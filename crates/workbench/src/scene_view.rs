@@ -47,6 +47,7 @@ pub(crate) fn view_of_scene(
         print: false,
         caption: scene.caption.clone(),
         legend: None,
+        analysis: false,
     };
     Some(MomentView {
         moment: Moment::at(session, cursor),

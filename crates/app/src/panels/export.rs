@@ -79,11 +79,13 @@ impl Sheet<'_> {
                 self.scale(ui);
                 self.colours(ui);
                 self.legend(ui);
+                self.analysis(ui);
             }
             ExportKind::Animation => {
                 self.scale(ui);
                 self.colours(ui);
                 self.legend(ui);
+                self.analysis(ui);
                 self.span(ui);
                 self.frames(ui);
                 self.delay(ui);
@@ -297,6 +299,16 @@ impl Sheet<'_> {
             let switch = ui.checkbox(&mut legend, "below the picture");
             if switch.known_as("export.legend").changed() {
                 sheet.commands.push(ExportCommand::Legend(legend));
+            }
+        });
+    }
+
+    fn analysis(&mut self, ui: &mut Ui) {
+        self.named(ui, "Analysis", |sheet, ui, _| {
+            let mut analysis = sheet.form.analysis;
+            let switch = ui.checkbox(&mut analysis, "beside the picture");
+            if switch.known_as("export.analysis").changed() {
+                sheet.commands.push(ExportCommand::Analysis(analysis));
             }
         });
     }

@@ -10,7 +10,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 
-use crate::support::{is_disabled, node, opened, settle, text};
+use crate::support::{find, is_disabled, node, opened, settle, text};
 
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
@@ -185,5 +185,32 @@ fn every_kind_of_the_sheet_is_drawn_in_both_themes() {
             pictures.insert(picture.as_raw().clone());
         }
         assert_eq!(pictures.len(), ExportKind::ALL.len(), "{look:?}");
+    }
+}
+
+#[test]
+fn the_analysis_is_put_beside_pictures_by_a_click() {
+    let mut harness = opened();
+    for kind in [
+        ExportKind::Picture,
+        ExportKind::Animation,
+        ExportKind::Result,
+    ] {
+        let command = Command::Export(ExportCommand::Open(kind));
+        harness.state_mut().state.apply(command);
+        harness.run();
+        // Samples have no picture that something could be beside.
+        if kind == ExportKind::Result {
+            assert!(find(&harness, "export.analysis").is_none());
+            continue;
+        }
+        let before = text(&harness, "export.prospect");
+        node(&harness, "export.analysis").click();
+        harness.run();
+        let after = text(&harness, "export.prospect");
+        assert_ne!(before, after, "the picture is wider");
+        node(&harness, "export.analysis").click();
+        harness.run();
+        assert_eq!(text(&harness, "export.prospect"), before);
     }
 }

@@ -4,7 +4,8 @@
 use std::fmt::Write;
 
 use tilescope_analysis::measures::anisotropy_reference_db;
-use tilescope_figures::chart::{Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series};
+use tilescope_drawing::spectra::{self, chart};
+use tilescope_figures::chart::{Axis, Figure, Level, LineChart, Look, Panel, Series};
 
 use super::curve::Curve;
 use super::gather::Analysis;
@@ -23,8 +24,6 @@ const FEW: u64 = 50;
 const MAX_PICTURES: usize = 12;
 /// Periodograms in a row.
 const IN_A_ROW: usize = 3;
-/// Power drawn black in a periodogram; zero is white.
-const BLACK: f64 = 3.0;
 /// The most characters of a name in the heading of a periodogram.
 const HEADING: usize = 24;
 
@@ -89,24 +88,8 @@ fn title(analysis: &Analysis) -> String {
 
 /// Returns the periodogram of a subject.
 fn periodogram(subject: &Subject) -> Panel {
-    let picture = &subject.spectrum.picture;
-    let [x, y] = subject.spectrum.picture_reach;
-    let each = match [picture.side, picture.row_side] {
-        [1, 1] => String::new(),
-        [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),
-    };
-    let middle = picture.power.len() / 2;
-    let is_absent = !picture.power[middle].is_finite();
-    Panel::Image(ImageChart {
-        title: format!("Periodogram, {}", names::cut(&subject.label, HEADING)),
-        x: Axis::new(format!("\u{3bd} along x; white 0, black {BLACK} and above"))
-            .with_range(-x, x),
-        y: Axis::new(format!("\u{3bd} along y{each}")).with_range(-y, y),
-        columns: picture.size,
-        values: picture.power.clone(),
-        clamp: [0.0, BLACK],
-        absent: is_absent.then_some(middle),
-    })
+    let title = format!("Periodogram, {}", names::cut(&subject.label, HEADING));
+    Panel::Image(spectra::periodogram(&subject.spectrum, title))
 }
 
 /// Returns the row of spectra, and the pair correlation.
@@ -123,13 +106,11 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let levels = levels_of_anisotropy(subjects);
     let axis = anisotropy_axis(subjects, &levels);
     let [power, anisotropy, pairs] = [0, 1, 2].map(all);
-    let noise = |title: &str, x: &str, y: &str, series: Vec<Series>| {
-        let (name, y_axis) = ("white noise".to_owned(), cut(y, &series));
-        chart(title, x, y_axis, series, vec![Level { name, y: 1.0 }])
-    };
-    let power = noise("Radial mean power", FREQUENCY, "power P(\u{3bd})", power);
+    let power = spectra::radial_mean(FREQUENCY, cut("power P(\u{3bd})", &power), power);
     let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropy, levels);
-    let pairs = noise("Pair correlation", DISTANCE, "g(r)", pairs);
+    let (name, axis) = ("white noise".to_owned(), cut("g(r)", &pairs));
+    let noise = vec![Level { name, y: 1.0 }];
+    let pairs = chart("Pair correlation", DISTANCE, axis, pairs, noise);
     (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
@@ -169,19 +150,6 @@ fn series<'a>(curves: impl Iterator<Item = (String, Look, &'a Curve)>) -> Vec<Se
             band: curve.bands.clone(),
         })
         .collect()
-}
-
-/// Returns a chart whose horizontal axis begins at 0 and ends with its longest curve.
-fn chart(title: &str, x: &str, y: Axis, series: Vec<Series>, levels: Vec<Level>) -> LineChart {
-    let ends = series.iter().filter_map(|series| series.points.last());
-    let end = ends.map(|point| point[0]).fold(0.0, f64::max);
-    LineChart {
-        title: title.to_owned(),
-        x: Axis::new(x).with_range(0.0, end),
-        y,
-        levels,
-        series,
-    }
 }
 
 fn highest(series: &[Series]) -> f64 {

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::frame::{FOOT, Frame, HEAD, LEFT, RIGHT};
 use super::lines::{self, drawn};
 use super::tiles::{self, TileChart};
-use super::{ChartError, Figure, ImageChart, Look, Panel, image};
+use super::{ChartError, Figure, Look, Panel, blank, image};
 use crate::fonts::{Font, text_width};
 use crate::palette::Palette;
 use crate::scene::{Baseline, Group, Rect, Scene, Shape, Text};
@@ -182,22 +182,40 @@ fn row_height(row: &[&Panel], width: f64) -> f64 {
     ROW
 }
 
-fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Group>, ChartError> {
+/// Returns the rectangle that a panel needs for its plot with heading, ticks and labels.
+#[must_use]
+pub fn panel_around(plot: Rect) -> Rect {
+    Rect::new(
+        plot.min - DVec2::new(LEFT, HEAD),
+        plot.max + DVec2::new(RIGHT, FOOT),
+    )
+}
+
+/// Returns the shapes of a panel in a rectangle of pixels, for pictures that arrange panels themselves.
+///
+/// # Errors
+///
+/// [`ChartError`], as of [`figure_scene`]; bars, tiles and scales have rows of their own and are refused.
+pub fn panel_groups(
+    panel: &Panel,
+    cell: Rect,
+    palette: &Palette,
+) -> Result<Vec<Group>, ChartError> {
     let plot = Rect::new(
         cell.min + DVec2::new(LEFT, HEAD),
         cell.max - DVec2::new(RIGHT, FOOT),
     );
+    let framed = |plot: Rect, [x, y]: [[f64; 2]; 2], axes| Frame {
+        plot,
+        x,
+        y,
+        axes,
+        palette,
+    };
     match panel {
         Panel::Lines(chart) => {
             chart.check()?;
-            let [x, y] = chart.ranges();
-            let frame = Frame {
-                plot,
-                x,
-                y,
-                axes: [&chart.x, &chart.y],
-                palette,
-            };
+            let frame = framed(plot, chart.ranges(), [&chart.x, &chart.y]);
             let mut groups = vec![frame.grid()];
             groups.extend(lines::groups(chart, &frame));
             groups.push(frame.border(&chart.title));
@@ -205,17 +223,24 @@ fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Grou
         }
         Panel::Image(chart) => {
             chart.check()?;
-            let [x, y] = [chart.x.checked_range()?, chart.y.checked_range()?];
-            let frame = Frame {
-                plot: true_to_scale(chart, [x, y], plot),
-                x,
-                y,
-                axes: [&chart.x, &chart.y],
-                palette,
-            };
+            let ranges = [chart.x.checked_range()?, chart.y.checked_range()?];
+            let cells = [chart.columns, chart.values.len() / chart.columns];
+            let plot = true_to_scale(cells, ranges, plot);
+            let frame = framed(plot, ranges, [&chart.x, &chart.y]);
             let mut groups = image::groups(chart, &frame);
             groups.push(frame.border(&chart.title));
             Ok(groups)
+        }
+        Panel::Blank(chart) => {
+            chart.check()?;
+            let ranges = [chart.x.checked_range()?, chart.y.checked_range()?];
+            let image = |cells| true_to_scale(cells, ranges, plot);
+            let plot = chart.cells.map_or(plot, image);
+            let frame = framed(plot, ranges, [&chart.x, &chart.y]);
+            Ok(vec![
+                blank::words(&chart.why, &frame),
+                frame.border(&chart.title),
+            ])
         }
         Panel::Bars(_) | Panel::Tile(_) | Panel::Scale(_) => {
             Err(ChartError::Mixed("bars and tiles".to_owned()))
@@ -223,13 +248,12 @@ fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Grou
     }
 }
 
-/// Returns the largest plot within `plot` in which a unit is as long along both axes, so that circles are round; square cells are of
-/// whole pixels where these suffice.
-fn true_to_scale(chart: &ImageChart, [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
-    let rows = chart.values.len() / chart.columns;
+/// Returns the largest plot of so many columns and rows within `plot` in which a unit is as long along both axes, so that circles
+/// are round; square cells are of whole pixels where these suffice.
+fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let span = DVec2::new(x[1] - x[0], y[1] - y[0]);
     let unit = (plot.size() / span).min_element();
-    let cells = DVec2::new(chart.columns as f64, rows as f64);
+    let cells = DVec2::new(columns as f64, rows as f64);
     let mut cell = unit * span / cells;
     // Below a pixel, halves: pictures are often made at scale 2.
     if (cell.x / cell.y - 1.0).abs() < 1e-9 && cell.x >= 1.0 {

@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::palette::Palette;
-use crate::scene::{Group, Scene, Shape};
+use crate::scene::{Group, Rect, Scene, Shape};
 use crate::{to_png, to_svg};
 
 fn series(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
@@ -489,4 +489,64 @@ fn long_titles_of_tiles_are_made_to_fit_and_axes_and_scales_have_their_words() {
     let [low, high] = ["low", "high"].map(|name| place(name).at);
     assert!((low.y - high.y - 100.0).abs() < 1e-9 && low.x < wide.at.x);
     assert!(place("row").quarter_turns == 3 && place("3").at.x > place("power 0").at.x);
+}
+
+#[test]
+fn a_blank_chart_has_the_axes_of_the_chart_that_it_stands_for() {
+    let blank = |cells| BlankChart {
+        title: "Periodogram".to_owned(),
+        x: Axis::new("nu x").with_range(-1.0, 1.0),
+        y: Axis::new("nu y").with_range(-1.0, 1.0),
+        cells,
+        why: "1 sample stands; at least 2 are needed to be measured.".to_owned(),
+    };
+    let cell = Rect::new([10.0, 20.0], [310.0, 420.0]);
+    let drawn = |panel: &Panel| panel_groups(panel, cell, &Palette::LIGHT);
+    let named = |groups: &[Group], name: &str| {
+        let found = groups.iter().find(|group| group.name == name);
+        found.cloned()
+    };
+    let full = drawn(&Panel::Image(image())).unwrap();
+    let empty = drawn(&Panel::Blank(blank(Some([3, 3])))).unwrap();
+    assert_eq!(named(&empty, "axes"), named(&full, "axes"));
+    assert!(named(&full, "cells").is_some() && named(&empty, "cells").is_none());
+
+    // The words are in the plot, on more than one line where it is narrow.
+    let words = named(&empty, "nothing to show").unwrap().shapes;
+    assert!(words.len() > 1);
+    let Shape::Rect { rect: plot, .. } = named(&empty, "axes").unwrap().shapes[0] else {
+        panic!("a border");
+    };
+    for word in words {
+        let Shape::Text(text) = word else {
+            panic!("words");
+        };
+        assert!(plot.meets(&Rect::new(text.at, text.at + 1.0)), "{text:?}");
+    }
+
+    // A plot of curves takes all of its place.
+    let curves = drawn(&Panel::Blank(blank(None))).unwrap();
+    let Shape::Rect { rect, .. } = named(&curves, "axes").unwrap().shapes[0] else {
+        panic!("a border");
+    };
+    assert_eq!(panel_around(rect), cell);
+
+    let refused = Panel::Blank(blank(Some([0, 3])));
+    assert_eq!(
+        drawn(&refused),
+        Err(ChartError::Empty("Periodogram".to_owned()))
+    );
+    let without_range = BlankChart {
+        x: Axis::new("nu x"),
+        ..blank(None)
+    };
+    let refused = drawn(&Panel::Blank(without_range));
+    assert_eq!(refused, Err(ChartError::Range("nu x".to_owned())));
+    assert!(
+        drawn(&Panel::Bars(BarChart {
+            label: String::new(),
+            groups: Vec::new()
+        }))
+        .is_err()
+    );
 }

@@ -54,6 +54,8 @@ pub struct ExportForm {
     pub print: bool,
     /// Whether a legend is below a picture.
     pub legend: bool,
+    /// Whether the analysis of the moment is beside a picture.
+    pub analysis: bool,
     /// The number of scenes.
     pub scenes: usize,
     /// Whether an animation shows the whole run instead of the stage shown or the loop.
@@ -79,6 +81,7 @@ impl Default for ExportForm {
             scale: "1".to_owned(),
             print: false,
             legend: false,
+            analysis: false,
             scenes: 0,
             whole_run: false,
             clock: Clock::Event,

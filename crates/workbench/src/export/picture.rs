@@ -42,6 +42,7 @@ pub fn described(view: &PictureView) -> String {
         "layers": layers.unwrap_or_else(|| json!("those of the stage")),
         "colouring": view.colouring,
         "selection": view.selection,
+        "analysis": view.analysis,
         "palette": if view.is_dark() { "dark" } else { "light" },
     })
     .to_string()

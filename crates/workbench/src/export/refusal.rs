@@ -3,8 +3,9 @@
 
 use std::path::PathBuf;
 
-use tilescope_session::words::grouped;
+use tilescope_session::words::{counted, grouped};
 
+use super::beside::MAX_MEASURED;
 use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
 use super::frames::MAX_FRAMES;
 use super::picture::MAX_DRAWN;
@@ -76,6 +77,18 @@ pub enum ExportRefusal {
         frames: usize,
         /// The smallest number of ticks between frames that keeps the limit.
         enough: usize,
+    },
+    /// The analysis of so many pictures would take too long.
+    #[error(
+        "The analysis of {} with {} samples measures {} samples; the limit is {}. Fewer pictures, or none with the analysis, would do.",
+        counted(*.pictures, "picture", "pictures"), grouped(*.samples),
+        grouped(.pictures.saturating_mul(*.samples)), grouped(MAX_MEASURED)
+    )]
+    TooMuchMeasured {
+        /// Pictures, or frames.
+        pictures: usize,
+        /// Samples of the finished set.
+        samples: usize,
     },
     /// The picture, or a frame, would have too many pixels.
     #[error(

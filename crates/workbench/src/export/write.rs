@@ -6,13 +6,13 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::BrushedCause;
-use tilescope_drawing::picture::frame;
+use tilescope_drawing::picture::{PictureView, frame};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, to_pixels, to_png_controlled, to_svg, write_apng, write_gif,
+    AnimationError, FigureError, Scene, to_pixels, to_png_controlled, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
@@ -21,12 +21,14 @@ use tilescope_formats::{
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
 
+use super::beside::beside;
 use super::picture::{described, scene};
 use super::provenance::{method, parameter_map, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
+use tilescope_session::moment::Moment;
 use tilescope_sets::{point_set, region};
 
 /// The longest animation that is made in memory, in bytes.
@@ -313,7 +315,10 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         monitor.set_activity(&activity);
         monitor.set_fraction(index as f32 / count as f32);
         go_on(monitor)?;
-        let drawn = scene(&job.session, shown, causes.as_ref());
+        let mut drawn = scene(&job.session, shown, causes.as_ref());
+        if shown.view.analysis {
+            add_analysis(job, shown.moment, &shown.view, &mut drawn, monitor)?;
+        }
         monitor.set_fraction((index as f32 + 0.3) / count as f32);
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {
@@ -327,6 +332,20 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
     }
     go_on(monitor)?;
     Ok(files)
+}
+
+/// Measures a moment and draws its analysis beside its picture.
+fn add_analysis(
+    job: &ExportJob,
+    moment: Moment,
+    view: &PictureView,
+    picture: &mut Scene,
+    monitor: &Monitor,
+) -> Result<(), FigureError> {
+    // The fraction done is that of all pictures, not of one measure.
+    let found = beside(&job.session.0, moment, &|_| flow(monitor));
+    let found = found.map_err(|_| FigureError::Cancelled)?;
+    Ok(found.draw(view, picture)?)
 }
 
 /// Returns the content of an export that has no samples.
@@ -357,7 +376,14 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     let range = described_range(cursors, *clock, *every, *delay);
     metadata.push(("Range".to_owned(), range));
     metadata.push(("View".to_owned(), described(view)));
-    let draw = |&cursor: &usize| to_pixels(&frame(session, cursor, view), *scale);
+    let draw = |&cursor: &usize| {
+        let mut drawn = frame(session, cursor, view);
+        if view.analysis {
+            let moment = Moment::at(session, cursor);
+            add_analysis(job, moment, view, &mut drawn, monitor)?;
+        }
+        to_pixels(&drawn, *scale)
+    };
     let mut tell = |done: usize, all: usize| {
         monitor.set_activity(&format!("frame {done} of {all}"));
         monitor.set_fraction(done as f32 / all.max(1) as f32);

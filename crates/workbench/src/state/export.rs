@@ -19,6 +19,7 @@ use tilescope_session::words::{counted, grouped};
 use super::effects::{Context, Effect};
 use super::{RunView, State, Time};
 use crate::appearance::Appearance;
+use crate::export::beside::too_much;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::{MAX_DRAWN, size_refusal};
 use crate::export::{
@@ -160,11 +161,13 @@ impl Exports {
             ExportKind::Samples => Ok(source.moment_name()),
             ExportKind::Picture => {
                 let (shown, scale) = checked_view(form, source)?;
+                check_measured(form, session, 1)?;
                 let size = size_text(&shown.view, scale);
                 Ok(format!("{}, {size}", source.moment_name()))
             }
             ExportKind::Scenes => {
                 let (shown, scale) = checked_scenes(form, source)?;
+                check_measured(form, session, shown.len())?;
                 let pictures = counted(shown.len(), "picture", "pictures");
                 let left = form.scenes.saturating_sub(shown.len());
                 let left = match left {
@@ -178,6 +181,7 @@ impl Exports {
                 let (shown, scale) = checked_view(form, source)?;
                 let size = size_text(&shown.view, scale);
                 let frames = self.frame_count(form, source)?;
+                check_measured(form, session, frames)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
                 Ok(format!(
                     "{frames} frames of at most {MAX_FRAMES}, {size}, {secs:.1} s"
@@ -360,6 +364,7 @@ impl ExportSource<'_> {
             print,
             caption: self.caption.unwrap_or_default().to_owned(),
             legend: None,
+            analysis: false,
         })
     }
 
@@ -387,6 +392,7 @@ fn checked_view(
     let moment = source.run.moment().ok_or(ExportRefusal::NoSession)?;
     let mut view = source.view(form.kind, form.print)?;
     view.legend = form.legend.then(|| source.legend(form.kind, moment.stage));
+    view.analysis = form.analysis;
     let shown = MomentView { moment, view };
     let scale = checked_scale(form, source, &shown.view)?;
     Ok((shown, scale))
@@ -409,6 +415,7 @@ fn checked_scenes(
     let mut scale = Err(ExportRefusal::NoScenes);
     for MomentView { moment, view } in &mut shown {
         view.print = form.print;
+        view.analysis = form.analysis;
         let layers = view.layers(moment.stage);
         view.legend = form.legend.then(|| Legend {
             layers,
@@ -437,6 +444,16 @@ fn checked_scale(
     size_refusal(view, scale, animated).map_or(Ok(scale), Err)
 }
 
+/// Refuses the analysis of too many pictures of a session.
+fn check_measured(
+    form: &ExportForm,
+    session: &Session,
+    pictures: usize,
+) -> Result<(), ExportRefusal> {
+    let refusal = too_much(session, pictures).filter(|_| form.analysis);
+    refusal.map_or(Ok(()), Err)
+}
+
 /// Returns the size of a picture in words.
 fn size_text(view: &PictureView, scale: f64) -> String {
     let [width, height] = view.pixels(scale).map(grouped);
@@ -459,6 +476,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
         ExportCommand::Precision(precision) => form.precision = precision,
         ExportCommand::Print(print) => form.print = print,
         ExportCommand::Legend(legend) => form.legend = legend,
+        ExportCommand::Analysis(analysis) => form.analysis = analysis,
         ExportCommand::Type(NumberField::Scale, text) => form.scale = text,
         ExportCommand::Type(NumberField::Every, text) => form.every = text,
         ExportCommand::Type(NumberField::Delay, text) => form.delay = text,

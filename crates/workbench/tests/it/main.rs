@@ -6,6 +6,7 @@ mod combine;
 mod combine_refusals;
 mod combining;
 mod export;
+mod export_analysis;
 mod export_refusals;
 mod exporting;
 mod files_in_memory;

@@ -1,0 +1,69 @@
+//! Spectra as charts, for reports and for pictures of moments: a periodogram as a grid of grey cells, and curves over the
+//! frequency. `tilescope_figures` draws them.
+
+use tilescope_analysis::measures::Spectrum;
+use tilescope_figures::chart::{Axis, ImageChart, Level, LineChart, Series};
+
+/// Power drawn black in a periodogram; zero is white.
+pub const BLACK: f64 = 3.0;
+
+/// Returns the periodogram of a spectrum, as it is printed: dark ink where much power is.
+#[must_use]
+pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
+    let picture = &spectrum.picture;
+    let [x, y] = spectrum.picture_reach;
+    let each = match [picture.side, picture.row_side] {
+        [1, 1] => String::new(),
+        [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),
+    };
+
+    let middle = picture.power.len() / 2;
+    let is_absent = !picture.power[middle].is_finite();
+    ImageChart {
+        title,
+        x: Axis::new(format!("\u{3bd} along x; white 0, black {BLACK} and above"))
+            .with_range(-x, x),
+        y: Axis::new(format!("\u{3bd} along y{each}")).with_range(-y, y),
+        columns: picture.size,
+        values: picture.power.clone(),
+        clamp: [0.0, BLACK],
+        absent: is_absent.then_some(middle),
+    }
+}
+
+/// Returns a periodogram as a window shows it in the dark: light where much power is.
+#[must_use]
+pub fn on_dark(printed: ImageChart) -> ImageChart {
+    // The lower end of the scale is white: negative powers turn it round.
+    let values = printed.values.into_iter().map(|power| -power);
+    ImageChart {
+        x: Axis {
+            label: format!("\u{3bd} along x; black 0, white {BLACK} and above"),
+            ..printed.x
+        },
+        values: values.collect(),
+        clamp: [-BLACK, 0.0],
+        ..printed
+    }
+}
+
+/// Returns the radial mean power of spectra, over frequencies in the unit that `frequency` names.
+#[must_use]
+pub fn radial_mean(frequency: &str, y: Axis, series: Vec<Series>) -> LineChart {
+    let (name, title) = ("white noise".to_owned(), "Radial mean power");
+    chart(title, frequency, y, series, vec![Level { name, y: 1.0 }])
+}
+
+/// Returns a chart whose horizontal axis begins at 0 and ends with its longest curve.
+#[must_use]
+pub fn chart(title: &str, x: &str, y: Axis, series: Vec<Series>, levels: Vec<Level>) -> LineChart {
+    let ends = series.iter().filter_map(|series| series.points.last());
+    let end = ends.map(|point| point[0]).fold(0.0, f64::max);
+    LineChart {
+        title: title.to_owned(),
+        x: Axis::new(x).with_range(0.0, end),
+        y,
+        levels,
+        series,
+    }
+}
