@@ -23,6 +23,8 @@ use crate::error::FigureError;
 pub enum Look {
     /// One of a cycle of 60 combinations, by its number.
     Numbered(usize),
+    /// The only one of its chart: solid, without marks, which would hop from frame to frame of an animation.
+    Alone,
     /// What others are held against: dashed, in the colour of text, without marks.
     Reference,
 }

@@ -137,7 +137,7 @@ impl Beside {
         let power = format!("power P(\u{3bd}), cut off at {BLACK}");
         let series = Series {
             name: self.name.clone(),
-            look: Look::Numbered(0),
+            look: Look::Alone,
             points: self.spectrum.power(),
             band: None,
         };

@@ -212,6 +212,7 @@ pub fn panel_groups(
         axes,
         palette,
     };
+
     match panel {
         Panel::Lines(chart) => {
             chart.check()?;

@@ -28,12 +28,16 @@ pub(super) struct Drawn {
 
 /// Returns how a series is drawn.
 pub(super) fn drawn(look: Look, palette: &Palette) -> Drawn {
-    let Look::Numbered(number) = look else {
-        return Drawn {
-            stroke: Stroke::new(palette.text, 2.0).dashed(9.0, 5.0),
-            marker: None,
-        };
+    let without_marks = |stroke| Drawn {
+        stroke,
+        marker: None,
     };
+    let number = match look {
+        Look::Numbered(number) => number,
+        Look::Reference => return without_marks(Stroke::new(palette.text, 2.0).dashed(9.0, 5.0)),
+        Look::Alone => return without_marks(Stroke::new(palette.detector, 1.6)),
+    };
+
     let colors: [Color; 6] = [
         palette.detector,
         palette.conflict,

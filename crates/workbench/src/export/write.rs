@@ -304,6 +304,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
     };
     let causes = causes.map(|cause| BrushedCause { serial: 0, cause });
     let count = shown.len();
+
     let mut files = Vec::new();
     for (index, shown) in shown.iter().enumerate() {
         let (path, activity) = if is_one {
@@ -376,6 +377,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     let range = described_range(cursors, *clock, *every, *delay);
     metadata.push(("Range".to_owned(), range));
     metadata.push(("View".to_owned(), described(view)));
+
     let draw = |&cursor: &usize| {
         let mut drawn = frame(session, cursor, view);
         if view.analysis {
@@ -389,6 +391,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
         monitor.set_fraction(done as f32 / all.max(1) as f32);
         flow(monitor)
     };
+
     let frames = cursors.iter().map(draw);
     match extension(&job.path).as_deref() {
         Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,

@@ -156,6 +156,7 @@ impl Exports {
         if let Some(refusal) = refusal.or_else(|| form.name_refusal()) {
             return Err(refusal);
         }
+
         match form.kind {
             ExportKind::Result => Ok(counted(session.summary.count, "sample", "samples")),
             ExportKind::Samples => Ok(source.moment_name()),
@@ -351,6 +352,7 @@ impl ExportSource<'_> {
             _ => self.run.camera,
         };
         let size = self.run.viewport.size();
+
         Ok(PictureView {
             camera,
             size: [size.x, size.y].map(f64::from),
@@ -412,6 +414,7 @@ fn checked_scenes(
     let mut shown: Vec<MomentView> = scenes
         .filter_map(|scene| view_of_scene(session, debugger, scene, canvas.size, canvas.dark))
         .collect();
+
     let mut scale = Err(ExportRefusal::NoScenes);
     for MomentView { moment, view } in &mut shown {
         view.print = form.print;

@@ -260,7 +260,7 @@ fn an_svg_has_the_visible_layers_and_the_parameters() {
 }
 
 /// The frames' delays, whether any two consecutive frames differ, and the comments of a GIF.
-fn decode_gif(path: &Path) -> (Vec<u16>, bool, String) {
+pub fn decode_gif(path: &Path) -> (Vec<u16>, bool, String) {
     let bytes = fs::read(path).unwrap();
     let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
     let (mut delays, mut last, mut moves) = (Vec::new(), None, false);

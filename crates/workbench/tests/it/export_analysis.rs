@@ -26,6 +26,7 @@ use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, Numb
 use tilescope_workbench::script::{self, ScriptError};
 use tilescope_workbench::{Command, State};
 
+use crate::export::decode_gif;
 use crate::exporting::{export, export_view, fill_in, notice_text, opened};
 
 fn session(state: &State) -> Arc<Session> {
@@ -320,8 +321,7 @@ fn a_script_writes_the_bytes_of_the_window() {
     let folder = tempfile::tempdir().expect("a folder");
     let [by_window, by_script] = ["window.gif", "script.gif"].map(|name| folder.path().join(name));
     let mut state = opened();
-    let view = &state.runs().first;
-    let (viewport, center, scale) = (view.viewport, view.camera.center, view.camera.scale);
+    let viewport = state.runs().first.viewport;
     let commands = |path: &Path| {
         let path = path.to_string_lossy().into_owned();
         let typed =
@@ -348,7 +348,7 @@ fn a_script_writes_the_bytes_of_the_window() {
         Command::Form(FormCommand::Type(Parameter::Leaf, "8".to_owned())),
         Command::Run,
         of_view(ViewCommand::Viewport(viewport)),
-        of_view(ViewCommand::FlyTo(center, scale)),
+        of_view(ViewCommand::FlyTo([25.0, 20.0].into(), 30.0)),
     ];
     let script: Vec<Command> = before.into_iter().chain(commands(&by_script)).collect();
     let script = serde_json::to_string(&script).expect("a script");
@@ -362,4 +362,42 @@ fn a_script_writes_the_bytes_of_the_window() {
         "{}",
         window.len()
     );
+}
+
+#[test]
+fn the_first_picture_of_the_readme_is_that_of_its_script() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/pictures");
+    let text = fs::read_to_string(folder.join("spectrum.json")).expect("a script");
+    let commands = script::read(&text).expect("commands");
+    let range = commands.iter().find_map(|command| match command {
+        Command::Time(TimeCommand::Loop(range)) => range.clone(),
+        _ => None,
+    });
+    let typed = |wanted| {
+        let found = commands.iter().find_map(|command| match command {
+            Command::Export(ExportCommand::Type(field, text)) if *field == wanted => {
+                text.parse::<usize>().ok()
+            }
+            _ => None,
+        });
+        found.expect("a number")
+    };
+    let [every, delay] = [NumberField::Every, NumberField::Delay].map(typed);
+    let range = range.expect("a loop");
+
+    let path = folder.join("spectrum.gif");
+    let (delays, moves, comments) = decode_gif(&path);
+    let frames = (range.len() - 1) / every + 2;
+    assert_eq!(delays, vec![(delay / 10) as u16; frames]);
+    assert!(moves && comments.contains("\"analysis\":true"), "{comments}");
+    for part in [
+        format!("\"start\":{},", range.start),
+        format!("\"end\":{},", range.end),
+        format!("\"every\":{every},"),
+    ] {
+        assert!(comments.contains(&part), "{part}: {comments}");
+    }
+    // The page of a repository shows it at once.
+    let bytes = fs::metadata(path).expect("a file").len();
+    assert!(bytes <= 1_500_000, "{bytes}");
 }
