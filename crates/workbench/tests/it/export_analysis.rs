@@ -389,7 +389,10 @@ fn the_first_picture_of_the_readme_is_that_of_its_script() {
     let (delays, moves, comments) = decode_gif(&path);
     let frames = (range.len() - 1) / every + 2;
     assert_eq!(delays, vec![(delay / 10) as u16; frames]);
-    assert!(moves && comments.contains("\"analysis\":true"), "{comments}");
+    assert!(
+        moves && comments.contains("\"analysis\":true"),
+        "{comments}"
+    );
     for part in [
         format!("\"start\":{},", range.start),
         format!("\"end\":{},", range.end),
