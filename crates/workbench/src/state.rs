@@ -206,7 +206,7 @@ impl State {
             }
             Some(before) if self.appearance.follows_events => {
                 self.on(Which::First, |run, context| {
-                    run.follow_event(before, context)
+                    run.follow_event(before, context);
                 });
             }
             Some(_) | None => {}

@@ -35,7 +35,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         ("Export picture of this moment\u{2026}", ExportKind::Picture),
         ("Export animation\u{2026}", ExportKind::Animation),
     ] {
-        let refusal = ExportSource::of(&state).kind_refusal(kind);
+        let refusal = ExportSource::of(state).kind_refusal(kind);
         let refusal = refusal.map(|refusal| refusal.to_string());
         let action = toggle(list, name, sheet(kind), refusal.as_deref());
         match kind {

@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let mut sheet = Sheet {
         exports: &state.files().exports,
-        source: ExportSource::of(&state),
+        source: ExportSource::of(state),
         in_browser: state.files().in_browser(),
         form,
         palette: Palette::of(state.appearance().look),

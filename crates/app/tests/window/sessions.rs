@@ -50,7 +50,7 @@ fn a_session_is_opened_where_it_was_left() {
     );
     go(&mut other, Purpose::Open, &path);
     let state = &other.state().state;
-    let after = SaveTask::of(&state).run.expect("a session");
+    let after = SaveTask::of(state).run.expect("a session");
     assert_eq!(after, before);
     assert!(
         state

@@ -74,7 +74,7 @@ impl State {
         let is_fast = self.time.playback.is_fast(TRANSITION_SECS);
         if !is_fast && self.appearance.follows_events {
             self.on(Which::First, |run, context| {
-                run.follow_event(cursor, context)
+                run.follow_event(cursor, context);
             });
         }
         let shows_events = self.window.shows(Panel::Events);
@@ -193,7 +193,7 @@ impl State {
         self.finish_sampling(Which::First, made);
         let with_geometry = self.runs.first.wants_geometry(&self.appearance);
         self.on(Which::First, |run, context| {
-            run.settle(with_geometry, context)
+            run.settle(with_geometry, context);
         });
         while self.time.continuing.is_some() {
             self.with(|state, context| {
@@ -205,7 +205,7 @@ impl State {
         self.finish_sampling(Which::Second, made);
         let with_geometry = self.runs.first.wants_geometry(&self.appearance);
         self.on(Which::Second, |run, context| {
-            run.settle(with_geometry, context)
+            run.settle(with_geometry, context);
         });
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);
@@ -373,13 +373,12 @@ impl State {
             self.remember_run(UndoPart::Everything);
         }
         self.form.own_pattern = None;
-        let made = match content.combination.clone() {
-            Some(layout) => Made::Combination(layout),
-            None => {
-                let draft = Draft::from_parameters(content.parameters);
-                self.form.draft = draft.with_nesting(content.nested);
-                Made::Run(content.recipe())
-            }
+        let made = if let Some(layout) = content.combination.clone() {
+            Made::Combination(layout)
+        } else {
+            let draft = Draft::from_parameters(content.parameters);
+            self.form.draft = draft.with_nesting(content.nested);
+            Made::Run(content.recipe())
         };
         self.messages.warn(&warnings);
         self.runs.arriving = Some(Box::new(Arriving { content, warnings }));

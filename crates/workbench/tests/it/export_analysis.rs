@@ -393,13 +393,17 @@ fn the_first_picture_of_the_readme_is_that_of_its_script() {
         moves && comments.contains("\"analysis\":true"),
         "{comments}"
     );
-    for part in [
-        format!("\"start\":{},", range.start),
-        format!("\"end\":{},", range.end),
-        format!("\"every\":{every},"),
-    ] {
-        assert!(comments.contains(&part), "{part}: {comments}");
-    }
+    let stated = serde_json::json!({
+        "start": range.start,
+        "end": range.end,
+        "frames": frames,
+        "clock": "event",
+        "every": every,
+        "delay_ms": delay,
+    });
+    let stated = format!("Range: {stated}");
+    assert!(comments.contains(&stated), "{stated}: {comments}");
+
     // The page of a repository shows it at once.
     let bytes = fs::metadata(path).expect("a file").len();
     assert!(bytes <= 1_500_000, "{bytes}");

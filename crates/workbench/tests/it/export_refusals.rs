@@ -25,7 +25,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 /// The sheet's description of the export, or its refusal.
 fn prospect(state: &State) -> Result<String, ExportRefusal> {
-    state.files().exports.prospect(ExportSource::of(&state))
+    state.files().exports.prospect(ExportSource::of(state))
 }
 
 #[test]

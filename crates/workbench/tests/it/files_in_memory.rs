@@ -402,7 +402,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
 
 /// Makes the sheet's export in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
-    let order = state.files().exports.job(ExportSource::of(&state)).unwrap();
+    let order = state.files().exports.job(ExportSource::of(state)).unwrap();
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
     let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
         write::render(&order, monitor).expect("files in memory")

@@ -193,7 +193,7 @@ fn every_sample_is_drawn_by_its_status() {
 
 /// Checks that the picture of the moment can be written, names the moment, and is clipped to its frame.
 fn check_picture(state: &State) {
-    let view = ExportSource::of(&state).view(ExportKind::Picture, false);
+    let view = ExportSource::of(state).view(ExportKind::Picture, false);
     let view = view.expect("a canvas");
     let session = state.runs().first.session.as_ref().expect("a session");
     let moment = state.runs().first.moment().expect("a moment");

@@ -153,7 +153,7 @@ fn lines_belong_to_their_step_and_are_kept_only_on_request() {
     assert_eq!(state.classroom.strokes().len(), 1);
     talk(&mut state, TalkCommand::Next);
     assert!(state.classroom.strokes().is_empty());
-    let saved = |state: &State| SaveTask::of(&state).run.unwrap().view.get("talk").cloned();
+    let saved = |state: &State| SaveTask::of(state).run.unwrap().view.get("talk").cloned();
     assert_eq!(saved(&state), None);
     talk(&mut state, TalkCommand::Keep(true));
     let view = serde_json::json!({ "talk": saved(&state).unwrap() });
