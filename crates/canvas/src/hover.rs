@@ -157,8 +157,7 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     if shown.stage < Stage::Eliminate || !is_inside || shown.prefix.is_some() {
         return None;
     }
-    let tessellation = subject.geometry.of(shown)?;
-    let gap = &tessellation.gaps[tessellation.gap_at(position)?];
+    let gap = subject.geometry.gap_at(shown, position)?;
     let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
         Edge::Line { from, .. } => from,
         Edge::Arc {

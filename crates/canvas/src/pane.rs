@@ -29,7 +29,7 @@ pub struct Pane {
     swatches: Swatches,
     /// Samples on the GPU. `None`: without a device, or if they do not fit, samples are drawn as meshes.
     resident: Option<Resident>,
-    kept: KeptShapes<(MadeFrom, bool)>,
+    kept: KeptShapes<(MadeFrom, [bool; 2])>,
     gaps: PanePicture,
     points: PanePicture,
     edges: Edges,
@@ -71,8 +71,11 @@ impl Pane {
     fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: PixelGrid) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, LooksKey::of(subject, palette));
-        let triangulated = subject.geometry.of(&scene.shown).is_some();
-        let old = self.kept.follow((made_from, triangulated));
+        let is_known = [
+            subject.geometry.borders(&scene.shown).is_some(),
+            subject.geometry.of(&scene.shown).is_some(),
+        ];
+        let old = self.kept.follow((made_from, is_known));
         self.sprites.take_back(old);
         self.swatches.follow(subject, palette);
         let looks = Looks::new(subject, palette, &self.swatches);

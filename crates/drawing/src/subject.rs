@@ -31,7 +31,7 @@ pub struct Subject<'a> {
     pub place: Option<DVec2>,
     /// The witness of a verdict that the user flew to.
     pub witness_mark: Option<WitnessMark>,
-    /// The triangulation of the moment, as far as it is known.
+    /// The gaps and the triangulation of the moment, as far as they are known.
     pub geometry: &'a Geometry,
     /// The samples that only one of two compared runs has.
     pub contrast: Option<Contrast<'a>>,

@@ -1,21 +1,27 @@
-//! The triangulation at the current moment: Delaunay triangles, Voronoi edges and exact gaps of the samples
-//! that cover their disks, and the exposed arcs of their circles. `tilescope_analysis` computes it in the background; no
-//! verdict depends on it. Begin with [`Geometry::want`].
+//! What the disks of a moment leave uncovered, and its triangulation. The exposed arcs of the samples' circles say where a gap
+//! lies, at each moment. Delaunay triangles, Voronoi edges and the exact regions of gaps take ten times as long: they are
+//! made while a layer shows them or someone points at a gap. `tilescope_analysis` computes both in the background; no verdict
+//! depends on them. Begin with [`Geometry::want`].
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::DVec2;
-use tilescope_analysis::{COVERING_TOLERANCE, Region, Tessellation, exposed_arcs};
+use glam::{DVec2, dvec2};
+use tilescope_analysis::tessellation::GapRegion;
+use tilescope_analysis::{COVERING_TOLERANCE, Tessellation, exposed_arcs};
 use tilescope_sets::region_in_radii;
 
-use crate::jobs::{Job, Monitor, Wake};
-use crate::moment::ShownMoment;
+use crate::jobs::{Job, Monitor, Portable, Wake};
+use crate::moment::{Moment, ShownMoment, Still};
+use crate::session::Session;
 use crate::task::{self, Task};
 
 /// The most samples that are triangulated for the canvas; more would take seconds at each moment.
 pub const MAX_SAMPLES: usize = 200_000;
+/// The most samples whose circles are looked at for the canvas; more would take a second at each moment.
+pub const MAX_CIRCLES: usize = 1_000_000;
 
 /// A session's generation and a cursor.
 pub type Key = (u64, usize);
@@ -31,55 +37,187 @@ pub struct ExposedArc {
     pub angles: [f64; 2],
 }
 
-/// The triangulation and the exposed arcs of a moment.
-#[derive(serde::Serialize, serde::Deserialize)]
-pub struct Nets {
-    tessellation: Tessellation,
-    exposed: Vec<ExposedArc>,
+/// The borders of all gaps of a moment: nothing, exactly when the disks cover the domain.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct GapBorders {
+    /// The exposed arcs, by sample.
+    pub arcs: Vec<ExposedArc>,
+    /// The parts of a bounded domain's border that lie in no disk.
+    pub lines: Vec<[DVec2; 2]>,
 }
 
-impl Nets {
-    /// Returns the nets of samples; `None` if they cannot be triangulated.
-    fn of(ids: &[u32], points: &[[f64; 2]], region: Region) -> Option<Self> {
+impl GapBorders {
+    /// Returns the borders of the gaps at a moment.
+    fn of(session: &Session, moment: Moment) -> Self {
+        let (ids, points) = covering(session, moment);
+        let region = region_in_radii(&session.run().domain);
         let go_on = |_| ControlFlow::Continue(());
-        let arcs = exposed_arcs(points, region, 1.0 + COVERING_TOLERANCE, &go_on);
-        let exposed = arcs.unwrap_or_default().into_iter();
-        let exposed = exposed.map(|arc| ExposedArc {
+        let arcs = exposed_arcs(&points, region, LIMIT, &go_on);
+        let arcs = arcs.unwrap_or_default().into_iter();
+        let arcs = arcs.map(|arc| ExposedArc {
             id: ids[arc.sample],
             center: points[arc.sample].into(),
             angles: [arc.from, arc.to],
         });
-        Some(Self {
-            tessellation: Tessellation::of(points, region, 1.0).ok()?,
-            exposed: exposed.collect(),
-        })
+        Self {
+            arcs: arcs.collect(),
+            lines: bare_border(session, moment),
+        }
     }
 }
 
-/// The triangulation of the moment, as far as it is known.
-#[derive(Default)]
-pub struct Geometry {
-    work: Option<(Key, Job<Option<Nets>>)>,
-    ready: Option<(Key, Arc<Nets>)>,
-    /// The last moment that could not be triangulated.
-    failed: Option<Key>,
+/// The radius of disks, in r: what is uncovered by less than the tolerance of the verdict is no gap.
+const LIMIT: f64 = 1.0 + COVERING_TOLERANCE;
+
+/// Returns the parts of a bounded domain's border that lie in no disk.
+fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
+    if session.run().domain.is_periodic() {
+        return Vec::new();
+    }
+    let size = session.size_radii();
+    let corners = [DVec2::ZERO, dvec2(size.x, 0.0), size, dvec2(0.0, size.y)];
+    let sides = [0, 1, 2, 3].map(|k| [corners[k], corners[(k + 1) % 4]]);
+
+    let mut bare = Vec::new();
+    for [from, to] in sides {
+        let (along, length) = ((to - from).normalize(), from.distance(to));
+        let mut covered = Vec::new();
+        session
+            .index
+            .visit(from.min(to), from.max(to), LIMIT, |seen| {
+                let offset = seen.position - from;
+                let half = (LIMIT * LIMIT - along.perp_dot(offset).powi(2)).sqrt();
+                // Too far from the side for its disk to reach it: the root of a negative number is no number.
+                if half.is_finite() && moment.covers(session, seen.id) {
+                    let middle = along.dot(offset);
+                    covered.push([middle - half, middle + half]);
+                }
+            });
+        let open = between(covered, length).into_iter();
+        bare.extend(open.map(|ends| ends.map(|at| from + along * at)));
+    }
+    bare
 }
 
-/// Triangulates samples, in r.
-#[derive(serde::Serialize, serde::Deserialize)]
-pub struct TriangulateTask {
-    ids: Vec<u32>,
-    points: Vec<[f64; 2]>,
-    region: Region,
+/// Returns the parts of the line from 0 to `length` that lie in none of these intervals.
+fn between(mut covered: Vec<[f64; 2]>, length: f64) -> Vec<[f64; 2]> {
+    covered.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    covered.push([length, length]);
+    let (mut open, mut end) = (Vec::new(), 0.0);
+    for [from, to] in covered {
+        let from = from.min(length);
+        if from > end {
+            open.push([end, from]);
+        }
+        end = to.max(end);
+    }
+    open
 }
+
+/// Finds the borders of the gaps of a moment.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct ExposeTask(Still);
+
+impl Task for ExposeTask {
+    type Outcome = GapBorders;
+    const NAME: &'static str = "look for gaps";
+
+    fn run(self, _: &Monitor) -> Self::Outcome {
+        GapBorders::of(self.0.session(), self.0.moment())
+    }
+}
+
+/// Triangulates the samples of a moment, in r.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct TriangulateTask(Still);
 
 impl Task for TriangulateTask {
-    type Outcome = Option<Nets>;
+    type Outcome = Option<Tessellation>;
     const NAME: &'static str = "triangulate";
 
     fn run(self, _: &Monitor) -> Self::Outcome {
-        Nets::of(&self.ids, &self.points, self.region)
+        triangulated(self.0.session(), self.0.moment())
     }
+}
+
+/// Returns the triangulation of a moment; `None` if its samples have none.
+fn triangulated(session: &Session, moment: Moment) -> Option<Tessellation> {
+    let (_, points) = covering(session, moment);
+    Tessellation::of(&points, region_in_radii(&session.run().domain), 1.0).ok()
+}
+
+/// What was computed last of a moment, and what is being computed.
+struct Latest<T> {
+    work: Option<(Key, Job<T>)>,
+    ready: Option<(Key, T)>,
+    /// The last moment at which it could not be computed.
+    failed: Option<Key>,
+}
+
+impl<T> Default for Latest<T> {
+    fn default() -> Self {
+        Self {
+            work: None,
+            ready: None,
+            failed: None,
+        }
+    }
+}
+
+impl<T: Portable> Latest<T> {
+    fn of(&self, key: Key) -> Option<&T> {
+        let (of, ready) = self.ready.as_ref()?;
+        (*of == key).then_some(ready)
+    }
+
+    /// Takes what is finished, and starts `job` for a moment unless that is known or another one is at work. Called once per
+    /// frame, it ends with the last moment.
+    fn want(&mut self, key: Key, job: impl FnOnce() -> Option<Job<T>>) {
+        self.poll();
+        if self.of(key).is_some() || self.work.is_some() || self.failed == Some(key) {
+            return;
+        }
+        match job() {
+            Some(job) => self.work = Some((key, job)),
+            None => self.failed = Some(key),
+        }
+    }
+
+    fn poll(&mut self) {
+        let work = self.work.as_ref();
+        if let Some((key, outcome)) = work.and_then(|(key, job)| Some((*key, job.poll()?))) {
+            self.work = None;
+            self.take(key, outcome);
+        }
+    }
+
+    fn take(&mut self, key: Key, outcome: Result<T, String>) {
+        match outcome {
+            Ok(found) => self.ready = Some((key, found)),
+            Err(_) => self.failed = Some(key),
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn settle(&mut self) {
+        if let Some((key, job)) = self.work.take() {
+            let outcome = job.wait();
+            self.take(key, outcome);
+        }
+    }
+}
+
+/// The gaps and the triangulation of the moment, as far as they are known.
+#[derive(Default)]
+pub struct Geometry {
+    borders: Latest<GapBorders>,
+    net: Latest<Option<Tessellation>>,
+    /// The moment of the call before.
+    at: Option<Key>,
+    /// Whether someone asked about a gap since then.
+    is_asked: AtomicBool,
+    /// Calls for another frame, in which what was asked is computed.
+    wake: Option<Wake>,
 }
 
 /// Returns the key of a moment.
@@ -89,16 +227,19 @@ pub fn key_of(shown: &ShownMoment<'_>) -> Key {
 }
 
 impl Geometry {
-    /// Returns the triangulation of a moment, computed at once; empty where there is none or there are too many
+    /// Returns the gaps of a moment, computed at once, and its triangulation if `with_net`; empty where there are too many
     /// samples.
     #[must_use]
-    pub fn computed(shown: &ShownMoment<'_>) -> Self {
+    pub fn computed(shown: &ShownMoment<'_>, with_net: bool) -> Self {
+        let (key, count) = (key_of(shown), shown.session.run().samples.len());
         let mut geometry = Self::default();
-        if shown.session.run().samples.len() <= MAX_SAMPLES {
-            let (ids, points) = covering(shown);
-            let region = region_in_radii(&shown.session.run().domain);
-            let nets = Nets::of(&ids, &points, region);
-            geometry.take(key_of(shown), Ok(nets));
+        if count <= MAX_CIRCLES {
+            let borders = GapBorders::of(shown.session, shown.moment());
+            geometry.borders.take(key, Ok(borders));
+        }
+        if with_net && count <= MAX_SAMPLES {
+            let net = triangulated(shown.session, shown.moment());
+            geometry.net.take(key, Ok(net));
         }
         geometry
     }
@@ -106,20 +247,48 @@ impl Geometry {
     /// Returns the triangulation of a moment, in r, if that is the one computed last.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Tessellation> {
-        Some(&self.known(shown)?.tessellation)
+        self.net.of(key_of(shown))?.as_ref()
     }
 
-    /// Returns the exposed arcs of a moment, if it is the one computed last, by sample.
+    /// Returns the borders of the gaps of a moment, if it is the one computed last.
     #[must_use]
-    pub fn exposed(&self, shown: &ShownMoment<'_>) -> Option<&[ExposedArc]> {
-        Some(&self.known(shown)?.exposed)
+    pub fn borders(&self, shown: &ShownMoment<'_>) -> Option<&GapBorders> {
+        self.borders.of(key_of(shown))
+    }
+
+    /// Returns whether a place lies in no disk, at a moment whose gaps are known.
+    #[must_use]
+    pub fn is_gap(&self, shown: &ShownMoment<'_>, place: DVec2) -> bool {
+        let mut is_covered = false;
+        shown.session.index.visit(place, place, 1.0, |seen| {
+            is_covered |= seen.position.distance(place) <= 1.0 && shown.covers(seen.id);
+        });
+        !is_covered && self.borders(shown).is_some()
+    }
+
+    /// Returns the gap that holds a place. If there is one and its extent is not known yet, it will be once the moment rests.
+    #[must_use]
+    pub fn gap_at(&self, shown: &ShownMoment<'_>, place: DVec2) -> Option<&GapRegion> {
+        if !self.is_gap(shown, place) {
+            return None;
+        }
+        let Some(net) = self.net.of(key_of(shown)) else {
+            let was_asked = self.is_asked.swap(true, Ordering::Relaxed);
+            if let Some(wake) = self.wake.as_ref().filter(|_| !was_asked) {
+                wake();
+            }
+            return None;
+        };
+        let net = net.as_ref()?;
+        Some(&net.gaps[net.gap_at(place)?])
     }
 
     /// Returns how much of a sample's circle is exposed at a moment, in degrees, if it is the moment computed last.
     #[must_use]
     pub fn exposed_degrees(&self, shown: &ShownMoment<'_>, id: u32) -> Option<f64> {
-        let arcs = self.exposed(shown)?.iter().filter(|arc| arc.id == id);
-        let sum = arcs.fold(0.0, |sum, arc| sum + arc.angles[1] - arc.angles[0]);
+        let arcs = &self.borders(shown)?.arcs;
+        let own = arcs.iter().filter(|arc| arc.id == id);
+        let sum = own.fold(0.0, |sum, arc| sum + arc.angles[1] - arc.angles[0]);
         Some(sum.to_degrees())
     }
 
@@ -128,7 +297,8 @@ impl Geometry {
     pub fn exposed_at(&self, shown: &ShownMoment<'_>, position: DVec2, reach: f64) -> Option<u32> {
         let size = shown.session.size_radii();
         let periodic = shown.session.run().domain.is_periodic();
-        let distances = self.exposed(shown)?.iter().filter_map(|arc| {
+        let arcs = &self.borders(shown)?.arcs;
+        let distances = arcs.iter().filter_map(|arc| {
             let mut offset = position - arc.center;
             if periodic {
                 offset -= (offset / size).round() * size;
@@ -142,62 +312,63 @@ impl Geometry {
         nearest.map(|(_, id)| id)
     }
 
-    fn known(&self, shown: &ShownMoment<'_>) -> Option<&Nets> {
-        let (key, ready) = self.ready.as_ref()?;
-        (*key == key_of(shown)).then_some(&**ready)
-    }
+    /// Takes what is finished, and starts what is not known of the moment: its gaps, and its triangulation if `with_net` or if a
+    /// gap was asked about.
+    pub fn want(
+        &mut self,
+        session: &Arc<Session>,
+        shown: &ShownMoment<'_>,
+        with_net: bool,
+        wake: &Wake,
+    ) {
+        let (key, count) = (key_of(shown), session.run().samples.len());
+        let still = || Still::of(session, shown.moment());
+        self.wake.get_or_insert_with(|| Arc::clone(wake));
 
-    /// Takes a finished triangulation, and starts that of the moment unless it is known or another one is running. Called
-    /// once per frame, it ends with the triangulation of the last moment.
-    pub fn want(&mut self, shown: &ShownMoment<'_>, wake: &Wake) {
-        self.poll();
-        let key = key_of(shown);
-        let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
-        if known || self.work.is_some() || self.failed == Some(key) {
-            return;
-        }
-        if shown.session.run().samples.len() > MAX_SAMPLES {
-            self.failed = Some(key);
-            return;
-        }
-        let (ids, points) = covering(shown);
-        let region = region_in_radii(&shown.session.run().domain);
-        let task = TriangulateTask {
-            ids,
-            points,
-            region,
-        };
-        let job = task::start(wake, task);
-        self.work = Some((key, job));
-    }
-
-    fn poll(&mut self) {
-        let work = self.work.as_ref();
-        if let Some((key, outcome)) = work.and_then(|(key, job)| Some((*key, job.poll()?))) {
-            self.work = None;
-            self.take(key, outcome);
+        self.borders.want(key, || {
+            (count <= MAX_CIRCLES).then(|| task::start(wake, ExposeTask(still())))
+        });
+        // A pointer over a gap of a run that plays asks at each moment: only one that rests is worth a triangulation.
+        let rests = self.at.replace(key) == Some(key);
+        let is_asked = self.is_asked.load(Ordering::Relaxed);
+        if with_net || (is_asked && rests) {
+            self.is_asked.store(false, Ordering::Relaxed);
+            self.net.want(key, || {
+                (count <= MAX_SAMPLES).then(|| task::start(wake, TriangulateTask(still())))
+            });
+        } else {
+            self.net.poll();
+            if is_asked {
+                wake();
+            }
         }
     }
 
-    fn take(&mut self, key: Key, outcome: Result<Option<Nets>, String>) {
-        match outcome {
-            Ok(Some(nets)) => self.ready = Some((key, Arc::new(nets))),
-            _ => self.failed = Some(key),
-        }
-    }
-
-    /// Waits for the running triangulation.
+    /// Waits for the running work.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
-        if let Some((key, job)) = self.work.take() {
-            let outcome = job.wait();
-            self.take(key, outcome);
-        }
+        self.borders.settle();
+        self.net.settle();
     }
 }
 
 /// Returns the samples that cover their disks, and their positions in r.
-fn covering(shown: &ShownMoment<'_>) -> (Vec<u32>, Vec<[f64; 2]>) {
-    let covering = shown.moment().covering(shown.session).into_iter();
-    (covering.map(|(_, id)| (id, shown.session.position(id).to_array()))).unzip()
+fn covering(session: &Session, moment: Moment) -> (Vec<u32>, Vec<[f64; 2]>) {
+    let covering = moment.covering(session).into_iter();
+    covering
+        .map(|(_, id)| (id, session.position(id).to_array()))
+        .unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_intervals_leave_of_a_side_is_bare() {
+        assert_eq!(between(Vec::new(), 3.0), [[0.0, 3.0]]);
+        let covered = vec![[2.0, 2.5], [-1.0, 0.5], [0.25, 1.0], [2.75, 4.0]];
+        assert_eq!(between(covered, 3.0), [[1.0, 2.0], [2.5, 2.75]]);
+        assert!(between(vec![[1.0, 3.5], [-0.5, 1.0]], 3.0).is_empty());
+    }
 }

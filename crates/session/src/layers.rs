@@ -245,16 +245,34 @@ impl Layers {
         Layer::ALL.into_iter().filter(move |&layer| self.has(layer))
     }
 
-    /// Returns whether a layer is on that needs the triangulation of the moment.
+    /// Returns whether a layer is on that shows what the disks of the moment leave uncovered, or its triangulation.
     #[must_use]
     pub fn wants_geometry(self) -> bool {
-        self.has(Layer::Gaps) || self.has_net()
+        self.has_gaps() || self.has_net()
     }
 
-    /// Returns whether one of [`Layer::NETS`] is on.
+    /// Returns those that a stage shows: there are no disks before the first samples are tiled, and while blocks are tiled,
+    /// those that have nothing yet are no gaps.
+    #[must_use]
+    pub fn drawn_at(self, stage: Stage) -> Self {
+        let is_drawn = |layer: &Layer| match layer {
+            Layer::Gaps => stage >= Stage::Eliminate,
+            layer => stage >= Stage::Tile || !Layer::NETS.contains(layer),
+        };
+        let drawn = self.iter().filter(is_drawn);
+        Self(drawn.fold(0, |bits, layer| bits | 1 << layer as u32))
+    }
+
+    /// Returns whether a layer is on that shows what the disks leave uncovered.
+    #[must_use]
+    pub fn has_gaps(self) -> bool {
+        self.has(Layer::Gaps) || self.has(Layer::CoveredCircles)
+    }
+
+    /// Returns whether a layer is on that needs the triangulation of the moment: covered circles and gaps do without.
     #[must_use]
     pub fn has_net(self) -> bool {
-        Layer::NETS.into_iter().any(|layer| self.has(layer))
+        self.has(Layer::Delaunay) || self.has(Layer::Voronoi) || self.has(Layer::Circumcircles)
     }
 
     /// Returns those that nested levels have.

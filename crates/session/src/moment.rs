@@ -264,6 +264,12 @@ impl Still {
         &self.session
     }
 
+    /// Returns the moment.
+    #[must_use]
+    pub const fn moment(&self) -> Moment {
+        self.moment
+    }
+
     /// Returns the samples that cover their disks, with their positions.
     #[must_use]
     pub fn covering(&self) -> Vec<(Point, u32)> {

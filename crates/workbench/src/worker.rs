@@ -29,6 +29,7 @@ tasks! {
     tilescope_session::sampling::GpuSessionTask,
     tilescope_session::combining::CombineTask,
     tilescope_session::verification::VerifyTask,
+    tilescope_session::geometry::ExposeTask,
     tilescope_session::geometry::TriangulateTask,
     crate::state::run_view::CountHitsTask,
     crate::state::run_view::FindEventsTask,

@@ -238,9 +238,18 @@ fn pointed_at(state: &State, name: &str, position: [f64; 2], radii: f64) -> [f64
     let far = |at: [f64; 2]| (at[0] - position[0]).hypot(at[1] - position[1]);
 
     let gap = || {
-        let tessellation = run.geometry.of(&state.runs().first.shown()?)?;
-        let mut deepest = tessellation.gaps.iter().map(|gap| gap.deepest.0.into());
-        deepest.find(|&at| far(at) < 0.4 * radii)
+        let borders = run.geometry.borders(&run.shown()?)?;
+        let outside = borders.arcs.iter().map(|arc| {
+            let [from, to] = arc.angles;
+            let (sin, cos) = from.midpoint(to).sin_cos();
+            (
+                to - from,
+                [arc.center.x + 1.05 * cos, arc.center.y + 1.05 * sin],
+            )
+        });
+        let near = outside.filter(|&(_, at)| far(at) < 0.4 * radii);
+        // Beside the longest arc there is room for a pointer.
+        near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
     };
     let sample = || {
         let session = run.session.as_ref()?;

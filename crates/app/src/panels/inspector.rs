@@ -154,10 +154,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
 /// Shows the gap at a place.
 fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVec2) {
     let palette = context.palette;
-    let Some(tessellation) = context.run.geometry.of(shown) else {
-        return;
-    };
-    if let Some(gap) = tessellation.gap_at(at).map(|gap| &tessellation.gaps[gap]) {
+    if let Some(gap) = context.run.geometry.gap_at(shown, at) {
         for (name, value) in [
             ("Area of the gap", format!("{:.5} r\u{b2}", gap.area)),
             ("Samples around it", gap.sites.len().to_string()),

@@ -184,9 +184,7 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry>
     if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
         return Vec::new();
     }
-    let tessellation = subject.geometry.of(&shown);
-    let is_gap = tessellation.is_some_and(|tessellation| tessellation.gap_at(place).is_some());
-    let (history, fly) = if is_gap {
+    let (history, fly) = if subject.geometry.is_gap(&shown, place) {
         let history = "Why is this a gap? The history of this place";
         (history, ("gap", "Go to this gap"))
     } else {

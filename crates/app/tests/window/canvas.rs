@@ -449,8 +449,8 @@ fn exposed_arcs_are_there_while_gaps_are_and_a_click_selects_their_sample() {
     }
     let arcs = |harness: &Harness<'_, App>| {
         let run = &harness.state().state.runs().first;
-        let exposed = run.geometry.exposed(&run.shown().expect("a moment"));
-        exposed.expect("the arcs of the moment").to_vec()
+        let borders = run.geometry.borders(&run.shown().expect("a moment"));
+        borders.expect("the gaps of the moment").arcs.clone()
     };
     assert_eq!(arcs(&harness), []);
     let maximal = shoot(&mut harness);

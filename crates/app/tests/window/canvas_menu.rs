@@ -4,6 +4,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
@@ -102,6 +103,9 @@ fn a_gap_is_named_and_flown_to() {
     let stage = stages.iter().position(|stage| *stage == Stage::Eliminate);
     let show = TimeCommand::ShowStage(stage.expect("the stage"));
     apply(&mut harness, Command::Time(show));
+    // A layer that needs the triangulation: without one it is not made.
+    let voronoi = AppearanceCommand::ToggleLayer(Layer::Voronoi);
+    apply(&mut harness, Command::Appearance(voronoi));
     let deepest = {
         let run = &harness.state().state.runs().first;
         let tessellation = run.geometry.of(&run.shown().unwrap()).expect("gaps");

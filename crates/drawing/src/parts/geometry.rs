@@ -1,13 +1,13 @@
-//! The triangulation of the samples: Delaunay and Voronoi edges, circumcircles larger than r, and the exact
-//! borders of the gaps. Nothing is drawn until the triangulation is known.
+//! The triangulation of the samples: Delaunay and Voronoi edges, circumcircles larger than r; and the exact borders of the
+//! gaps. Nothing is drawn until it is known.
 
 use std::ops::RangeInclusive;
 
 use ecolor::Color32;
 use glam::{DVec2, IVec2};
 use tilescope_analysis::Tessellation;
-use tilescope_analysis::tessellation::Edge;
 use tilescope_core::Standing;
+use tilescope_session::geometry::ExposedArc;
 
 use crate::scene::Scene;
 use crate::surface::{Arc, Stroke, Surface};
@@ -18,28 +18,23 @@ const MAX_CIRCUMRADIUS: f64 = 50.0;
 const MAX_CIRCLES: usize = 4_000;
 /// The excess of a radius over r that rounding alone can cause.
 const HAIR: f64 = 1e-6;
-/// The largest distance of a gap's border from its deepest point, in r.
-const GAP_REACH: f64 = 4.0;
 
-/// The moment's triangulation on a surface.
+/// The domain on a surface, with the copies around it.
 struct Net<'a, S> {
     scene: &'a Scene<'a>,
-    tessellation: &'a Tessellation,
     size: DVec2,
     periodic: bool,
     surface: &'a mut S,
 }
 
 impl<'a, S: Surface> Net<'a, S> {
-    /// Returns the triangulation of the moment, if it is known.
-    fn of(scene: &'a Scene<'_>, surface: &'a mut S) -> Option<Self> {
-        Some(Self {
+    fn of(scene: &'a Scene<'_>, surface: &'a mut S) -> Self {
+        Self {
             scene,
-            tessellation: scene.subject.geometry.of(&scene.shown)?,
             size: scene.session.size_radii(),
             periodic: scene.session.run().domain.is_periodic(),
             surface,
-        })
+        }
     }
 
     /// Reserves room for the edges, about three for each sample, since growing to some megabytes would copy
@@ -51,13 +46,19 @@ impl<'a, S: Surface> Net<'a, S> {
     }
 }
 
+/// Returns the triangulation of the moment, if it is known.
+fn tessellation<'a>(scene: &Scene<'a>) -> Option<&'a Tessellation> {
+    scene.subject.geometry.of(&scene.shown)
+}
+
 pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let Some(mut net) = Net::of(scene, surface) else {
+    let Some(tessellation) = tessellation(scene) else {
         return;
     };
+    let mut net = Net::of(scene, surface);
     net.reserve();
     let color = scene.palette.sample.gamma_multiply(0.45);
-    for triangle in &net.tessellation.triangles {
+    for triangle in &tessellation.triangles {
         for (from, to) in [(0, 1), (1, 2), (2, 0)] {
             // The two triangles of an edge have it in opposite directions; an edge of a bounded domain's border
             // has only one.
@@ -69,23 +70,25 @@ pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 pub fn voronoi(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let Some(mut net) = Net::of(scene, surface) else {
+    let Some(tessellation) = tessellation(scene) else {
         return;
     };
+    let mut net = Net::of(scene, surface);
     net.reserve();
     let color = scene.palette.detector.gamma_multiply(0.7);
-    for &ends in &net.tessellation.voronoi_edges {
+    for &ends in &tessellation.voronoi_edges {
         net.segment(ends, color);
     }
 }
 
 pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let Some(mut net) = Net::of(scene, surface) else {
+    let Some(tessellation) = tessellation(scene) else {
         return;
     };
+    let mut net = Net::of(scene, surface);
     let stroke = Stroke::new(1.4, scene.palette.conflict);
     let mut drawn = 0;
-    for triangle in &net.tessellation.triangles {
+    for triangle in &tessellation.triangles {
         let reach = triangle.circumradius;
         if !(1.0 + HAIR..MAX_CIRCUMRADIUS).contains(&reach) {
             continue;
@@ -105,7 +108,7 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws the circles around samples, faint, and their exposed arcs with a bright halo. Without exposed arcs the set is
 /// maximal.
 pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let Some(exposed) = scene.subject.geometry.exposed(&scene.shown) else {
+    let Some(borders) = scene.subject.geometry.borders(&scene.shown) else {
         return;
     };
     let (palette, radius) = (scene.palette, scene.scale());
@@ -121,38 +124,31 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
             }
         });
     }
-    let Some(mut net) = Net::of(scene, surface) else {
-        return;
-    };
+
+    let mut net = Net::of(scene, surface);
     let glow = [(7.0, 0.25), (2.8, 1.0)];
     for (width, strength) in glow {
         let stroke = Stroke::new(width, palette.gap.gamma_multiply(strength));
-        for arc in exposed {
-            let [from, to] = arc.angles;
-            let part = Arc {
-                from: from as f32,
-                sweep: (to - from) as f32,
-            };
-            net.shifts(arc.center - 1.0, arc.center + 1.0, |net, shift| {
-                let center = scene.at(arc.center + shift);
-                net.surface.arc(center, radius, part, stroke);
-            });
+        for arc in &borders.arcs {
+            net.arc(arc, stroke);
         }
     }
 }
 
-/// Draws the borders of the gaps, which are arcs of disks, also in the copies around a periodic domain.
+/// Draws the borders of the gaps, which are arcs of disks and parts of a bounded domain's border, also in the copies around a
+/// periodic domain.
 pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let Some(mut net) = Net::of(scene, surface) else {
+    let Some(borders) = scene.subject.geometry.borders(&scene.shown) else {
         return;
     };
-    for gap in &net.tessellation.gaps {
-        let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| gap.deepest.0 + by);
-        for shift in scene.shifts(low, high) {
-            for edge in gap.boundary.iter().flatten() {
-                net.border(edge, shift);
-            }
-        }
+    let mut net = Net::of(scene, surface);
+    let stroke = Stroke::new(1.6, scene.palette.gap);
+    for arc in &borders.arcs {
+        net.arc(arc, stroke);
+    }
+    for &ends in &borders.lines {
+        let ends = ends.map(|end| scene.at(end));
+        net.surface.line(ends, stroke);
     }
 }
 
@@ -186,27 +182,16 @@ impl<S: Surface> Net<'_, S> {
         });
     }
 
-    fn border(&mut self, edge: &Edge, shift: DVec2) {
-        let scene = self.scene;
-        let stroke = Stroke::new(1.6, scene.palette.gap);
-        match *edge {
-            Edge::Line { from, to } => {
-                let ends = [from, to].map(|end| scene.at(end + shift));
-                self.surface.line(ends, stroke);
-            }
-            Edge::Arc {
-                center,
-                from_angle,
-                to_angle,
-                ..
-            } => {
-                let arc = Arc {
-                    from: from_angle as f32,
-                    sweep: (to_angle - from_angle) as f32,
-                };
-                let center = scene.at(center + shift);
-                self.surface.arc(center, scene.scale(), arc, stroke);
-            }
-        }
+    fn arc(&mut self, arc: &ExposedArc, stroke: Stroke) {
+        let [from, to] = arc.angles;
+        let part = Arc {
+            from: from as f32,
+            sweep: (to - from) as f32,
+        };
+        self.shifts(arc.center - 1.0, arc.center + 1.0, |net, shift| {
+            let scene = net.scene;
+            let center = scene.at(arc.center + shift);
+            net.surface.arc(center, scene.scale(), part, stroke);
+        });
     }
 }

@@ -17,7 +17,7 @@ use crate::layout::Panel;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::subject::{Contrast, Subject};
 use tilescope_session::jobs::Wake;
-use tilescope_session::layers::SessionKind;
+use tilescope_session::layers::{Layers, SessionKind};
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
@@ -263,19 +263,17 @@ impl Runs {
         }
     }
 
-    /// Advances the second run by `dt_secs`, with the triangulation of its moment if wanted. Returns whether something moves.
+    /// Advances the second run by `dt_secs`, with what these layers show of its moment. Returns whether something moves.
     pub(super) fn advance_second(
         &mut self,
         dt_secs: f32,
-        with_geometry: bool,
+        layers: Layers,
         context: &mut Context,
     ) -> bool {
         let flies = self.second.as_mut().is_some_and(|(run, _)| {
             run.fly_on(dt_secs);
             run.follow_prefix(dt_secs, context);
-            if with_geometry {
-                run.want_geometry(context);
-            }
+            run.follow_moment(layers, context);
             run.flight.is_some() || run.awaits_rest()
         });
         self.follow_first();

@@ -64,7 +64,7 @@ pub struct RunView {
     pub place: Option<DVec2>,
     /// The witness of a verdict that the user flew to.
     pub witness_mark: Option<WitnessMark>,
-    /// The triangulation of the moment.
+    /// The gaps and the triangulation of the moment.
     pub geometry: Geometry,
     /// The parameters of the session being made, if no file is part of its input.
     pub(super) asked: Option<Parameters>,

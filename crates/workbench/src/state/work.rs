@@ -78,16 +78,14 @@ impl State {
             });
         }
         let shows_events = self.window.shows(Panel::Events);
-        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
+        let layers = self.appearance.layers(self.runs.first.current_stage());
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
             if shows_events {
                 run.reveal();
             }
             run.want_hits(context);
-            if with_geometry {
-                run.want_geometry(context);
-            }
+            run.follow_moment(layers, context);
             run.awaits_rest()
         });
         let is_analysed = self.window.shows(Panel::Analysis);
@@ -105,7 +103,7 @@ impl State {
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
         let flies = self.with_of(Which::Second, |state, context| {
-            state.runs.advance_second(dt_secs, with_geometry, context)
+            state.runs.advance_second(dt_secs, layers, context)
         });
         self.time.follow_passes(&self.runs.first);
         let is_playing = self.time.playback.is_playing();
@@ -191,9 +189,9 @@ impl State {
         self.with(|state, context| state.files.settle(&mut state.runs, context));
         let made = self.runs.first.wait_made();
         self.finish_sampling(Which::First, made);
-        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
+        let layers = self.appearance.layers(self.runs.first.current_stage());
         self.on(Which::First, |run, context| {
-            run.settle(with_geometry, context);
+            run.settle(layers, context);
         });
         while self.time.continuing.is_some() {
             self.with(|state, context| {
@@ -203,9 +201,9 @@ impl State {
         let second = self.runs.get_mut(Which::Second);
         let made = second.and_then(RunView::wait_made);
         self.finish_sampling(Which::Second, made);
-        let with_geometry = self.runs.first.wants_geometry(&self.appearance);
+        let layers = self.appearance.layers(self.runs.first.current_stage());
         self.on(Which::Second, |run, context| {
-            run.settle(with_geometry, context);
+            run.settle(layers, context);
         });
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);

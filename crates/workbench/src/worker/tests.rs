@@ -98,7 +98,7 @@ fn visit() -> Vec<String> {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
-        Layer::Gaps,
+        Layer::Voronoi,
     )));
     state.apply(Command::Debug(DebugCommand::Query(
         "insert iteration>1".to_owned(),
@@ -152,6 +152,10 @@ fn visit() -> Vec<String> {
         format!(
             "{:?}",
             state.runs().first.geometry.of(&shown).expect("triangles")
+        ),
+        format!(
+            "{:?}",
+            state.runs().first.geometry.borders(&shown).expect("gaps")
         ),
         format!("{:?}", known.measured),
         format!("{:?}", state.analysis().reference.measured()),

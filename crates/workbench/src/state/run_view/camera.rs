@@ -319,13 +319,14 @@ impl RunView {
     /// Flies to the gap that contains a place, otherwise to its block.
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
-            let tessellation = self.geometry.of(&shown)?;
-            let gap = tessellation.gap_at(place)?;
-            Some(tessellation.gaps[gap].deepest.0)
+            let is_gap = self.geometry.is_gap(&shown, place);
+            // Until the extent of the gap is known, the place itself stands for its deepest one.
+            let gap = self.geometry.gap_at(&shown, place);
+            is_gap.then(|| gap.map_or(place, |gap| gap.deepest.0))
         });
-        if let Some(deepest) = gap {
+        if let Some(middle) = gap {
             self.pick(Selection::Place(place), context);
-            self.fly_to(deepest, 5.0, context);
+            self.fly_to(middle, 5.0, context);
             return;
         }
         let Some(session) = &self.session else {

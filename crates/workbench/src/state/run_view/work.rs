@@ -1,8 +1,10 @@
 //! The background work of a run, and showing a new session.
 
+use std::mem::take;
 use std::sync::Arc;
 
 use tilescope_session::jobs::Job;
+use tilescope_session::layers::Layers;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
@@ -125,18 +127,14 @@ impl RunView {
         };
     }
 
-    /// Returns whether a layer is on that needs the triangulation of the moment.
-    pub(in crate::state) fn wants_geometry(&self, appearance: &Appearance) -> bool {
-        let layers = appearance.layers(self.current_stage());
-        let session = self.session.as_ref();
-        session.is_some_and(|session| session.drawable(layers).wants_geometry())
-    }
-
-    /// Starts triangulating the moment, unless it is.
-    pub(in crate::state) fn want_geometry(&mut self, context: &Context) {
-        let mut geometry = std::mem::take(&mut self.geometry);
-        if let Some(shown) = self.shown() {
-            geometry.want(&shown, &context.wake);
+    /// Starts looking for the gaps of the moment, and triangulating it, where these layers show that and it is not known.
+    pub(in crate::state) fn follow_moment(&mut self, layers: Layers, context: &Context) {
+        let mut geometry = take(&mut self.geometry);
+        if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
+            let layers = session.drawable(layers).drawn_at(shown.stage);
+            if layers.wants_geometry() {
+                geometry.want(session, &shown, layers.has_net(), &context.wake);
+            }
         }
         self.geometry = geometry;
     }
@@ -155,19 +153,17 @@ impl RunView {
         self.query.found.poll();
     }
 
-    /// Waits for the work on the session, including the triangulation of the moment if `with_geometry`.
+    /// Waits for the work on the session, including that on what these layers show of the moment.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(in crate::state) fn settle(&mut self, with_geometry: bool, context: &Context) {
+    pub(in crate::state) fn settle(&mut self, layers: Layers, context: &Context) {
         if let Verification::Pending(job) = &self.verification {
             let outcome = job.wait();
             self.finish_verification(outcome);
         }
         self.settle_prefix(context);
-        // The first round ends work that was started for another moment.
+        // The first round ends work that was started for another moment, and the second sees that the moment rests.
         for _ in 0..2 {
-            if with_geometry {
-                self.want_geometry(context);
-            }
+            self.follow_moment(layers, context);
             self.geometry.settle();
         }
         self.history_found.settle();
