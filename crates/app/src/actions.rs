@@ -29,6 +29,7 @@ use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{
     AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
 };
+use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
@@ -101,6 +102,8 @@ pub enum Submenu {
     Layers,
     /// The meanings of colours.
     Colours,
+    /// The numbers that can be drawn over the events.
+    Curve,
     /// Looks and motion.
     Look,
     /// The scenes.
@@ -130,6 +133,7 @@ impl Submenu {
             Self::HidePanel => "Hide a panel",
             Self::Layers => "Layers",
             Self::Colours => "Colours",
+            Self::Curve => "Curve of the run",
             Self::Look => "Look",
             Self::Scenes => "Scenes",
             Self::Ticks => "Step by",
@@ -440,6 +444,7 @@ fn view(list: &mut List, state: &State) {
     list.within(Submenu::HidePanel, |list| hidden_panels(list, state));
     list.within(Submenu::Layers, |list| layers(list, state));
     list.within(Submenu::Colours, |list| colours(list, state));
+    list.within(Submenu::Curve, |list| curves(list, state));
     list.within(Submenu::Look, |list| look(list, state));
     list.within(Submenu::Scenes, |list| scenes(list, state));
     list.group();
@@ -555,6 +560,24 @@ fn colours(list: &mut List, state: &State) {
             .refused((colouring.of(kind) != colouring).then_some(refusal))
             .marked(state.appearance().colouring.of(kind) == colouring);
     }
+}
+
+/// Adds the numbers that can be drawn over the events of the run.
+fn curves(list: &mut List, state: &State) {
+    let shown = state.appearance().curve.number;
+    let no_run = state.runs().first.cursor().is_none();
+    let refusal =
+        no_run.then_some("This session has no events, over which a curve could be drawn.");
+    for number in CurveNumber::all() {
+        let command = Command::Appearance(AppearanceCommand::Curve(Some(number)));
+        list.add(format!("Curve: {}", number.row().name), command)
+            .refused(refusal)
+            .marked(shown == Some(number));
+    }
+    let command = Command::Appearance(AppearanceCommand::Curve(None));
+    let nothing = "No curve is shown.";
+    list.add("No curve", command)
+        .refused(shown.is_none().then_some(nothing));
 }
 
 /// Adds the looks and the choice of less motion.

@@ -9,6 +9,7 @@ pub mod compact;
 mod compare;
 mod content;
 mod context;
+mod curve;
 mod embedded;
 mod engine;
 mod events;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec2, dvec2};
+use tilescope_analysis::live::LiveCover;
 use tilescope_analysis::tessellation::GapRegion;
 use tilescope_analysis::{COVERING_TOLERANCE, Tessellation, exposed_arcs};
 use tilescope_sets::region_in_radii;
@@ -17,6 +18,7 @@ use crate::jobs::{Job, Monitor, Portable, Wake};
 use crate::moment::{Moment, ShownMoment, Still};
 use crate::session::Session;
 use crate::task::{self, Task};
+use crate::units::radii;
 
 /// The most samples that are triangulated for the canvas; more would take seconds at each moment.
 pub const MAX_SAMPLES: usize = 200_000;
@@ -64,7 +66,38 @@ impl GapBorders {
             lines: bare_border(session, moment),
         }
     }
+
+    /// Returns the borders of the gaps at a moment that circles were followed to; `None` where there are so many that to read
+    /// them would take longer than a frame has.
+    fn followed(cover: &LiveCover, session: &Session, moment: Moment) -> Option<Self> {
+        if cover.exposed().take(MAX_EXPOSED + 1).count() > MAX_EXPOSED {
+            return None;
+        }
+
+        let mut arcs = Vec::new();
+        for place in cover.exposed() {
+            let center = DVec2::from(place.map(radii));
+            let mut ids = Vec::new();
+            session.index.visit(center, center, 1.0, |seen| {
+                if session.position(seen.id) == center && moment.covers(session, seen.id) {
+                    ids.push(seen.id);
+                }
+            });
+            // Of several samples at one place the first stands for all.
+            let Some(id) = ids.into_iter().min() else {
+                continue;
+            };
+            let open = cover.exposed_arcs(place).into_iter();
+            arcs.extend(open.map(|angles| ExposedArc { id, center, angles }));
+        }
+        arcs.sort_unstable_by_key(|arc| arc.id);
+        let lines = bare_border(session, moment);
+        Some(Self { arcs, lines })
+    }
 }
+
+/// The most circles whose exposed arcs are read in a frame: two milliseconds.
+const MAX_EXPOSED: usize = 1_000;
 
 /// The radius of disks, in r: what is uncovered by less than the tolerance of the verdict is no gap.
 const LIMIT: f64 = 1.0 + COVERING_TOLERANCE;
@@ -310,6 +343,16 @@ impl Geometry {
         });
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.map(|(_, id)| id)
+    }
+
+    /// Takes the gaps of a moment from circles that were followed to it, so that they are there at once.
+    pub fn take_borders(&mut self, shown: &ShownMoment<'_>, cover: &LiveCover) {
+        let key = key_of(shown);
+        if self.borders.of(key).is_none()
+            && let Some(borders) = GapBorders::followed(cover, shown.session, shown.moment())
+        {
+            self.borders.take(key, Ok(borders));
+        }
     }
 
     /// Takes what is finished, and starts what is not known of the moment: its gaps, and its triangulation if `with_net` or if a

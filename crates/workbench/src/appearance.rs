@@ -5,6 +5,7 @@ use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::look::Look;
 
 use crate::command::AppearanceCommand;
+use crate::curve::ShownCurve;
 
 /// The appearance of moments.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,8 @@ pub struct Appearance {
     pub look: Look,
     /// The look to return to from projector mode.
     pub(crate) look_before: Look,
+    /// The curve above the timeline.
+    pub curve: ShownCurve,
     /// Whether the camera follows the current event.
     pub follows_events: bool,
     /// Whether the camera jumps instead of flying.
@@ -49,6 +52,11 @@ impl Appearance {
                 look if look.is_projector() => self.look_before,
                 _ => Look::Projector,
             }),
+            AppearanceCommand::Curve(number) => self.curve.number = number,
+            AppearanceCommand::CurveHeight(height) => {
+                let number = self.curve.number;
+                self.curve = ShownCurve { number, height }.within_limits();
+            }
             AppearanceCommand::ToggleFollow => self.follows_events = !self.follows_events,
             AppearanceCommand::ToggleReducedMotion => {
                 self.reduced_motion = !self.reduced_motion;

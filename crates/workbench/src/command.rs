@@ -18,6 +18,7 @@ use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
+use crate::curve::CurveNumber;
 use crate::device::EngineChoice;
 use crate::draft::{Choice, Preset};
 use crate::export::ExportCommand;
@@ -57,6 +58,8 @@ pub enum TimeCommand {
     RunTo(Target, Direction),
     /// Runs to the next breakpoint, or to the end.
     Continue(Direction),
+    /// Goes to the next event, or the one before, at which the number of the curve rises.
+    ToRise(Direction),
     /// Starts the loop here.
     LoopStart,
     /// Ends the loop here.
@@ -150,6 +153,10 @@ pub enum AppearanceCommand {
     Look(Look),
     /// Enters the projector mode, or returns to the look before it.
     ToggleProjector,
+    /// Draws a number over the events above the timeline, or nothing.
+    Curve(Option<CurveNumber>),
+    /// Sets the height of that curve, in screen points.
+    CurveHeight(u16),
     /// Makes the camera follow the current event, or no longer.
     ToggleFollow,
     /// Switches between flying and jumping of the camera.

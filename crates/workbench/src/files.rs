@@ -128,6 +128,8 @@ pub enum FileCommand {
     /// Opens a file of any kind that can be dropped on the window, or a lesson; at the start of the program once the first run
     /// is there, with which a point set may be compared.
     Open(String),
+    /// Saves the curve of the run as CSV, beside where the program runs; on a page, downloads it.
+    SaveCurve,
     /// Reopens the last session of an earlier use of the program.
     Last,
     /// Takes files that were dropped on the window: a session, a layout or a pattern.

@@ -22,6 +22,7 @@ pub mod arrangement;
 pub mod clock;
 pub mod command;
 pub mod compare;
+pub mod curve;
 pub mod device;
 #[cfg(target_arch = "wasm32")]
 pub mod download;
@@ -32,6 +33,7 @@ pub mod finder;
 pub mod help;
 pub mod layout;
 pub mod link;
+pub mod live;
 pub mod remote;
 pub mod rules;
 pub mod scene_lesson;

@@ -37,6 +37,8 @@ pub enum UndoPart {
     Run,
     /// The layout of the panels.
     Layout,
+    /// The curve above the timeline.
+    Curve,
     /// Breakpoints, watches and scenes.
     Stops,
     /// Everything that a link replaces.
@@ -206,6 +208,7 @@ const fn time(command: &TimeCommand) -> Rules {
         | TimeCommand::Step(..)
         | TimeCommand::RunTo(..)
         | TimeCommand::Continue(_)
+        | TimeCommand::ToRise(_)
         | TimeCommand::LoopStart
         | TimeCommand::LoopEnd
         | TimeCommand::Loop(None) => VIEW,
@@ -348,6 +351,10 @@ const fn appearance(command: AppearanceCommand) -> Rules {
     match command {
         // The page around a frame chooses its look.
         AppearanceCommand::Look(_) | AppearanceCommand::ToggleProjector => NOT_IN_FRAME,
+        AppearanceCommand::Curve(_) | AppearanceCommand::CurveHeight(_) => Rules {
+            undo: Some(UndoPart::Curve),
+            ..VIEW
+        },
         // Layers that a question hides are refused one by one (`Lessons::hidden_layers`).
         AppearanceCommand::ToggleLayer(_)
         | AppearanceCommand::AutomaticLayers
@@ -446,6 +453,7 @@ const fn file(command: &FileCommand) -> Rules {
         | FileCommand::Go
         | FileCommand::Cancel
         | FileCommand::Open(_)
+        | FileCommand::SaveCurve
         | FileCommand::Last
         | FileCommand::Dropped(_)
         | FileCommand::DroppedBytes(..) => REVEALING,

@@ -14,6 +14,7 @@ use tilescope_session::selection::Selection;
 use crate::appearance::Appearance;
 use crate::clock::{Playback, SPEEDS};
 use crate::compare::Comparison;
+use crate::curve::ShownCurve;
 use crate::layout::{Layout, text};
 
 /// The widest view of a scene across its shorter side, in r.
@@ -73,6 +74,7 @@ impl SavedView {
         put("layers", layers.unwrap_or_else(|| json!(AUTOMATIC)));
         put("colouring", json!(appearance.colouring));
         put("look", json!(appearance.look));
+        put("curve", json!(appearance.curve));
         put("layout", json!(self.layout));
         if self.selection != Selection::Nothing {
             put("selection", json!(self.selection));
@@ -111,6 +113,9 @@ impl SavedView {
         parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
+        parts.set(&mut view.appearance.curve, "curve", |curve: ShownCurve| {
+            Some(curve.within_limits())
+        });
         parts.set(&mut view.layout, "layout", |saved: String| {
             text::read(&saved)
         });
@@ -251,6 +256,7 @@ mod tests {
 
     use super::*;
     use crate::clock::Clock;
+    use crate::curve::CurveNumber;
 
     fn view() -> SavedView {
         let mut view = SavedView {
@@ -269,6 +275,7 @@ mod tests {
         view.appearance.chosen_layers = Some(Layers::none());
         view.appearance.colouring = Colouring::Provenance;
         view.appearance.look = Look::Light;
+        view.appearance.curve.number = CurveNumber::of("gaps");
         view.playback.choose(Clock::Line);
         view.playback.choose_speed(8.0);
         view.playback.range = Some(10..20);
@@ -296,6 +303,7 @@ mod tests {
             "camera": {"center": [0.0, 1e300], "scale": 12.0},
             "layers": ["Samples", "Fireworks"],
             "colouring": "plaid",
+            "curve": {"number": "speed", "height": 90},
             "layout": {"root": 7},
             "selection": {"place": [null, 2]},
             "speed": -1.0,
@@ -308,6 +316,7 @@ mod tests {
         let expected = [
             "camera",
             "colouring",
+            "curve",
             "layout",
             "selection",
             "speed",

@@ -37,6 +37,7 @@ tasks! {
     crate::analysis::ContinueMeasuringTask,
     crate::analysis::reference::MeasureReferenceTask,
     crate::analysis::brush::BrushTask,
+    crate::curve::CurveTask,
     crate::compare::DivergenceTask,
     crate::compare::difference::DifferenceTask,
     crate::files::ReadTask,

@@ -2,7 +2,7 @@
 //! `cargo run --release -p tilescope-app --example shots SET [FOLDER]`.
 //!
 //! Most sets are scripts, beside this file: for each picture a name and the commands before it. The others, `buffers`,
-//! `hover`, `levels` and `small`, look up in the state where to point.
+//! `hover`, `levels` and `small`, look up in the state where to point, and `playing` is taken while the run plays.
 
 use egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::Harness;
@@ -19,6 +19,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
+use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
@@ -49,9 +50,10 @@ fn main() {
         "buffers" => buffers(&mut Studio::opened(SIZE)),
         "hover" => hover(&mut Studio::opened(SIZE)),
         "levels" => levels(),
+        "playing" => playing(&mut Studio::opened(vec2(1440.0, 900.0))),
         "small" => small(),
         _ => eprintln!(
-            "usage: shots window|analysis|combination|compare|passes|buffers|hover|levels|small [FOLDER]"
+            "usage: shots window|analysis|combination|compare|passes|buffers|hover|levels|playing|small [FOLDER]"
         ),
     }
 }
@@ -109,6 +111,11 @@ impl Studio {
         self.harness.run();
         self.harness.step();
 
+        self.write(name);
+    }
+
+    /// Writes a picture of the window as it is, in the middle of whatever moves.
+    fn write(&mut self, name: &str) {
         let image = self.harness.render().expect("a picture of the window");
         let file = format!("{}.png", name.to_lowercase().replace(' ', "-"));
         image.save(&file).expect("a writable folder");
@@ -262,6 +269,25 @@ fn pointed_at(state: &State, name: &str, position: [f64; 2], radii: f64) -> [f64
         _ => sample(),
     };
     thing.unwrap_or(position)
+}
+
+/// The analysis and a curve of the run, at moments of a run that plays.
+fn playing(studio: &mut Studio) {
+    let curve = AppearanceCommand::Curve(CurveNumber::of("conflicts"));
+    studio.apply([
+        open(Panel::Analysis),
+        Command::Appearance(curve),
+        Command::Time(TimeCommand::FirstStage),
+    ]);
+    let play = Command::Time(TimeCommand::TogglePlay);
+    studio.harness.state_mut().state.apply(play);
+    for (name, frames) in [("tile", 500), ("eliminate", 400), ("iterate", 500)] {
+        for _ in 0..frames {
+            studio.harness.state_mut().state.advance(1.0 / 60.0);
+        }
+        studio.harness.step();
+        studio.write(&format!("playing-{name}"));
+    }
 }
 
 /// Nested levels: all, a prefix within a level, and the first two.

@@ -1,5 +1,6 @@
 //! The live analysis: numbers and curves of the kept samples at this moment, beside those of maximal sets and of a
-//! file. Outdated values are faded until new ones arrive. The measuring itself is in the workbench.
+//! file. They move with the run; where a run has none that do, outdated values are faded until new ones arrive. The
+//! measuring itself is in the workbench.
 
 mod charts;
 mod numbers;
@@ -45,9 +46,11 @@ pub struct AnalysisContext<'a> {
 
 /// The sets shown, and their colours and line styles.
 struct Sets<'a> {
-    /// The measures of the moment.
+    /// The measures of the moment at rest, as far as they are there.
     now: Option<&'a MeasuredSet>,
-    /// The latest measures, of another moment, until those of this one are there.
+    /// Those of the moment that move with the run.
+    live: Option<&'a MeasuredSet>,
+    /// The latest measures, of another moment, until those of this one are there; none in a run whose measures move.
     before: Option<&'a MeasuredSet>,
     reference: Option<&'a Arc<MeasuredSet>>,
     reference_file: Option<&'a Arc<ReferenceFile>>,
@@ -61,11 +64,14 @@ struct Sets<'a> {
 impl<'a> Sets<'a> {
     fn of(context: &AnalysisContext<'a>, shown: &ShownMoment<'a>) -> Self {
         let now = context.analysis.of(shown).map(|known| &*known.measured);
-        let whole = now.is_some_and(|now| missing(now).is_none());
+        let is_whole = now.is_some_and(|now| missing(now).is_none());
+        let is_wanted = !is_whole && context.analysis.failure(shown).is_none();
+        let live = &context.run.live;
         let before = context.analysis.last(shown).map(|known| &*known.measured);
         Self {
             now,
-            before: before.filter(|_| !whole && context.analysis.failure(shown).is_none()),
+            live: live.of(shown).map(|set| &**set).filter(|_| is_wanted),
+            before: before.filter(|_| is_wanted && live.refusal().is_some()),
             reference: context.analysis.reference.measured(),
             reference_file: context.reference_file.clone().and_then(Result::ok),
             unit: shown.session.run().domain.radius(),
@@ -76,7 +82,11 @@ impl<'a> Sets<'a> {
 
     /// Returns a part of the measures, and whether it is outdated.
     fn part<T>(&self, part: impl Fn(&'a MeasuredSet) -> Option<T>) -> Option<(T, bool)> {
-        let now = self.now.and_then(&part).map(|found| (found, false));
+        let now = self
+            .now
+            .and_then(&part)
+            .or_else(|| self.live.and_then(&part));
+        let now = now.map(|found| (found, false));
         now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
     }
 
@@ -168,20 +178,36 @@ fn status(
     } else if analysis.is_whole(shown) {
         let counts = sets.now.map(numbers::counts).unwrap_or_default();
         (format!("{name}: {counts}"), palette.text)
+    } else if let Some(live) = sets.live {
+        let share = share(context.run.live.share(shown));
+        (
+            format!("{name}: {} {share}", numbers::counts(live)),
+            palette.text,
+        )
     } else {
-        let old = match analysis.last(shown) {
+        let old = match analysis.last(shown).filter(|_| sets.before.is_some()) {
             Some(known) => format!(" Faded: {}.", known.name),
             None => String::new(),
         };
+        let why = context.run.live.refusal().unwrap_or_default();
         let doing = if analysis.is_stopped(shown) {
             "not measured."
         } else {
             "being measured\u{2026}"
         };
-        (format!("{name}: {doing}{old}"), palette.text)
+        (format!("{name}: {doing}{old} {why}"), palette.text)
     };
     // The event is announced by the sentence below the canvas, so it is not repeated here.
     lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
+}
+
+/// Says what share of the frequencies is shown while the run moves.
+fn share(shown: Option<f64>) -> String {
+    match shown.map(f64::recip) {
+        None => "The spectrum follows at rest.".to_owned(),
+        Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
+        Some(in_all) => format!("1 in {in_all:.0} frequencies is shown until it rests."),
+    }
 }
 
 /// Shows the progress of measuring, with a button to stop or resume it.

@@ -4,6 +4,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layers;
 
 use tilescope_workbench::arrangement::Drawer;
+use tilescope_workbench::curve::ShownCurve;
 use tilescope_workbench::state::{Appearance, RunView, State, Time};
 
 /// The context of most panels: a run, and how it is drawn. Panels that need more receive a context of their own.
@@ -44,6 +45,8 @@ pub struct TimeContext<'a> {
     pub run: &'a RunView,
     /// Playback.
     pub time: &'a Time,
+    /// The curve above the track.
+    pub curve: ShownCurve,
     /// The panel below the canvas of a window too small for tiles.
     pub drawer: &'a Drawer,
 }
@@ -56,6 +59,7 @@ impl<'a> TimeContext<'a> {
             palette: Palette::of(state.appearance().look),
             run: &state.runs().first,
             time: state.time(),
+            curve: state.appearance().curve,
             drawer: &state.window().drawer,
         }
     }

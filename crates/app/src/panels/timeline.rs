@@ -2,7 +2,7 @@
 
 use egui::text::LayoutJob;
 use egui::{
-    Align, Button, Color32, ComboBox, Context, DragValue, FontId, Layout, RichText, Role,
+    Align, Button, Color32, ComboBox, Context, DragValue, FontId, Layout, RichText, Role, Sense,
     TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
 use tilescope_session::glossary;
@@ -15,7 +15,7 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 use super::content::{Content, Room};
 use super::context::TimeContext;
 use super::pseudocode::next_line;
-use super::track;
+use super::{curve, track};
 use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS, WHOLE_RUNS_SECS};
@@ -125,7 +125,8 @@ pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     } else {
         0.0
     };
-    sentence_height(ctx, context, SIZE, width).max(LINE) + next + ABOVE_CONTROLS + track
+    let sentence = sentence_height(ctx, context, SIZE, width).max(LINE);
+    sentence + next + ABOVE_CONTROLS + curve::height(context) + track
 }
 
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
@@ -177,15 +178,19 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         });
     }
     ui.add_space(ABOVE_CONTROLS);
-    ui.horizontal(|ui| {
+    let size = vec2(room, curve::height(context));
+    let (above, _) = ui.allocate_exact_size(size, Sense::hover());
+    let track = ui.horizontal(|ui| {
         controls(ui, context, true, commands);
         ui.add_space(6.0);
         clock(ui, context, 72.0, commands);
         speed(ui, context, commands);
         prefix(ui, context, commands);
         ui.add_space(14.0);
-        track::show(ui, context, commands);
+        track::show(ui, context, commands)
     });
+    // Only now it is known where the track begins.
+    curve::show(ui, context, above, track.inner, commands);
 }
 
 /// Shows the counts of the moment at the end of a row.

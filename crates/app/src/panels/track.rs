@@ -32,17 +32,17 @@ const BAR: f32 = 24.0;
 const SWATCH: f32 = 5.0;
 
 /// A stage or a level on the track.
-struct Segment {
-    index: usize,
+pub(super) struct Segment {
+    pub index: usize,
     /// Its name, and a shorter one.
     names: [String; 2],
     /// Its name in ids.
     key: String,
     /// What a click does.
     tip: String,
-    left: f32,
-    right: f32,
-    events: Range<usize>,
+    pub left: f32,
+    pub right: f32,
+    pub events: Range<usize>,
 }
 
 /// Returns the names of a stage, its name in ids, and what a click on it does.
@@ -104,8 +104,13 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
     (0..count).map(segment).collect()
 }
 
+/// Returns the segments of a session on a track at `rect`.
+pub(super) fn segments_within(session: &Session, rect: Rect) -> Vec<Segment> {
+    segments(session, rect.left() + 4.0, rect.right() - 4.0)
+}
+
 /// Returns where a cursor is on the track.
-fn x_of(segments: &[Segment], cursor: usize) -> f32 {
+pub(super) fn x_of(segments: &[Segment], cursor: usize) -> f32 {
     let found = segments.iter().find(|segment| cursor <= segment.events.end);
     let Some(segment) = found.or(segments.last()) else {
         return 0.0;
@@ -118,7 +123,7 @@ fn x_of(segments: &[Segment], cursor: usize) -> f32 {
 }
 
 /// Returns the cursor at `x` of the track.
-fn cursor_at(segments: &[Segment], x: f32) -> usize {
+pub(super) fn cursor_at(segments: &[Segment], x: f32) -> usize {
     let found = segments.iter().find(|segment| x <= segment.right);
     let Some(segment) = found.or(segments.last()) else {
         return 0;
@@ -127,8 +132,8 @@ fn cursor_at(segments: &[Segment], x: f32) -> usize {
     segment.events.start + (part * segment.events.len() as f32).round() as usize
 }
 
-/// Shows the track.
-pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+/// Shows the track; returns where it is.
+pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) -> Rect {
     let palette = context.palette;
     let height = if is_for_fingers(ui.ctx()) {
         COMPACT_HEIGHT
@@ -138,9 +143,9 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
     let Some(session) = &context.run.session else {
-        return;
+        return rect;
     };
-    let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
+    let segments = segments_within(session, rect);
     let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
     let prefix = context.run.prefix();
     let name = ui.words(prefix.map_or("Moment", |_| "Samples shown"));
@@ -184,6 +189,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         palette.halo,
         Stroke::NONE,
     ));
+    rect
 }
 
 fn show_segment(

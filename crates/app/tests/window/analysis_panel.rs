@@ -10,7 +10,8 @@ use tilescope_core::{Boundary, Parameter};
 use tilescope_workbench::Command;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
-use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::{Layout, Panel};
@@ -415,4 +416,61 @@ fn brushed_samples_are_marked_on_the_canvas_until_cleared() {
     assert!(differing(&harness, &pairs, &ring, width) > 5_000);
     assert_eq!(differing(&harness, &without, &nothing, width), 0);
     assert_eq!(differing(&harness, &without, &again, width), 0);
+}
+
+#[test]
+fn the_analysis_moves_with_the_run_and_says_what_follows_at_rest() {
+    let mut harness = analysing();
+    let jump = Command::Time(TimeCommand::Jump(1_500));
+    harness.state_mut().state.apply(jump);
+    // A frame, and no waiting for work in the background.
+    harness.step();
+    says(
+        &harness,
+        "analysis.status",
+        &["1,500", "tile", "frequencies"],
+    );
+    let state = &harness.state().state;
+    let shown = state.shown().unwrap();
+    let live = state.runs().first.live.of(&shown).expect("live measures");
+    let count = tilescope_session::words::grouped(live.samples);
+    says(&harness, SAMPLES, &[&count]);
+    says(&harness, "analysis.number-oscillation", &["at rest"]);
+    for id in [SAMPLES, CONFLICTS, DENSITY] {
+        assert!(!text(&harness, id).contains("moment before"), "{id}");
+    }
+
+    settle(&mut harness);
+    let at_rest = text(&harness, "analysis.number-oscillation");
+    assert!(!at_rest.contains("at rest"), "{at_rest}");
+}
+
+#[test]
+fn the_run_is_drawn_as_a_curve_that_leads_to_its_moments() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    let number = CurveNumber::of("conflicts");
+    let command = Command::Appearance(AppearanceCommand::Curve(number));
+    apply(&mut harness, command);
+    says(&harness, "curve.chart", &["conflicts", "Highest"]);
+    says(
+        &harness,
+        "curve.row-3",
+        &["Eliminate", "0 pairs at its end"],
+    );
+
+    let rect = node(&harness, "curve.chart").rect();
+    let end = harness.state().state.cursor().unwrap().1;
+    let at = rect.left_center() + egui::vec2(0.4 * rect.width(), 0.0);
+    harness.drag_at(at);
+    harness.run();
+    harness.drop_at(at);
+    harness.run();
+    let cursor = harness.state().state.cursor().unwrap().0;
+    assert!(cursor > 0 && cursor < end, "{cursor}");
+    let value = text(&harness, "curve.value");
+    assert!(value.contains("pairs"), "{value}");
+
+    node(&harness, "curve.hide").click();
+    harness.run();
+    assert!(find(&harness, "curve.chart").is_none());
 }

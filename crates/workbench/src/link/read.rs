@@ -25,11 +25,12 @@ use super::warnings::LinkWarnings;
 use super::write::{LINKS, NESTED, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
+use crate::curve::ShownCurve;
 use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -249,6 +250,9 @@ impl LinkReader {
         }
         if let Some(look) = self.take("look", |text| named(&Look::ALL, text)) {
             content.view.appearance.look = look;
+        }
+        if let Some(curve) = self.take("curve", ShownCurve::read) {
+            content.view.appearance.curve = curve;
         }
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
             content.view.playback.choose(clock);

@@ -157,6 +157,9 @@ impl Writer {
         if content.view.appearance.look != first.view.appearance.look {
             self.put("look", name(&content.view.appearance.look));
         }
+        if content.view.appearance.curve.number.is_some() {
+            self.put("curve", content.view.appearance.curve.to_string());
+        }
         if let Some(selection) = selection_text(content.view.selection) {
             self.put("select", selection);
         }

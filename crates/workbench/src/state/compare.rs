@@ -7,6 +7,7 @@ use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 use tilescope_session::recipe::Recipe;
 
 use super::effects::{Context, Effect};
+use super::run_view::Asked;
 use super::{Appearance, Form, GpuState, RunView, Runs};
 use crate::command::{Command, ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
@@ -17,7 +18,7 @@ use crate::layout::Panel;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::subject::{Contrast, Subject};
 use tilescope_session::jobs::Wake;
-use tilescope_session::layers::{Layers, SessionKind};
+use tilescope_session::layers::SessionKind;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
@@ -263,17 +264,17 @@ impl Runs {
         }
     }
 
-    /// Advances the second run by `dt_secs`, with what these layers show of its moment. Returns whether something moves.
+    /// Advances the second run by `dt_secs`, with what is asked of its moment. Returns whether something moves.
     pub(super) fn advance_second(
         &mut self,
         dt_secs: f32,
-        layers: Layers,
+        asked: Asked,
         context: &mut Context,
     ) -> bool {
         let flies = self.second.as_mut().is_some_and(|(run, _)| {
             run.fly_on(dt_secs);
             run.follow_prefix(dt_secs, context);
-            run.follow_moment(layers, context);
+            run.follow_moment(asked, context);
             run.flight.is_some() || run.awaits_rest()
         });
         self.follow_first();

@@ -21,6 +21,7 @@ use super::{Appearance, ExportSource, Exports, Form, Notice, RunView, State};
 use crate::analysis::reference_file::ReferenceFile;
 use crate::clock::{Clock, Playback};
 use crate::command::{Command, Which};
+use crate::curve::ShownCurve;
 use crate::device::EngineChoice;
 use crate::files::{Delivery, Opened};
 use crate::layout::{Layout, Panel};
@@ -54,6 +55,8 @@ pub(crate) enum Effect {
     Appearance(Box<Appearance>),
     /// Show these layers and this colouring.
     Layers(Option<Layers>, Colouring),
+    /// Draw this curve above the timeline.
+    Curve(ShownCurve),
     /// Replace breakpoints, watches and scenes.
     Stops(Stops),
     /// Stop playing.
@@ -205,6 +208,7 @@ impl State {
                     let now = self.runs.first.camera;
                     self.runs.first.take_camera(camera, now);
                 }
+                Effect::Curve(curve) => self.appearance.curve = curve,
                 Effect::Against(file) => self.analysis.reference_file = Some(file),
                 Effect::Stops(stops) => self.with(|s, c| s.runs.first.put_stops(stops, c)),
                 Effect::Pause => self.time.playback.stop(),

@@ -123,6 +123,17 @@ impl FileState {
             FileCommand::Go => self.file_away(run, saved, context),
             FileCommand::Open(path) => self.awaiting = Some(path),
             FileCommand::Last => self.reopen_last(run, context),
+            FileCommand::SaveCurve => {
+                if let Some((number, text)) = run.curve.csv() {
+                    let file = TextFile {
+                        stem: format!("curve-{}", number.key()),
+                        extension: "csv",
+                        path: None,
+                        text,
+                    };
+                    self.save_text(file, context);
+                }
+            }
             FileCommand::Cancel => {
                 if let Some(filing) = &self.filing {
                     filing.job.cancel();
@@ -409,6 +420,7 @@ impl FileState {
             | FileCommand::Chosen(_)
             | FileCommand::Cancel
             | FileCommand::Open(_)
+            | FileCommand::SaveCurve
             | FileCommand::Last => None,
         }
     }

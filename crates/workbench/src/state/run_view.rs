@@ -17,6 +17,8 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::verification::{Verdict, WitnessMark};
 
 use super::{Appearance, Verification};
+use crate::curve::RunCurve;
+use crate::live::Live;
 use crate::passes::Passes;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::{Camera, Flight};
@@ -36,6 +38,7 @@ pub use hits::{CountHitsTask, Hits, MAX_HITS};
 pub(super) use time::next_line;
 pub(crate) use time::none_there;
 pub(super) use transition::TRANSITION_SECS;
+pub(super) use work::Asked;
 
 /// The result of making a session.
 pub(super) type Made = Result<Result<Session, MakeError>, String>;
@@ -66,6 +69,10 @@ pub struct RunView {
     pub witness_mark: Option<WitnessMark>,
     /// The gaps and the triangulation of the moment.
     pub geometry: Geometry,
+    /// The measures of the moment that move with the run.
+    pub live: Live,
+    /// The curve of the run.
+    pub curve: RunCurve,
     /// The parameters of the session being made, if no file is part of its input.
     pub(super) asked: Option<Parameters>,
     /// The visible rows of the event browser's tree.
@@ -114,6 +121,8 @@ impl Default for RunView {
             place: None,
             witness_mark: None,
             geometry: Geometry::default(),
+            live: Live::default(),
+            curve: RunCurve::default(),
             asked: None,
             rows: None,
             stops: Stops::default(),

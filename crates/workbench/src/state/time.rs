@@ -62,6 +62,7 @@ impl Time {
                 self.continuing = Some(direction);
                 self.continue_on(run, context);
             }
+            TimeCommand::ToRise(direction) => run.go_to_rise(direction, context),
             TimeCommand::LoopStart => self.set_range(run, |range, at| range.start = at),
             TimeCommand::LoopEnd => self.set_range(run, |range, at| range.end = at),
             TimeCommand::Loop(range) => self.playback.range = range,

@@ -1,5 +1,5 @@
-//! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of breakpoints, watches
-//! and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
+//! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of the curve above the
+//! timeline, of breakpoints, watches and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
 //! the view only. [`crate::rules`] says which commands can be undone.
 
 use tilescope_core::Parameter;
@@ -9,7 +9,7 @@ use tilescope_session::recipe::Recipe;
 
 use super::effects::{Context, Effect};
 use super::{Appearance, Form, RunView, State};
-use crate::command::{Command, DebugCommand, FormCommand, WindowCommand};
+use crate::command::{AppearanceCommand, Command, DebugCommand, FormCommand, WindowCommand};
 use crate::draft::Draft;
 use crate::layout::{Layout, Panel};
 use crate::rules::UndoPart;
@@ -43,6 +43,7 @@ enum Typed {
     Watch(usize),
     Caption(usize),
     Exactly,
+    CurveHeight,
 }
 
 /// Returns the field in which a command types.
@@ -55,6 +56,8 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
+        // A border that is dragged changes the height from frame to frame.
+        Command::Appearance(AppearanceCommand::CurveHeight(_)) => Typed::CurveHeight,
         Command::Scene(SceneCommand::Caption(index, _)) => Typed::Caption(*index),
         _ => return None,
     })
@@ -148,6 +151,7 @@ impl Change {
                 context.ask(Effect::Layout(with_tabs_of(memento.layout, layout)));
             }
             UndoPart::Layout => context.ask(Effect::Layout(memento.layout)),
+            UndoPart::Curve => context.ask(Effect::Curve(memento.appearance.curve)),
             UndoPart::Stops => context.ask(Effect::Stops(memento.stops)),
             UndoPart::Form => context.ask(Effect::Form(Box::new(memento.form))),
             UndoPart::Run => {
@@ -162,6 +166,7 @@ impl Change {
                     appearance.chosen_layers,
                     appearance.colouring,
                 ));
+                context.ask(Effect::Curve(appearance.curve));
                 make_again(memento.made, made, context);
             }
         }

@@ -51,6 +51,7 @@ impl SavedView {
     ) -> Vec<&'static str> {
         let mut dropped = Vec::new();
         context.ask(Effect::Appearance(Box::new(self.appearance.clone())));
+        context.ask(Effect::Curve(self.appearance.curve));
         context.ask(Effect::Layout(self.layout.clone()));
         let run = &mut runs.first;
         let camera = self.camera.unwrap_or(run.camera);

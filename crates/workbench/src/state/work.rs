@@ -13,7 +13,7 @@ use tilescope_session::words::sentence;
 
 use super::effects::Effect;
 use super::link::{Arriving, LinkSource};
-use super::run_view::{self, RunView, TRANSITION_SECS};
+use super::run_view::{self, Asked, RunView, TRANSITION_SECS};
 use super::undo::{History, Made, Memento};
 use super::{Messages, Notice, State, Which};
 use crate::command::Command;
@@ -78,19 +78,19 @@ impl State {
             });
         }
         let shows_events = self.window.shows(Panel::Events);
-        let layers = self.appearance.layers(self.runs.first.current_stage());
+        let asked = asked_of(self, Which::First);
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
             if shows_events {
                 run.reveal();
             }
             run.want_hits(context);
-            run.follow_moment(layers, context);
+            run.follow_moment(asked, context);
             run.awaits_rest()
         });
-        let is_analysed = self.window.shows(Panel::Analysis);
         let wake = Wake::clone(&self.runs.jobs.wake);
-        self.analysis.follow(&self.runs.first, is_analysed, &wake);
+        self.analysis
+            .follow(&self.runs.first, asked.is_analysed, &wake);
         let dark = self.appearance.look.is_dark();
         self.scenes
             .follow_thumbnails(&self.runs, &self.window, dark);
@@ -102,8 +102,9 @@ impl State {
         let made = self.runs.get_mut(Which::Second).and_then(RunView::made);
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
+        let asked = asked_of(self, Which::Second);
         let flies = self.with_of(Which::Second, |state, context| {
-            state.runs.advance_second(dt_secs, layers, context)
+            state.runs.advance_second(dt_secs, asked, context)
         });
         self.time.follow_passes(&self.runs.first);
         let is_playing = self.time.playback.is_playing();
@@ -189,9 +190,9 @@ impl State {
         self.with(|state, context| state.files.settle(&mut state.runs, context));
         let made = self.runs.first.wait_made();
         self.finish_sampling(Which::First, made);
-        let layers = self.appearance.layers(self.runs.first.current_stage());
+        let asked = asked_of(self, Which::First);
         self.on(Which::First, |run, context| {
-            run.settle(layers, context);
+            run.settle(asked, context);
         });
         while self.time.continuing.is_some() {
             self.with(|state, context| {
@@ -201,14 +202,14 @@ impl State {
         let second = self.runs.get_mut(Which::Second);
         let made = second.and_then(RunView::wait_made);
         self.finish_sampling(Which::Second, made);
-        let layers = self.appearance.layers(self.runs.first.current_stage());
+        let asked = asked_of(self, Which::Second);
         self.on(Which::Second, |run, context| {
-            run.settle(layers, context);
+            run.settle(asked, context);
         });
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);
-        let is_analysed = self.window.shows(Panel::Analysis);
         let run = &self.runs.first;
+        let is_analysed = asked_of(self, Which::First).is_analysed;
         self.analysis.settle_with(run, is_analysed, &wake);
         self.time.follow_passes(&self.runs.first);
         self.on(Which::First, |run, context| {
@@ -438,6 +439,16 @@ impl State {
         }
         self.in_exports(|exports, _, _, context| exports.settle(context));
         self.with(|state, context| state.files.settle(&mut state.runs, context));
+    }
+}
+
+/// Returns what the window shows of a run. The analysis and the curve are of the first one.
+fn asked_of(state: &State, which: Which) -> Asked {
+    let is_first = which == Which::First;
+    Asked {
+        layers: state.appearance.layers(state.runs.first.current_stage()),
+        is_analysed: is_first && state.window.shows(Panel::Analysis),
+        curve: state.appearance.curve.number.filter(|_| is_first),
     }
 }
 

@@ -14,6 +14,7 @@ mod files_refused;
 mod gate;
 mod indices;
 mod link;
+mod live;
 mod nested;
 mod parts;
 mod runs;

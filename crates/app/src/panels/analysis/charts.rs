@@ -177,7 +177,9 @@ fn curves_of(
         color,
     };
     let mut curves = Vec::new();
-    if let Some((found, faded)) = sets.part(|measured| points(measured, 1.0)) {
+    // Those at rest are in r, those that move in user units.
+    let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
+    if let Some((found, faded)) = sets.part(in_radii) {
         let (name, color) = if faded {
             ("a moment before", palette.accent.gamma_multiply(FADED))
         } else {

@@ -10,6 +10,8 @@ use super::Sets;
 /// Width of a number, in screen points.
 const COLUMN: f32 = 62.0;
 const ROW: f32 = 19.0;
+/// Fewer samples are not measured.
+const MIN_SAMPLES: usize = 3;
 
 /// Shows the table. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
@@ -28,9 +30,11 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
             let text = set.and_then(|set| text_of(number, set));
             text.unwrap_or_else(|| "\u{2013}".to_owned())
         };
-        let (now, faded) = sets
-            .part(|set| text_of(number, set))
-            .unwrap_or_else(|| ("\u{2013}".to_owned(), false));
+        let (now, faded) = sets.part(|set| text_of(number, set)).unwrap_or_else(|| {
+            let awaits_rest = sets.live.is_some_and(|live| awaits_rest(number, live));
+            let text = if awaits_rest { "at rest" } else { "\u{2013}" };
+            (text.to_owned(), false)
+        });
         let reference = sets.reference.map(|set| &**set);
         let texts = [now, shown(reference), shown(file.as_ref())];
 
@@ -55,6 +59,11 @@ fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
             (number.needs.is_some_and(is_measured)).then(|| "none".to_owned())
         }
     }
+}
+
+/// Returns whether a number is not known while the run moves, though the set has one.
+fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
+    live.samples >= MIN_SAMPLES && number.needs.is_some_and(|part| !live.knows(part))
 }
 
 /// Returns whether a number depends on the radius that the set was judged with.

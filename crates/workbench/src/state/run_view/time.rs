@@ -152,6 +152,27 @@ impl RunView {
         }
     }
 
+    /// Goes to the next event, or the one before, at which the number of the curve rises.
+    pub(in crate::state) fn go_to_rise(&mut self, direction: Direction, context: &mut Context) {
+        let (Some(points), Some((cursor, _))) = (self.curve.points(), self.cursor()) else {
+            let why = "There is no curve: choose a number of the run first.";
+            return context.tell(why.to_owned(), false);
+        };
+        match points.rise(cursor, direction) {
+            Some(cursor) => self.jump(cursor),
+            None => {
+                let there = match direction {
+                    Direction::Forwards => "after",
+                    Direction::Backwards => "before",
+                };
+                context.tell(
+                    format!("The curve does not rise {there} this moment."),
+                    false,
+                );
+            }
+        }
+    }
+
     pub(in crate::state) fn step_stage(&mut self, direction: Direction) {
         let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) else {
             return;

@@ -3,6 +3,7 @@
 use std::mem::take;
 use std::sync::Arc;
 
+use tilescope_live::Wanted;
 use tilescope_session::jobs::Job;
 use tilescope_session::layers::Layers;
 use tilescope_session::recipe::Recipe;
@@ -14,9 +15,18 @@ use tilescope_session::words::sentence;
 
 use super::{Made, RunView};
 use crate::command::Which;
+use crate::curve::CurveNumber;
 use crate::device::EngineChoice;
+use crate::state::Verification;
 use crate::state::effects::{Context, Effect};
-use crate::state::{Appearance, Verification};
+
+/// What the window shows of a run: what is measured of its moment.
+#[derive(Clone, Copy)]
+pub(in crate::state) struct Asked {
+    pub(in crate::state) layers: Layers,
+    pub(in crate::state) is_analysed: bool,
+    pub(in crate::state) curve: Option<CurveNumber>,
+}
 
 impl RunView {
     /// Shows a session at its last stage and has it verified. Breakpoints, watches and scenes stay.
@@ -127,16 +137,32 @@ impl RunView {
         };
     }
 
-    /// Starts looking for the gaps of the moment, and triangulating it, where these layers show that and it is not known.
-    pub(in crate::state) fn follow_moment(&mut self, layers: Layers, context: &Context) {
-        let mut geometry = take(&mut self.geometry);
+    /// Brings the measures that move with the run to the moment, and starts what takes longer, as far as something asks for
+    /// them.
+    pub(in crate::state) fn follow_moment(&mut self, asked: Asked, context: &Context) {
+        if let Some(session) = &self.session {
+            self.curve.want(session, asked.curve, &context.wake);
+        }
+
+        let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
-            let layers = session.drawable(layers).drawn_at(shown.stage);
+            let layers = session.drawable(asked.layers).drawn_at(shown.stage);
+            let is_analysed = asked.is_analysed;
+            let wanted = Wanted {
+                spectrum: is_analysed,
+                thinned: true,
+                pairs: is_analysed,
+                cover: is_analysed || layers.has_gaps(),
+            };
+            live.follow(session, &shown, wanted, &context.wake);
+            if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {
+                geometry.take_borders(&shown, cover);
+            }
             if layers.wants_geometry() {
                 geometry.want(session, &shown, layers.has_net(), &context.wake);
             }
         }
-        self.geometry = geometry;
+        (self.live, self.geometry) = (live, geometry);
     }
 
     /// Takes finished work on the session.
@@ -153,17 +179,19 @@ impl RunView {
         self.query.found.poll();
     }
 
-    /// Waits for the work on the session, including that on what these layers show of the moment.
+    /// Waits for the work on the session, including that on what is asked for.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(in crate::state) fn settle(&mut self, layers: Layers, context: &Context) {
+    pub(in crate::state) fn settle(&mut self, asked: Asked, context: &Context) {
         if let Verification::Pending(job) = &self.verification {
             let outcome = job.wait();
             self.finish_verification(outcome);
         }
         self.settle_prefix(context);
         // The first round ends work that was started for another moment, and the second sees that the moment rests.
-        for _ in 0..2 {
-            self.follow_moment(layers, context);
+        for _ in 0..3 {
+            self.follow_moment(asked, context);
+            self.live.settle();
+            self.curve.settle();
             self.geometry.settle();
         }
         self.history_found.settle();

@@ -1,0 +1,337 @@
+//! The run as a curve: a number of the catalogue over the events, above the track of the timeline and as wide as that. Hovering
+//! shows the value of a moment, a click goes there; the number and the height can be chosen.
+
+use egui::{
+    Align2, Button, ComboBox, CursorIcon, FontId, Id, Painter, Pos2, Rect, Response, RichText,
+    Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+use tilescope_analysis::measures::SetNumber;
+use tilescope_drawing::palette::Palette;
+use tilescope_session::session::Session;
+use tilescope_session::words::{capital, grouped};
+use tilescope_ui::language::Worded;
+use tilescope_ui::widgets::Known;
+
+use super::context::TimeContext;
+use super::track::{self, Segment};
+use tilescope_workbench::command::{AppearanceCommand, Command, TimeCommand};
+use tilescope_workbench::curve::{CurveNumber, CurvePoints};
+use tilescope_workbench::files::FileCommand;
+
+/// Between the curve and the controls below.
+const APART: f32 = 6.0;
+/// The height of the border that changes the curve's height.
+const BORDER: f32 = 6.0;
+/// Less room beside the curve has no chooser.
+const MIN_BESIDE: f32 = 150.0;
+
+/// Returns the room that the curve takes; none if no number is chosen.
+pub fn height(context: &TimeContext<'_>) -> f32 {
+    let curve = context.curve;
+    curve
+        .number
+        .map_or(0.0, |_| f32::from(curve.height) + APART)
+}
+
+/// Shows the curve in `room`, above a track that is at `track`.
+pub fn show(
+    ui: &mut Ui,
+    context: &TimeContext<'_>,
+    room: Rect,
+    track: Rect,
+    commands: &mut Vec<Command>,
+) {
+    let (Some(number), Some(session)) = (context.curve.number, &context.run.session) else {
+        return;
+    };
+    let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
+    let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
+    if beside.width() >= MIN_BESIDE {
+        let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
+        chooser(&mut side, context, number, commands);
+    }
+
+    border(ui, context, chart, commands);
+    let chart = chart.with_min_y(chart.top() + BORDER);
+    let segments = track::segments_within(session, track);
+    let Some(points) = context.run.curve.points() else {
+        return unknown(ui, context, chart);
+    };
+    let frame = CurveFrame {
+        points,
+        number: number.row(),
+        segments: &segments,
+        rect: chart,
+        range: ends(points),
+    };
+    frame.show(ui, context, session, commands);
+}
+
+/// Shows the choice of the number, its value at the moment, and what saves the curve.
+fn chooser(
+    ui: &mut Ui,
+    context: &TimeContext<'_>,
+    number: CurveNumber,
+    commands: &mut Vec<Command>,
+) {
+    let name = capital(number.row().name);
+    let chosen = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
+    let response = chosen.selected_text(name).show_ui(ui, |ui| {
+        for other in CurveNumber::all() {
+            let row = ui.selectable_label(other == number, capital(other.row().name));
+            row.known_as(format_args!("curve.{}", other.key()));
+            if row.on_hover_text(other.row().meaning).clicked() {
+                commands.push(Command::Appearance(AppearanceCommand::Curve(Some(other))));
+            }
+        }
+    });
+    let response = response.response;
+    let name = ui.words("Number of the curve");
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    response.known_as("curve.number");
+
+    ui.horizontal_wrapped(|ui| {
+        let points = context.run.curve.points();
+        let save = ui.add_enabled(points.is_some(), Button::new("Save as CSV").small());
+        let command = Command::File(FileCommand::SaveCurve);
+        save.issues("curve.save", command, commands);
+        let command = Command::Appearance(AppearanceCommand::Curve(None));
+        ui.add(Button::new("Hide").small())
+            .issues("curve.hide", command, commands);
+        let now = points.zip(context.run.cursor());
+        let text = now.map(|(points, (cursor, _))| value_of(points, number.row(), cursor));
+        let text = RichText::new(text.unwrap_or_default()).monospace();
+        ui.label(text.color(context.palette.muted))
+            .known_as("curve.value");
+    });
+}
+
+/// Lets the upper border be dragged, which changes the height.
+fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Command>) {
+    let strip = chart.with_max_y(chart.top() + BORDER);
+    let response = ui.interact(strip, Id::unique("border of the curve"), Sense::drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Splitter, true, "Height of the curve"));
+    response.known_as("curve.height");
+    if let Some(pointer) = response.interact_pointer_pos()
+        && response.dragged()
+    {
+        let height = chart.bottom() - pointer.y;
+        let height = height.clamp(0.0, f32::from(u16::MAX)) as u16;
+        commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
+    }
+    let is_hot = response.hovered() || response.dragged();
+    response.on_hover_cursor(CursorIcon::ResizeVertical);
+    let color = if is_hot {
+        context.palette.accent
+    } else {
+        context.palette.line
+    };
+    let stroke = Stroke::new(1.0, color);
+    ui.painter()
+        .hline(strip.x_range(), strip.center().y, stroke);
+}
+
+/// Says how far the curve is, or why there is none.
+fn unknown(ui: &mut Ui, context: &TimeContext<'_>, chart: Rect) {
+    let curve = &context.run.curve;
+    let percent = 100.0 * curve.progress().unwrap_or_default();
+    let text = match curve.failure() {
+        Some(why) => why.to_owned(),
+        None => format!("The curve is being made: {percent:.0}%"),
+    };
+    let text = RichText::new(text).color(context.palette.muted);
+    ui.put(chart, egui::Label::new(text).wrap())
+        .known_as("curve.status");
+}
+
+/// Returns the ends of the axis: one that is not a point.
+fn ends(points: &CurvePoints) -> [f64; 2] {
+    let [low, high] = points.range().unwrap_or([0.0, 1.0]);
+    if high > low {
+        [low, high]
+    } else {
+        [low - 0.5, high + 0.5]
+    }
+}
+
+/// Returns a value as the table of numbers has it, with its unit.
+fn written(number: &SetNumber, value: f64) -> String {
+    let text = match number.decimals {
+        _ if !value.is_finite() => "none".to_owned(),
+        0 => grouped(value as usize),
+        decimals => format!("{value:.decimals$}"),
+    };
+    [&*text, number.unit].join(" ").trim_end().to_owned()
+}
+
+/// Returns the value at a cursor, in words.
+fn value_of(points: &CurvePoints, number: &SetNumber, cursor: usize) -> String {
+    written(number, points.values[points.at(cursor)])
+}
+
+/// A curve and its rectangle.
+struct CurveFrame<'a> {
+    points: &'a CurvePoints,
+    number: &'static SetNumber,
+    segments: &'a [Segment],
+    rect: Rect,
+    range: [f64; 2],
+}
+
+impl CurveFrame<'_> {
+    fn show(
+        &self,
+        ui: &Ui,
+        context: &TimeContext<'_>,
+        session: &Session,
+        commands: &mut Vec<Command>,
+    ) {
+        let palette = context.palette;
+        self.table(ui, session);
+        let id = Id::unique("curve of the run");
+        let response = ui.interact(self.rect, id, Sense::CLICK | Sense::DRAG);
+        let description = self.description();
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
+        response.known_as("curve.chart");
+
+        let painter = ui.painter_at(self.rect);
+        self.ground(&painter, palette);
+        self.line(&painter, palette);
+        if let Some((cursor, _)) = context.run.cursor() {
+            self.mark(&painter, cursor, palette);
+        }
+        let pointer = response.interact_pointer_pos();
+        let is_chosen = response.clicked() || response.dragged();
+        if let Some(at) = pointer.filter(|_| is_chosen) {
+            let cursor = track::cursor_at(self.segments, at.x);
+            commands.push(Command::Time(TimeCommand::Jump(cursor)));
+        }
+        self.hover(response, session);
+    }
+
+    /// Shows the value under the pointer.
+    fn hover(&self, response: Response, session: &Session) {
+        let Some(at) = response.hover_pos() else {
+            return;
+        };
+        let cursor = track::cursor_at(self.segments, at.x);
+        let stage = session.stages[session.stage_at(cursor)];
+        let name = tilescope_session::sentence::name_in(session, stage);
+        let value = value_of(self.points, self.number, cursor);
+        let text = format!(
+            "{}: {value}\nevent {}, {name}",
+            self.number.name,
+            grouped(cursor)
+        );
+        response
+            .on_hover_cursor(CursorIcon::PointingHand)
+            .on_hover_text_at_pointer(RichText::new(text).monospace());
+    }
+
+    /// Tells screen readers the values at the end of each stage, a row for each.
+    fn table(&self, ui: &Ui, session: &Session) {
+        let before = |cursor: usize| value_of(self.points, self.number, cursor);
+        for (index, segment) in self.segments.iter().enumerate() {
+            let rect = Rect::from_x_y_ranges(segment.left..=segment.right, self.rect.y_range());
+            let row = ui.interact(
+                rect,
+                Id::unique(("row of the curve", index)),
+                Sense::hover(),
+            );
+            let events = &segment.events;
+            let name = match session.nested {
+                Some(_) => format!("Level {index}"),
+                None => tilescope_session::sentence::name_in(session, session.stages[index]),
+            };
+            let text = format!(
+                "{name}: {} {} at its start, {} at its end, event {}",
+                self.number.name,
+                before(events.start),
+                before(events.end),
+                grouped(events.end)
+            );
+            row.widget_info(|| WidgetInfo::labeled(Role::Row, true, &text));
+            row.known_as(format_args!("curve.row-{index}"));
+        }
+    }
+
+    /// Describes the curve for screen readers.
+    fn description(&self) -> String {
+        let name = self.number.name;
+        let values = self.points.values.iter().enumerate();
+        let defined = values.filter(|(_, value)| value.is_finite());
+        match defined.max_by(|a, b| a.1.total_cmp(b.1)) {
+            Some((index, value)) => format!(
+                "Curve: {name} over the events. Highest: {} at event {}.",
+                written(self.number, *value),
+                grouped(self.points.events[index])
+            ),
+            None => format!("Curve: {name} over the events. It is not defined in this run."),
+        }
+    }
+
+    fn y_of(&self, value: f64) -> f32 {
+        let [low, high] = self.range;
+        let part = ((value - low) / (high - low)) as f32;
+        // Room for the width of the line.
+        self.rect.bottom() - 3.0 - part * (self.rect.height() - 6.0)
+    }
+
+    /// Draws the stages and the ends of the axis.
+    fn ground(&self, painter: &Painter, palette: &Palette) {
+        painter.rect_filled(self.rect, 2.0, palette.domain);
+        let stroke = Stroke::new(1.0, palette.line);
+        for segment in self.segments {
+            painter.vline(segment.right, self.rect.y_range(), stroke);
+        }
+        let font = FontId::monospace(10.0);
+        let [low, high] = self.range.map(|value| written(self.number, value));
+        for (at, align, text) in [
+            (self.rect.left_top(), Align2::LEFT_TOP, high),
+            (self.rect.left_bottom(), Align2::LEFT_BOTTOM, low),
+        ] {
+            let at = at + vec2(4.0, 0.0);
+            painter.text(at, align, text, font.clone(), palette.muted);
+        }
+    }
+
+    /// Draws the curve: in each column of pixels from the least to the largest value there, so that no peak is lost.
+    fn line(&self, painter: &Painter, palette: &Palette) {
+        let (left, right) = (self.segments[0].left, self.rect.right());
+        let mut line: Vec<Pos2> = Vec::new();
+        let mut first = 0;
+        let mut x = left;
+        while x < right {
+            let last = self.points.at(track::cursor_at(self.segments, x + 1.0));
+            let values = &self.points.values[first..=last];
+            let defined = values.iter().copied().filter(|value| value.is_finite());
+            let [low, high] = defined.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], value| {
+                [a.min(value), b.max(value)]
+            });
+            if low <= high {
+                // The last value is the one that the next column goes on from.
+                let end = values[values.len() - 1];
+                let end = if end.is_finite() { end } else { high };
+                let values = if low < high {
+                    &[low, high, end][..]
+                } else {
+                    &[end][..]
+                };
+                line.extend(values.iter().map(|value| pos2(x, self.y_of(*value))));
+            }
+            (first, x) = (last, x + 1.0);
+        }
+        painter.line(line, Stroke::new(1.4, palette.accent));
+    }
+
+    /// Marks the moment.
+    fn mark(&self, painter: &Painter, cursor: usize, palette: &Palette) {
+        let x = track::x_of(self.segments, cursor);
+        let stroke = Stroke::new(1.0, palette.halo);
+        painter.vline(x, self.rect.y_range(), stroke);
+        let value = self.points.values[self.points.at(cursor)];
+        if value.is_finite() {
+            painter.circle_filled(pos2(x, self.y_of(value)), 3.0, palette.halo);
+        }
+    }
+}

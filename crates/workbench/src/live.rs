@@ -1,0 +1,229 @@
+//! The measures that move with a run: those of the moment that is shown, brought there in each frame by the samples that came
+//! or went. Begin with [`Live::follow`]. `tilescope_live` computes them; this module decides for which run and how much in a
+//! frame, and says why where there are none.
+
+use std::sync::Arc;
+
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::measures::MeasuredSet;
+use tilescope_live::{Course, FRAME_STEPS, LiveMoment, Wanted};
+use tilescope_session::geometry::{Key, key_of};
+use tilescope_session::jobs::{Job, Wake};
+use tilescope_session::moment::ShownMoment;
+use tilescope_session::session::Session;
+use tilescope_session::words::{counted, grouped, sentence};
+
+/// The most samples of a run whose measures move: of more, a change of the spectrum alone would take a frame.
+pub const MAX_SAMPLES: usize = 200_000;
+
+/// Where the measures of a run are.
+#[derive(Default)]
+enum Followed {
+    /// Nothing asked for any.
+    #[default]
+    Nothing,
+    /// On their way to a moment that is too far for a frame.
+    Away(Job<Result<Box<LiveMoment>, String>>),
+    /// At the moment of the frame before, or near it.
+    Here(Box<LiveMoment>),
+    /// There are none, and why.
+    Refused(String),
+}
+
+/// The measures of the shown moment of a run, as far as something asks for them.
+#[derive(Default)]
+pub struct Live {
+    /// The generation of the session.
+    generation: Option<u64>,
+    followed: Followed,
+    /// The moment of the call before.
+    at: Option<Key>,
+    /// The last moment of which anything is known.
+    measured: Option<(Key, Arc<MeasuredSet>)>,
+    /// The share of the frequencies in that.
+    share: Option<f64>,
+    steps: u64,
+}
+
+impl Live {
+    /// Returns the measures of a moment, as far as they are that moment's, with lengths in user units.
+    #[must_use]
+    pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Arc<MeasuredSet>> {
+        let (key, measured) = self.measured.as_ref()?;
+        (*key == key_of(shown)).then_some(measured)
+    }
+
+    /// Returns the share of the frequencies that the spectrum of a moment has; `None` while there is no spectrum of it.
+    #[must_use]
+    pub fn share(&self, shown: &ShownMoment<'_>) -> Option<f64> {
+        self.of(shown).and(self.share)
+    }
+
+    /// Returns the covered circles of a moment, if they were followed to it.
+    #[must_use]
+    pub fn cover(&self, shown: &ShownMoment<'_>) -> Option<&LiveCover> {
+        match &self.followed {
+            Followed::Here(moment) if self.of(shown).is_some() => moment.cover(),
+            Followed::Here(_) | Followed::Nothing | Followed::Away(_) | Followed::Refused(_) => {
+                None
+            }
+        }
+    }
+
+    /// Returns why this run has no measures that move with it; `None` where it has, or nothing asked for any.
+    #[must_use]
+    pub fn refusal(&self) -> Option<&str> {
+        match &self.followed {
+            Followed::Refused(why) => Some(why),
+            Followed::Nothing | Followed::Away(_) | Followed::Here(_) => None,
+        }
+    }
+
+    /// Returns the counted steps of all frames so far. Those of a move in the background are not among them.
+    #[must_use]
+    pub const fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Brings what is wanted to a moment, in about [`FRAME_STEPS`] at most. What is farther away gets there in the background,
+    /// once the moment rests from one call to the next.
+    pub fn follow(
+        &mut self,
+        session: &Arc<Session>,
+        shown: &ShownMoment<'_>,
+        wanted: Wanted,
+        wake: &Wake,
+    ) {
+        let key = key_of(shown);
+        let rests = self.at.replace(key) == Some(key);
+        if wanted == Wanted::default() {
+            self.measured = None;
+            return;
+        }
+        if self.generation != Some(session.generation) {
+            self.begin(session, key.1, wanted, wake);
+        }
+        self.poll();
+
+        let Followed::Here(moment) = &mut self.followed else {
+            return;
+        };
+        let moved = match moment.seek(key.1, wanted, FRAME_STEPS) {
+            Ok(moved) => moved,
+            Err(error) => return self.refuse(sentence(&error.to_string())),
+        };
+        self.steps += moved.steps;
+        let is_known = self.measured.as_ref().is_some_and(|(of, _)| *of == key);
+        if !is_known || moved.steps > 0 {
+            self.measured = Some((key, Arc::new(measured(moment))));
+            self.share = moment.spectrum().map(LiveSpectrum::share);
+        }
+        if moved.arrived {
+            return;
+        }
+        if rests {
+            self.send(key.1, wanted, wake);
+        } else {
+            // Whether the moment rests shows in the next frame.
+            wake();
+        }
+    }
+
+    /// Begins to follow another session.
+    fn begin(&mut self, session: &Arc<Session>, cursor: usize, wanted: Wanted, wake: &Wake) {
+        (self.generation, self.measured) = (Some(session.generation), None);
+        if let Some(why) = refusal(session) {
+            return self.refuse(why);
+        }
+        let session = Arc::clone(session);
+        let job = Job::start(wake, move |_| {
+            let course = Arc::new(course_of(&session));
+            moved(Box::new(LiveMoment::new(course)), cursor, wanted)
+        });
+        self.followed = Followed::Away(job);
+    }
+
+    /// Sends the measures to a moment in the background.
+    fn send(&mut self, cursor: usize, wanted: Wanted, wake: &Wake) {
+        if let Followed::Here(moment) = std::mem::take(&mut self.followed) {
+            let job = Job::start(wake, move |_| moved(moment, cursor, wanted));
+            self.followed = Followed::Away(job);
+        }
+    }
+
+    fn poll(&mut self) {
+        if let Followed::Away(job) = &self.followed
+            && let Some(outcome) = job.poll()
+        {
+            self.take(outcome);
+        }
+    }
+
+    fn take(&mut self, outcome: Result<Result<Box<LiveMoment>, String>, String>) {
+        match outcome.and_then(|moved| moved) {
+            Ok(moment) => self.followed = Followed::Here(moment),
+            Err(why) => self.refuse(sentence(&why)),
+        }
+    }
+
+    fn refuse(&mut self, why: String) {
+        (self.measured, self.followed) = (None, Followed::Refused(why));
+    }
+
+    /// Waits for a move in the background.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&mut self) {
+        if let Followed::Away(job) = &self.followed {
+            let outcome = job.wait();
+            self.take(outcome);
+        }
+    }
+}
+
+/// Returns why a run has no measures that move with it.
+pub(crate) fn refusal(session: &Session) -> Option<String> {
+    if session.recording().is_none() && session.nested.is_none() {
+        let why = "This run has no events, so that its moments are measured at rest alone.";
+        return Some(why.to_owned());
+    }
+    let count = session.run().samples.len();
+    (count > MAX_SAMPLES).then(|| {
+        let limit = grouped(MAX_SAMPLES);
+        format!(
+            "This run has {}; one of more than {limit} is measured at rest alone.",
+            counted(count, "sample", "samples")
+        )
+    })
+}
+
+/// Returns the course of a run: which sample comes or goes at which event. Takes a tenth of a second for ten million events.
+pub(crate) fn course_of(session: &Session) -> Course {
+    match session.recording() {
+        Some(recording) => Course::of_recording(recording),
+        // Of nested levels a moment is a prefix.
+        None => Course::of_order(session.run().domain, &session.run().samples.points),
+    }
+}
+
+/// Returns the measures at a cursor, however far away it is.
+fn moved(
+    mut moment: Box<LiveMoment>,
+    cursor: usize,
+    wanted: Wanted,
+) -> Result<Box<LiveMoment>, String> {
+    let moved = moment.seek(cursor, wanted, u64::MAX);
+    moved.map_err(|error| error.to_string())?;
+    Ok(moment)
+}
+
+/// Returns the measures of a moment as the panel shows them.
+fn measured(moment: &LiveMoment) -> MeasuredSet {
+    let mut set = moment.measured();
+    // Sets of fewer than three samples have no pair correlation.
+    if let Some(Ok(mut pairs)) = moment.pairs().map(LivePairs::correlation) {
+        // Distances are in radii there.
+        pairs.r_max *= set.radius.unwrap_or(1.0);
+        set.pairs = Some(Arc::new(pairs));
+    }
+    set
+}
