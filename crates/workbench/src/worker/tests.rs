@@ -21,6 +21,7 @@ use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Brush, BrushAxis};
 use crate::command::{AppearanceCommand, Command, DebugCommand, ViewCommand, Which, WindowCommand};
 use crate::compare::{CompareCommand, ComparePreset};
+use crate::curve::CurveNumber;
 use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
@@ -100,6 +101,8 @@ fn visit() -> Vec<String> {
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
         Layer::Voronoi,
     )));
+    let curve = AppearanceCommand::Curve(CurveNumber::of("conflicts"));
+    state.apply(Command::Appearance(curve));
     state.apply(Command::Debug(DebugCommand::Query(
         "insert iteration>1".to_owned(),
     )));
@@ -157,6 +160,7 @@ fn visit() -> Vec<String> {
             "{:?}",
             state.runs().first.geometry.borders(&shown).expect("gaps")
         ),
+        format!("{:?}", state.runs().first.curve.points().expect("a curve")),
         format!("{:?}", known.measured),
         format!("{:?}", state.analysis().reference.measured()),
         format!(

@@ -150,7 +150,7 @@ impl RunView {
             let is_analysed = asked.is_analysed;
             let wanted = Wanted {
                 spectrum: is_analysed,
-                thinned: true,
+                thinned: is_analysed,
                 pairs: is_analysed,
                 cover: is_analysed || layers.has_gaps(),
             };
