@@ -158,19 +158,15 @@ impl RunView {
             let why = "There is no curve: choose a number of the run first.";
             return context.tell(why.to_owned(), false);
         };
-        match points.rise(cursor, direction) {
-            Some(cursor) => self.jump(cursor),
-            None => {
-                let there = match direction {
-                    Direction::Forwards => "after",
-                    Direction::Backwards => "before",
-                };
-                context.tell(
-                    format!("The curve does not rise {there} this moment."),
-                    false,
-                );
-            }
-        }
+        let Some(risen) = points.rise(cursor, direction) else {
+            let there = match direction {
+                Direction::Forwards => "after",
+                Direction::Backwards => "before",
+            };
+            let why = format!("The curve does not rise {there} this moment.");
+            return context.tell(why, false);
+        };
+        self.jump(risen);
     }
 
     pub(in crate::state) fn step_stage(&mut self, direction: Direction) {
