@@ -431,7 +431,7 @@ fn the_analysis_moves_with_the_run_and_says_what_follows_at_rest() {
         &["1,500", "tile", "frequencies"],
     );
     let state = &harness.state().state;
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let live = state.runs().first.live.of(&shown).expect("live measures");
     let count = tilescope_session::words::grouped(live.samples);
     says(&harness, SAMPLES, &[&count]);
@@ -459,13 +459,13 @@ fn the_run_is_drawn_as_a_curve_that_leads_to_its_moments() {
     );
 
     let rect = node(&harness, "curve.chart").rect();
-    let end = harness.state().state.cursor().unwrap().1;
+    let end = harness.state().state.runs().first.cursor().unwrap().1;
     let at = rect.left_center() + egui::vec2(0.4 * rect.width(), 0.0);
     harness.drag_at(at);
     harness.run();
     harness.drop_at(at);
     harness.run();
-    let cursor = harness.state().state.cursor().unwrap().0;
+    let cursor = harness.state().state.runs().first.cursor().unwrap().0;
     assert!(cursor > 0 && cursor < end, "{cursor}");
     let value = text(&harness, "curve.value");
     assert!(value.contains("pairs"), "{value}");

@@ -24,6 +24,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::export::beside::{MAX_MEASURED, beside};
 use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::script::{self, ScriptError};
+use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State};
 
 use crate::export::decode_gif;
@@ -119,14 +120,14 @@ fn a_file_has_the_measures_of_each_frame_beside_it() {
         &path,
         &[(NumberField::Every, &every), (NumberField::Scale, "0.5")],
     );
-    let plain = state.files().exports.job(state.export_source());
+    let plain = state.files().exports.job(ExportSource::of(&state));
     export(&mut state, ExportCommand::Analysis(true));
     let view = PictureView {
         analysis: true,
         ..export_view(&state, ExportKind::Animation).expect("a view")
     };
     let [width, height] = view.pixels(0.5);
-    let prospect = state.files().exports.prospect(state.export_source());
+    let prospect = state.files().exports.prospect(ExportSource::of(&state));
     let size = format!("{width} x {height} pixels");
     assert!(prospect.expect("possible").contains(&size), "{size}");
     export(&mut state, ExportCommand::Write);
@@ -301,7 +302,7 @@ fn measuring_stops_when_asked_and_has_a_limit() {
         export(state, ExportCommand::WholeRun(true));
         fill_in(state, ExportKind::Animation, &path, &entries);
         export(state, ExportCommand::Analysis(analysis));
-        state.files().exports.prospect(state.export_source())
+        state.files().exports.prospect(ExportSource::of(state))
     };
     assert!(prospect(&mut state, 570, false).is_ok());
     assert!(prospect(&mut state, 100, true).is_ok());

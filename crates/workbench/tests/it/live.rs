@@ -10,7 +10,7 @@ use tilescope_live::FRAME_STEPS;
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
 use tilescope_sets::region_in_radii;
-use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::command::{AppearanceCommand, TimeCommand, Which, WindowCommand};
 use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
@@ -37,7 +37,7 @@ fn steps(state: &State) -> u64 {
 
 /// Asserts that what is known of the moment while it moves is what is measured of its samples from nothing.
 fn assert_is_of_this_moment(state: &State) {
-    let shown = state.shown().unwrap();
+    let shown = state.runs().first.shown().unwrap();
     let session = shown.session;
     let stands = |id: &u32| matches!(shown.standing(*id), Standing::Tiled | Standing::Valid);
     let ids = (0..session.run().samples.len() as u32).filter(stands);
@@ -80,7 +80,7 @@ fn measures_move_while_the_run_plays_and_back() {
     let mut seen = Vec::new();
     for frame in 0..300 {
         state.advance(FRAME_SECS);
-        let shown = state.shown().unwrap();
+        let shown = state.runs().first.shown().unwrap();
         // No frame shows a moment without its measures, and none has those of another.
         let live = state.runs().first.live.of(&shown).expect("live measures");
         assert!(live.knows(Part::Report) && live.knows(Part::Spectrum));
@@ -117,7 +117,7 @@ fn nothing_is_computed_that_nothing_shows() {
             .runs()
             .first
             .live
-            .of(&state.shown().unwrap())
+            .of(&state.runs().first.shown().unwrap())
             .is_none()
     );
 
@@ -129,14 +129,19 @@ fn nothing_is_computed_that_nothing_shows() {
     jump(&mut state, 4_000);
     state.advance(FRAME_SECS);
     assert!(steps(&state) > before);
-    let live = state.runs().first.live.of(&state.shown().unwrap()).unwrap();
+    let live = state
+        .runs()
+        .first
+        .live
+        .of(&state.runs().first.shown().unwrap())
+        .unwrap();
     assert!(live.pairs.is_none() && live.spectrum.is_none() && live.report.is_none());
 }
 
 #[test]
 fn the_steps_of_a_frame_are_bounded() {
     let mut state = analysing();
-    let end = state.cursor().unwrap().1;
+    let end = state.runs().first.cursor().unwrap().1;
     for cursor in [end, 1_000, end / 2, end, 0, end] {
         jump(&mut state, cursor);
         let before = steps(&state);
@@ -152,7 +157,12 @@ fn moments_without_samples_and_runs_without_events_say_so() {
     let mut state = analysing();
     jump(&mut state, 0);
     state.settle();
-    let live = state.runs().first.live.of(&state.shown().unwrap()).unwrap();
+    let live = state
+        .runs()
+        .first
+        .live
+        .of(&state.runs().first.shown().unwrap())
+        .unwrap();
     assert!(live.samples == 0 && live.report.is_none() && live.spectrum.is_none());
     assert_eq!(state.runs().first.live.refusal(), None);
 
@@ -163,7 +173,7 @@ fn moments_without_samples_and_runs_without_events_say_so() {
     };
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
     let counted = Sweep::run(&parameters, &pattern, &mut Unobserved).unwrap();
-    state.show(Session::from_run(counted, 1_000));
+    state.show(Which::First, Session::from_run(counted, 1_000));
     state.settle();
     let why = state.runs().first.live.refusal().expect("a reason");
     assert!(why.contains("no events"), "{why}");
@@ -172,7 +182,7 @@ fn moments_without_samples_and_runs_without_events_say_so() {
 #[test]
 fn a_curve_is_made_in_the_background_followed_and_undone() {
     let mut state = opened();
-    let end = state.cursor().unwrap().1;
+    let end = state.runs().first.cursor().unwrap().1;
     let conflicts = CurveNumber::of("conflicts");
     state.apply(Command::Appearance(AppearanceCommand::Curve(conflicts)));
     state.settle();
@@ -186,7 +196,7 @@ fn a_curve_is_made_in_the_background_followed_and_undone() {
     jump(&mut state, 0);
     let forwards = tilescope_debugger::Direction::Forwards;
     state.apply(Command::Time(TimeCommand::ToRise(forwards)));
-    let cursor = state.cursor().unwrap().0;
+    let cursor = state.runs().first.cursor().unwrap().0;
     let points = state.runs().first.curve.points().unwrap();
     assert!(cursor > 0 && points.values[points.at(cursor)] > points.values[points.at(cursor - 1)]);
     let csv = state.runs().first.curve.csv().unwrap().1;
