@@ -27,7 +27,8 @@ use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{
-    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
+    AppearanceCommand, Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
 };
 use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::finder::Finder;
@@ -444,7 +445,11 @@ fn view(list: &mut List, state: &State) {
     list.within(Submenu::HidePanel, |list| hidden_panels(list, state));
     list.within(Submenu::Layers, |list| layers(list, state));
     list.within(Submenu::Colours, |list| colours(list, state));
-    list.within(Submenu::Curve, |list| curves(list, state));
+    list.within(Submenu::Curve, |list| {
+        curves(list, state);
+        list.group();
+        rises(list, state);
+    });
     list.within(Submenu::Look, |list| look(list, state));
     list.within(Submenu::Scenes, |list| scenes(list, state));
     list.group();
@@ -578,6 +583,20 @@ fn curves(list: &mut List, state: &State) {
     let nothing = "No curve is shown.";
     list.add("No curve", command)
         .refused(shown.is_none().then_some(nothing));
+}
+
+/// Adds going to where the number of the curve rises.
+fn rises(list: &mut List, state: &State) {
+    let has_curve = state.runs().first.curve.points().is_some();
+    let refusal = (!has_curve).then_some("No curve of the run is shown.");
+    for (name, modifiers, direction) in [
+        ("Next rise of the curve", NONE, Direction::Forwards),
+        ("Previous rise of the curve", SHIFT, Direction::Backwards),
+    ] {
+        list.add(name, Command::Time(TimeCommand::ToRise(direction)))
+            .on_keys(modifiers, Key::R)
+            .refused(refusal);
+    }
 }
 
 /// Adds the looks and the choice of less motion.

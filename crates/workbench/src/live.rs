@@ -16,6 +16,14 @@ use tilescope_session::words::{counted, grouped, sentence};
 /// The most samples of a run whose measures move: of more, a change of the spectrum alone would take a frame.
 pub const MAX_SAMPLES: usize = 200_000;
 
+/// In how many frames measures may try to catch up with a run that plays, before they are sent ahead in the background: a jump
+/// is nearly always caught up with sooner, or never. A page has no other thread, so that it waits for the moment to rest.
+const MAX_LATE_FRAMES: u32 = if cfg!(target_arch = "wasm32") {
+    u32::MAX
+} else {
+    8
+};
+
 /// Where the measures of a run are.
 #[derive(Default)]
 enum Followed {
@@ -43,6 +51,8 @@ pub struct Live {
     /// The share of the frequencies in that.
     share: Option<f64>,
     steps: u64,
+    /// In how many calls in a row the measures did not get to the moment.
+    late_frames: u32,
 }
 
 impl Live {
@@ -86,7 +96,7 @@ impl Live {
     }
 
     /// Brings what is wanted to a moment, in about [`FRAME_STEPS`] at most. What is farther away gets there in the background,
-    /// once the moment rests from one call to the next.
+    /// once the moment rests from one call to the next, or did not get there in [`MAX_LATE_FRAMES`] calls.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -119,9 +129,12 @@ impl Live {
             self.share = moment.spectrum().map(LiveSpectrum::share);
         }
         if moved.arrived {
+            self.late_frames = 0;
             return;
         }
-        if rests {
+        self.late_frames = self.late_frames.saturating_add(1);
+        if rests || self.late_frames > MAX_LATE_FRAMES {
+            self.late_frames = 0;
             self.send(key.1, wanted, wake);
         } else {
             // Whether the moment rests shows in the next frame.

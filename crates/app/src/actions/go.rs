@@ -57,7 +57,6 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.within(Submenu::Previous, |list| {
         runs(list, state, backwards, back);
     });
-    rises(list, state);
     list.within(Submenu::Loop, |list| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
@@ -105,20 +104,6 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
         let command = Command::Time(TimeCommand::RunTo(target, direction));
         let action = list.add(format!("{which} {name}"), command);
         action.on_keys(modifiers, key).refused(refusal);
-    }
-}
-
-/// Adds going to where the number of the curve rises.
-fn rises(list: &mut List, state: &State) {
-    let has_curve = state.runs().first.curve.points().is_some();
-    let refusal = (!has_curve).then_some("No curve of the run is shown.");
-    for (name, modifiers, direction) in [
-        ("Next rise of the curve", NONE, Direction::Forwards),
-        ("Previous rise of the curve", SHIFT, Direction::Backwards),
-    ] {
-        list.add(name, Command::Time(TimeCommand::ToRise(direction)))
-            .on_keys(modifiers, Key::R)
-            .refused(refusal);
     }
 }
 
