@@ -125,11 +125,6 @@ impl Debugger {
         &self.recording
     }
 
-    /// Returns the evaluator of conditions and watches, to add functions to those that they can call.
-    pub const fn evaluator_mut(&mut self) -> &mut Evaluator {
-        &mut self.evaluator
-    }
-
     /// Returns the state at the cursor.
     #[must_use]
     pub const fn state(&self) -> &State {

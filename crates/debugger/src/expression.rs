@@ -2,7 +2,6 @@
 //! sizes and nesting are limited, and expressions cannot access anything outside the run.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rhai::packages::{BasicMathPackage, CorePackage, Package};
 use rhai::{AST, Dynamic, Engine, Scope};
@@ -102,8 +101,6 @@ pub struct Expression(AST);
 pub struct Evaluator {
     engine: Engine,
     recording: Arc<Recording>,
-    /// The cursor at which an expression is evaluated, for the numbers of callers.
-    cursor: Arc<AtomicUsize>,
 }
 
 impl Evaluator {
@@ -121,27 +118,7 @@ impl Evaluator {
         engine.set_max_map_size(64);
         engine.set_max_call_levels(8);
         register(&mut engine, &recording);
-        Self {
-            engine,
-            recording,
-            cursor: Arc::default(),
-        }
-    }
-
-    /// Lets expressions call `name()`: the value of a function at the cursor at which they are evaluated, a whole number if
-    /// it `is_count`.
-    pub fn add_number(
-        &mut self,
-        name: &str,
-        is_count: bool,
-        at: impl Fn(usize) -> Option<f64> + Send + Sync + 'static,
-    ) {
-        let cursor = Arc::clone(&self.cursor);
-        let value = move || match at(cursor.load(Ordering::Relaxed)) {
-            Some(count) if is_count => (count as i64).into(),
-            number => maybe(number),
-        };
-        self.engine.register_fn(name, value);
+        Self { engine, recording }
     }
 
     /// Returns the engine, to add functions to those that expressions can call.
@@ -186,7 +163,6 @@ impl Evaluator {
         state: &State,
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<Dynamic, ExpressionError> {
-        self.cursor.store(state.cursor(), Ordering::Relaxed);
         let mut scope = scope(&self.recording, state);
         add(&mut scope);
         let error = |e: Box<rhai::EvalAltResult>| ExpressionError::Evaluation {

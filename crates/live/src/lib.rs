@@ -30,7 +30,6 @@
 
 mod course;
 mod curve;
-mod expressions;
 mod kept;
 mod make;
 mod moment;
@@ -39,7 +38,6 @@ mod spectra;
 
 pub use course::{Change, Course, CourseRecorder};
 pub use curve::{Curve, CurveError, CurveMaker};
-pub use expressions::add_numbers;
 pub use make::CourseError;
 pub use moment::{FRAME_STEPS, LiveMoment, Moved, Wanted};
 pub use numbers::{NumberError, is_of_spectrum, live_numbers, numbers_named};

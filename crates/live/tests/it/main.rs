@@ -2,6 +2,5 @@
 
 mod course;
 mod curve;
-mod expressions;
 mod moment;
 mod support;
