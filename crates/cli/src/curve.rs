@@ -9,7 +9,9 @@ use tilescope_core::memory::Making;
 use tilescope_core::{Parameter, Pattern};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
-use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
+use tilescope_live::{
+    Course, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers, numbers_named,
+};
 use tilescope_sets::GivenDomain;
 
 use crate::make::ask_for_whole;
@@ -112,8 +114,8 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
 
 /// Makes a curve with a bar; stops on Ctrl-C.
 fn made(mut maker: CurveMaker) -> Result<Curve> {
-    /// The steps between two looks at the bar: some hundredths of a second.
-    const SLICE: u64 = 20_000_000;
+    /// The steps between two looks at the bar: those of 25 frames, about a tenth of a second.
+    const SLICE: u64 = 25 * FRAME_STEPS;
 
     let [_, moments] = maker.progress();
     let bar = bar("curve", moments as u64);

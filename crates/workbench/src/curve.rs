@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use tilescope_analysis::measures::SetNumber;
 use tilescope_core::Stage;
 use tilescope_debugger::Direction;
-use tilescope_live::{Curve, CurveMaker, live_numbers};
+use tilescope_live::{Curve, CurveMaker, FRAME_STEPS, live_numbers};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
@@ -20,8 +20,9 @@ use crate::live::{course_of, refusal};
 pub const HEIGHTS: [u16; 2] = [40, 200];
 /// The height of a curve that was not resized.
 pub const HEIGHT: u16 = 84;
-/// The steps between two looks at whether the curve is still wanted: a hundredth of a second.
-const SLICE: u64 = 40_000_000;
+/// The steps between two looks at whether the curve is still wanted: those of five frames, so that a number that is chosen
+/// meanwhile need not wait.
+const SLICE: u64 = 5 * FRAME_STEPS;
 
 /// A number that can be had at every moment. It is saved by its key in the catalogue.
 #[derive(Clone, Copy, Debug)]

@@ -206,7 +206,7 @@ fn share(shown: Option<f64>) -> String {
     match shown.map(f64::recip) {
         None => "The spectrum follows at rest.".to_owned(),
         Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
-        Some(in_all) => format!("1 in {in_all:.0} frequencies is shown until it rests."),
+        Some(in_all) => format!("1 in {in_all:.0} frequencies is shown."),
     }
 }
 

@@ -18,7 +18,7 @@ use tilescope_workbench::layout::{Layout, Panel};
 use tilescope_workbench::state::Settings;
 
 use crate::support::sessions::{apply, folder, go, notice, path_text};
-use crate::support::{find, focused, is_disabled, node, opened_at, session, settle, text};
+use crate::support::{cursor, find, focused, is_disabled, node, opened_at, session, settle, text};
 
 /// A small session, and its analysis at full height.
 pub(crate) fn analysing() -> Harness<'static, App> {
@@ -465,8 +465,8 @@ fn the_run_is_drawn_as_a_curve_that_leads_to_its_moments() {
     harness.run();
     harness.drop_at(at);
     harness.run();
-    let cursor = harness.state().state.runs().first.cursor().unwrap().0;
-    assert!(cursor > 0 && cursor < end, "{cursor}");
+    let at = cursor(&harness);
+    assert!(at > 0 && at < end, "{at}");
     let value = text(&harness, "curve.value");
     assert!(value.contains("pairs"), "{value}");
 

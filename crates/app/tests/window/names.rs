@@ -20,7 +20,7 @@ use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::sessions::{apply, busy};
-use crate::support::{ids, node, opened_at, settle};
+use crate::support::{cursor, ids, node, opened_at, settle};
 
 /// Fields that hold a value: their names must be unique.
 const FIELDS: [Role; 5] = [
@@ -193,17 +193,7 @@ fn the_focused_widget_and_its_changes_are_announced() {
     for _ in 0..8 {
         harness.step();
     }
-    assert!(
-        harness
-            .state()
-            .state
-            .runs()
-            .first
-            .cursor()
-            .expect("events")
-            .0
-            > 0
-    );
+    assert!(cursor(&harness) > 0);
     assert_eq!(texts(&announced), Vec::<String>::new());
     harness
         .state_mut()

@@ -1,5 +1,5 @@
-//! Checks that the engines as WebAssembly give the same points as natively, bit for bit: built for wasm32 with and
-//! without its vector instructions, and run in an interpreter.
+//! Checks that the engines as WebAssembly give the same points as natively, bit for bit: built for wasm32
+//! with its vector instructions, in slow tests also without them, and run in an interpreter.
 
 mod module;
 // Only a part of the shared module is used here.
