@@ -3,13 +3,19 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Idle buffers.
-#[derive(Default)]
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 
-impl<T: Default> Pool<T> {
-    /// Returns buffers to work in.
-    pub(crate) fn take(&self) -> T {
-        self.idle().pop().unwrap_or_default()
+impl<T> Default for Pool<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Pool<T> {
+    /// Returns buffers to work in, which `make` makes if none are idle.
+    pub(crate) fn take_or(&self, make: impl FnOnce() -> T) -> T {
+        let idle = self.idle().pop();
+        idle.unwrap_or_else(make)
     }
 
     /// Takes buffers back.
@@ -19,5 +25,12 @@ impl<T: Default> Pool<T> {
 
     fn idle(&self) -> MutexGuard<'_, Vec<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<T: Default> Pool<T> {
+    /// Returns buffers to work in.
+    pub(crate) fn take(&self) -> T {
+        self.take_or(T::default)
     }
 }

@@ -5,7 +5,7 @@
 // Only code that is inlined into the function with the instruction set's features may use them.
 #![allow(clippy::inline_always)]
 
-mod claim;
+pub(crate) mod claim;
 pub(crate) mod clip;
 pub(crate) mod counts;
 pub(crate) mod frame;
@@ -19,3 +19,4 @@ pub(crate) mod sweep;
 mod uniform;
 mod whole;
 pub(crate) mod widened;
+pub(crate) mod window_maker;

@@ -7,8 +7,8 @@ use glam::I64Vec2;
 use rayon::prelude::*;
 
 use crate::count::{radius_estimate, search_radius};
-use crate::engine::parallel::plane::{parts, pieces};
 use crate::engine::parallel::widened::WidenedWindow;
+use crate::engine::parallel::window_maker::{parts, pieces};
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
     Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,

@@ -49,7 +49,7 @@ impl<'a> Turns<'a> {
 }
 
 /// Returns the tag of a sample clipped from the pattern's sample `pattern` for the block number `block`.
-pub(super) fn tiled_tag(block: u32, pattern: u32) -> u64 {
+pub(crate) fn tiled_tag(block: u32, pattern: u32) -> u64 {
     u64::from(block) << 32 | u64::from(pattern)
 }
 

@@ -3,16 +3,14 @@
 //! domain if that is small.
 
 use fearless_simd::dispatch;
-use rayon::prelude::*;
 
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Domain, Point, Rect, Window};
 use crate::parameters::{Insertion, Order, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::pool::Pool;
-use crate::progress::{Meter, Observer, Unobserved};
+use crate::progress::{Observer, Unobserved};
 use crate::random::Key;
-use crate::stage::Stage;
 use crate::stages::order::Ranking;
 
 use super::claim::Turns;
@@ -23,6 +21,7 @@ use super::gaps::Rules;
 use super::instructions::InstructionSet;
 use super::region::Region;
 use super::whole::Whole;
+use super::window_maker::{WindowMaker, WindowSamples, samples_of_window};
 
 /// Initial width of the halo in cells. Wider halos would cost more in every window than repairs do in a few.
 const HALO: i32 = 6;
@@ -30,9 +29,6 @@ const HALO: i32 = 6;
 /// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
 /// smaller ones have more halo.
 pub(super) const MAX_SIDE: i32 = 320;
-
-/// Windows for each thread between two calls of the observer.
-pub(super) const WINDOWS_A_THREAD: usize = 6;
 
 /// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
 /// holes everywhere could need more.
@@ -139,47 +135,12 @@ impl Plane {
         window: &Window,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Point>, SampleError> {
-        let parts: Vec<Rect> = parts(&self.domain, window)
-            .iter()
-            .flat_map(|part| pieces(part, MAX_SIDE << CELL_BITS))
-            .collect();
-        let compute = |part: &Rect| {
-            let mut scratch = self.plain.take();
-            let mut found = Vec::new();
-            self.compute(&mut scratch, 0, part)?;
-            self.emit(&scratch, &mut found, &mut Vec::new(), &mut Vec::new());
-            self.plain.give(scratch);
-            Ok(found)
-        };
-        if let [part] = parts.as_slice() {
-            return compute(part);
-        }
-        let mut points = Vec::new();
-        let total = parts.len() as u64;
-        for (some, done) in parts.chunks(pieces_at_once()).zip(0..) {
-            let done = done * pieces_at_once() as u64;
-            Meter::resume(observer, Stage::Regions, done, total)?;
-            let found: Vec<_> = some.par_iter().map(compute).collect();
-            for part in found {
-                points.append(&mut part?);
-            }
-        }
-        Meter::resume(observer, Stage::Regions, total, total)?;
-        points.par_sort_unstable_by_key(|p| p.canonical());
-        Ok(points)
+        samples_of_window(self, window, MAX_SIDE, observer)
     }
 
     /// Counts the blocks, so that tags name them.
     pub(super) fn count_blocks(&mut self) {
         self.clipper.count_blocks();
-    }
-
-    pub(super) const fn plain(&self) -> &Pool<Scratch<false>> {
-        &self.plain
-    }
-
-    pub(super) const fn tagged(&self) -> &Pool<Scratch<true>> {
-        &self.tagged
     }
 
     /// Appends the samples of a window just computed: see [`Region::emit`].
@@ -241,52 +202,6 @@ impl Plane {
     }
 }
 
-/// Returns the parts of the domain that a window shows, each once.
-pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
-    let max = domain.rect().max;
-    let ends = [i64::from(max.x), i64::from(max.y)];
-    let spans = [0, 1].map(|axis| {
-        let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
-        if !domain.is_periodic() {
-            return vec![(low.max(0), high.min(end))];
-        }
-        let high = high.min(low + end);
-        let shift = low.div_euclid(end) * end;
-        let (low, high) = (low - shift, high - shift);
-        vec![(0, high - end), (low, high.min(end))]
-    });
-    let mut parts = Vec::new();
-    for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
-        for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
-            parts.push(Rect {
-                min: Point::new(left as i32, bottom as i32),
-                max: Point::new(right as i32, top as i32),
-            });
-        }
-    }
-    parts
-}
-
-/// Returns how many pieces of a window are computed between two calls of the observer.
-fn pieces_at_once() -> usize {
-    WINDOWS_A_THREAD * rayon::current_num_threads()
-}
-
-/// Cuts a part of the domain into windows of at most `side` units along each axis.
-pub(crate) fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
-    let cut = |low: i32, high: i32| {
-        let starts = (low..high).step_by(side as usize);
-        starts.map(move |at| (at, at.saturating_add(side).min(high)))
-    };
-    let rows = cut(part.min.y, part.max.y);
-    let rect = |(bottom, top), (left, right)| Rect {
-        min: Point::new(left, bottom),
-        max: Point::new(right, top),
-    };
-    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
-        .collect()
-}
-
 /// Returns how many cells away from a lost sample places may lie that no sample covers and that the
 /// sequential engine would find.
 #[must_use]
@@ -317,6 +232,41 @@ fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
             at(cells.max.x, 0).min(window.max.x),
             at(cells.max.y, 1).min(window.max.y),
         ),
+    }
+}
+
+impl WindowMaker for Plane {
+    fn domain(&self) -> &Domain {
+        self.domain()
+    }
+
+    fn fill(
+        &self,
+        window: &Rect,
+        with_tags: bool,
+        out: &mut WindowSamples,
+    ) -> Result<(), SampleError> {
+        out.clear();
+        if with_tags {
+            self.fill_from(&self.tagged, window, out)
+        } else {
+            self.fill_from(&self.plain, window, out)
+        }
+    }
+}
+
+impl Plane {
+    fn fill_from<const TAGS: bool>(
+        &self,
+        pool: &Pool<Scratch<TAGS>>,
+        window: &Rect,
+        out: &mut WindowSamples,
+    ) -> Result<(), SampleError> {
+        let mut scratch = pool.take();
+        out.counts = self.compute(&mut scratch, 0, window)?;
+        self.emit(&scratch, &mut out.points, &mut out.tags, &mut out.rows);
+        pool.give(scratch);
+        Ok(())
     }
 }
 

@@ -20,7 +20,8 @@ use crate::stage::Stage;
 use super::counts::WindowCounts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{MAX_SIDE, Plane, Scratch, WINDOWS_A_THREAD};
+use super::plane::{MAX_SIDE, Plane};
+use super::window_maker::{WINDOWS_A_THREAD, WindowMaker, WindowSamples};
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const MIN_SIDE: i32 = 64;
@@ -43,8 +44,8 @@ pub struct SweepState {
 ///
 /// The bands, one after the other, are the result of the run in canonical order: equal to [`crate::Sequential`]'s, bit
 /// for bit, for any number of threads. Memory use is that of a few bands.
-pub struct Sweep {
-    plane: Plane,
+pub struct Sweep<P = Plane> {
+    plane: P,
     sources: bool,
     /// Cells along the sides of a window.
     sides: [i32; 2],
@@ -72,25 +73,7 @@ impl Sweep {
         if sources {
             plane.count_blocks();
         }
-        let max = plane.domain().rect().max;
-        let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
-        // In a small domain, enough windows for every thread, all of about the same size.
-        let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
-        let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
-        let longest = side.clamp(MIN_SIDE, MAX_SIDE);
-        let sides = cells.map(|cells: i32| {
-            (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
-        });
-        Ok(Self {
-            plane,
-            sources,
-            sides,
-            done: 0,
-            rows: cells[1],
-            counts: WindowCounts::default(),
-            count: 0,
-            idle: Pool::default(),
-        })
+        Ok(Self::of_plane(plane, sources, MAX_SIDE))
     }
 
     /// Returns the run computed with `instructions` instead of the best ones. The points are the same.
@@ -100,9 +83,48 @@ impl Sweep {
         self
     }
 
+    /// Returns a finished run of `parameters` with its blocks, its result and its counts, but without eliminated
+    /// samples, iterations and sites. Ids follow the canonical order.
+    ///
+    /// Fails as [`Self::new`] and [`Self::step`].
+    pub fn run(
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        observer: &mut dyn Observer,
+    ) -> Result<Run, SampleError> {
+        let sweep = Self::new(parameters, pattern, true)?;
+        let (sampled, summary) = sweep.finish(observer)?;
+        Run::of_result(parameters, pattern, sampled, summary)
+    }
+}
+
+impl<P: WindowMaker> Sweep<P> {
+    /// Returns a run at its beginning over a plane, in windows of at most `longest` cells a side.
+    pub(crate) fn of_plane(plane: P, sources: bool, longest: i32) -> Self {
+        let max = plane.domain().rect().max;
+        let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
+        // In a small domain, enough windows for every thread, all of about the same size.
+        let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
+        let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
+        let longest = side.clamp(MIN_SIDE, longest);
+        let sides = cells.map(|cells: i32| {
+            (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
+        });
+        Self {
+            plane,
+            sources,
+            sides,
+            done: 0,
+            rows: cells[1],
+            counts: WindowCounts::default(),
+            count: 0,
+            idle: Pool::default(),
+        }
+    }
+
     /// Returns the plane of the run.
     #[must_use]
-    pub const fn plane(&self) -> &Plane {
+    pub const fn plane(&self) -> &P {
         &self.plane
     }
 
@@ -148,7 +170,7 @@ impl Sweep {
         let mut joined = JoinedSamples::default();
         joined.append(&bands);
         self.take_back(bands);
-        Ok(Some(joined.sampled(self.sources)))
+        Ok(Some(sampled(joined.points, joined.tags, self.sources)))
     }
 
     /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Takes memory
@@ -174,7 +196,10 @@ impl Sweep {
             self.take_back(bands);
             before = next?;
         }
-        Ok((joined.sampled(self.sources), self.summary()))
+        Ok((
+            sampled(joined.points, joined.tags, self.sources),
+            self.summary(),
+        ))
     }
 
     /// Computes the next bands.
@@ -187,11 +212,7 @@ impl Sweep {
             return Ok(None);
         }
         let windows = self.next_windows();
-        let bands = if self.sources {
-            self.compute(self.plane.tagged(), &windows)
-        } else {
-            self.compute(self.plane.plain(), &windows)
-        }?;
+        let bands = self.compute(&windows)?;
         for piece in bands.iter().flatten() {
             self.counts.add(&piece.counts);
             self.count += piece.points.len() as u64;
@@ -206,20 +227,6 @@ impl Sweep {
         for piece in bands.into_iter().flatten() {
             self.idle.give(piece);
         }
-    }
-
-    /// Returns a finished run of `parameters` with its blocks, its result and its counts, but without eliminated
-    /// samples, iterations and sites. Ids follow the canonical order.
-    ///
-    /// Fails as [`Self::new`] and [`Self::step`].
-    pub fn run(
-        parameters: &Parameters,
-        pattern: &Arc<Pattern>,
-        observer: &mut dyn Observer,
-    ) -> Result<Run, SampleError> {
-        let sweep = Self::new(parameters, pattern, true)?;
-        let (sampled, summary) = sweep.finish(observer)?;
-        Run::of_result(parameters, pattern, sampled, summary)
     }
 
     /// Returns the windows of the next bands, band by band.
@@ -245,27 +252,14 @@ impl Sweep {
         bands
     }
 
-    fn compute<const TAGS: bool>(
-        &self,
-        pool: &Pool<Scratch<TAGS>>,
-        bands: &[Vec<Rect>],
-    ) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
+    fn compute(&self, bands: &[Vec<Rect>]) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
         let windows: Vec<&Rect> = bands.iter().flatten().collect();
         let pieces: Vec<WindowSamples> = windows
             .into_par_iter()
             .with_max_len(1)
             .map(|window| {
                 let mut piece = self.idle.take();
-                piece.clear();
-                let mut scratch = pool.take();
-                piece.counts = self.plane.compute(&mut scratch, 0, window)?;
-                self.plane.emit(
-                    &scratch,
-                    &mut piece.points,
-                    &mut piece.tags,
-                    &mut piece.rows,
-                );
-                pool.give(scratch);
+                self.plane.fill(window, self.sources, &mut piece)?;
                 Ok(piece)
             })
             .collect::<Vec<Result<_, SampleError>>>()
@@ -277,23 +271,6 @@ impl Sweep {
             .iter()
             .map(|band| pieces.by_ref().take(band.len()).collect())
             .collect())
-    }
-}
-
-/// A window's samples, with the number of samples up to the end of each row of cells.
-#[derive(Default)]
-struct WindowSamples {
-    points: Vec<Point>,
-    tags: Vec<u64>,
-    rows: Vec<u32>,
-    counts: WindowCounts,
-}
-
-impl WindowSamples {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.tags.clear();
-        self.rows.clear();
     }
 }
 
@@ -325,18 +302,19 @@ impl JoinedSamples {
             }
         }
     }
+}
 
-    fn sampled(self, with_sources: bool) -> Sampled {
-        let source = |tag: u64| match inserted_in(tag) {
-            Some(iteration) => Source::Inserted { iteration },
-            None => Source::Tiled {
-                block: (tag >> 32) as u32,
-                pattern: tag as u32,
-            },
-        };
-        Sampled {
-            points: self.points,
-            sources: with_sources.then(|| self.tags.into_iter().map(source).collect()),
-        }
+/// Returns samples with the sources that their tags stand for, if they have tags.
+pub(crate) fn sampled(points: Vec<Point>, tags: Vec<u64>, with_sources: bool) -> Sampled {
+    let source = |tag: u64| match inserted_in(tag) {
+        Some(iteration) => Source::Inserted { iteration },
+        None => Source::Tiled {
+            block: (tag >> 32) as u32,
+            pattern: tag as u32,
+        },
+    };
+    Sampled {
+        points,
+        sources: with_sources.then(|| tags.into_iter().map(source).collect()),
     }
 }

@@ -1,0 +1,127 @@
+//! What engines that compute any window of a run alone have in common: a run or a larger window is cut into windows that
+//! fit the cache, which are computed on all threads.
+
+use rayon::prelude::*;
+
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point, Rect, Window};
+use crate::progress::{Meter, Observer};
+use crate::stage::Stage;
+
+use super::counts::WindowCounts;
+use super::frame::CELL_BITS;
+
+/// Windows for each thread between two calls of the observer.
+pub(super) const WINDOWS_A_THREAD: usize = 6;
+
+/// What computes any window of a run alone.
+pub trait WindowMaker: Sync {
+    /// Returns the domain of the run.
+    fn domain(&self) -> &Domain;
+
+    /// Makes `out` the samples of a window, which lies in the domain, with tags of their sources if they are wanted.
+    fn fill(
+        &self,
+        window: &Rect,
+        with_tags: bool,
+        out: &mut WindowSamples,
+    ) -> Result<(), SampleError>;
+}
+
+/// A window's samples, with the number of samples up to the end of each row of cells.
+#[derive(Default)]
+pub struct WindowSamples {
+    pub(crate) points: Vec<Point>,
+    pub(crate) tags: Vec<u64>,
+    pub(crate) rows: Vec<u32>,
+    pub(crate) counts: WindowCounts,
+}
+
+impl WindowSamples {
+    pub(crate) fn clear(&mut self) {
+        self.points.clear();
+        self.tags.clear();
+        self.rows.clear();
+    }
+}
+
+/// Returns the samples of a run that lie in `window`, in canonical order. Windows of more than `longest` cells a side are
+/// computed in pieces.
+pub(crate) fn samples_of_window(
+    maker: &impl WindowMaker,
+    window: &Window,
+    longest: i32,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Point>, SampleError> {
+    let parts: Vec<Rect> = parts(maker.domain(), window)
+        .iter()
+        .flat_map(|part| pieces(part, longest << CELL_BITS))
+        .collect();
+    let compute = |part: &Rect| {
+        let mut found = WindowSamples::default();
+        maker.fill(part, false, &mut found)?;
+        Ok(found.points)
+    };
+    if let [part] = parts.as_slice() {
+        return compute(part);
+    }
+    let mut points = Vec::new();
+    let total = parts.len() as u64;
+    for (some, done) in parts.chunks(pieces_at_once()).zip(0..) {
+        let done = done * pieces_at_once() as u64;
+        Meter::resume(observer, Stage::Regions, done, total)?;
+        let found: Vec<_> = some.par_iter().map(compute).collect();
+        for part in found {
+            points.append(&mut part?);
+        }
+    }
+    Meter::resume(observer, Stage::Regions, total, total)?;
+    points.par_sort_unstable_by_key(|p| p.canonical());
+    Ok(points)
+}
+
+/// Returns the parts of the domain that a window shows, each once.
+pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
+    let max = domain.rect().max;
+    let ends = [i64::from(max.x), i64::from(max.y)];
+    let spans = [0, 1].map(|axis| {
+        let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
+        if !domain.is_periodic() {
+            return vec![(low.max(0), high.min(end))];
+        }
+        let high = high.min(low + end);
+        let shift = low.div_euclid(end) * end;
+        let (low, high) = (low - shift, high - shift);
+        vec![(0, high - end), (low, high.min(end))]
+    });
+    let mut parts = Vec::new();
+    for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
+        for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
+            parts.push(Rect {
+                min: Point::new(left as i32, bottom as i32),
+                max: Point::new(right as i32, top as i32),
+            });
+        }
+    }
+    parts
+}
+
+/// Returns how many pieces of a window are computed between two calls of the observer.
+fn pieces_at_once() -> usize {
+    WINDOWS_A_THREAD * rayon::current_num_threads()
+}
+
+/// Cuts a part of the domain into windows of at most `side` units along each axis.
+pub(crate) fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
+    let cut = |low: i32, high: i32| {
+        let starts = (low..high).step_by(side as usize);
+        starts.map(move |at| (at, at.saturating_add(side).min(high)))
+    };
+    let rows = cut(part.min.y, part.max.y);
+    let rect = |(bottom, top), (left, right)| Rect {
+        min: Point::new(left, bottom),
+        max: Point::new(right, top),
+    };
+    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
+        .collect()
+}
