@@ -14,13 +14,18 @@
 //! a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed farther than 4.7 r
 //! from one. [`PatternHistory`] knows the first blockers, and [`exact_sample`] follows the differences.
 
+mod agenda;
 mod bare;
+mod cells;
 mod darts;
 mod engine;
+mod ground;
 mod history;
 mod pieces;
+mod plane;
 mod present;
 
 pub use darts::{Arrival, PatternDarts, PlacedDart};
 pub use engine::exact_sample;
 pub use history::PatternHistory;
+pub use plane::{ExactPlane, exact_sample_parallel};

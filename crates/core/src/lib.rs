@@ -65,7 +65,10 @@ pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::parallel::widened::WidenedWindow;
 pub use engine::sequential::{Sequential, sample, sample_recorded};
 pub use error::{ParameterError, PatternError, SampleError};
-pub use exact::{Arrival, PatternDarts, PatternHistory, PlacedDart, exact_sample};
+pub use exact::{
+    Arrival, ExactPlane, PatternDarts, PatternHistory, PlacedDart, exact_sample,
+    exact_sample_parallel,
+};
 pub use grid::{NearSample, SampleGrid};
 pub use lattice::{
     Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use glam::IVec2;
 
 use crate::exact::pieces::Piece;
-use crate::exact::present::SamplesBefore;
+use crate::exact::present::{SamplesBefore, SamplesNear};
 use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::stages::disks::farthest;
 
@@ -20,6 +20,14 @@ pub(crate) struct PieceCell {
     pub(crate) piece: u32,
     /// The cell's lowest place in the pattern, a multiple of its side.
     pub(crate) min: Point,
+}
+
+/// Cells that throw darts.
+#[derive(Default)]
+pub(crate) struct OpenCells {
+    pub(crate) cells: Vec<PieceCell>,
+    /// Cells that would if a doubtful sample were none, with their sides.
+    pub(crate) doubtful: Vec<(PieceCell, i32)>,
 }
 
 /// All pieces, with the cells of [`MARK_SIDE`] that were marked in them. A cell is handed out once.
@@ -37,6 +45,13 @@ impl MarkedCells {
         &self.pieces
     }
 
+    /// Removes all pieces.
+    pub(crate) fn clear(&mut self) {
+        self.pieces.clear();
+        self.firsts.clear();
+        self.marks.clear();
+    }
+
     /// Adds a piece.
     pub(crate) fn add(&mut self, piece: Piece) {
         let [columns, rows] = spans(&piece.sources).map(|span| span.len());
@@ -45,21 +60,41 @@ impl MarkedCells {
         self.pieces.push(piece);
     }
 
-    /// Marks the cells of a piece that hold a place at most r from another block, and appends those not marked before to
-    /// `out`. There, a dart's first blocker may be missing.
-    pub(crate) fn mark_border(&mut self, piece: u32, block: &Rect, out: &mut Vec<PieceCell>) {
-        let Piece { sources, .. } = self.pieces[piece as usize];
+    /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the piece
+    /// belongs to, and appends those not marked before to `out`. There, a dart's first blocker may be missing.
+    pub(crate) fn mark_border(&mut self, piece: u32, part: &Rect, out: &mut Vec<PieceCell>) {
+        let held = &self.pieces[piece as usize];
+        let sources = held.sources;
+        let Rect { min, max } = held.placed(&sources);
+        let deeper = Rect {
+            min: Point::new(min.x.max(part.min.x + R + 1), min.y.max(part.min.y + R + 1)),
+            max: Point::new(max.x.min(part.max.x - R), max.y.min(part.max.y - R)),
+        };
+        let is_thin = deeper.width() <= 0 || deeper.height() <= 0;
+        let deep = if is_thin {
+            Rect::default()
+        } else {
+            held.sources_of(&deeper)
+        };
+
+        let within = |cell: i32, min: i32, max: i32| {
+            (cell * MARK_SIDE).max(min)..((cell + 1) * MARK_SIDE).min(max)
+        };
         let [columns, rows] = spans(&sources);
         for row in rows {
-            for column in columns.clone() {
-                let min = Point::new(column * MARK_SIDE, row * MARK_SIDE);
-                let Some(placed) = self.placed(PieceCell { piece, min }, MARK_SIDE) else {
-                    continue;
-                };
-                let highest = Point::new(placed.max.x - 1, placed.max.y - 1);
-                // The depth of a rectangle is the least of its corners'.
-                if block.depth(placed.min).min(block.depth(highest)) <= R {
+            let ys = within(row, sources.min.y, sources.max.y);
+            let is_deep_row = deep.min.y <= ys.start && ys.end <= deep.max.y;
+            let mut column = columns.start;
+            while column < columns.end {
+                let xs = within(column, sources.min.x, sources.max.x);
+                let is_deep = is_deep_row && deep.min.x <= xs.start && xs.end <= deep.max.x;
+                if is_deep {
+                    // All columns up to the one that the deep places end in are deep.
+                    let end = (deep.max.x / MARK_SIDE).min(columns.end);
+                    column = end.max(column + 1);
+                } else {
                     self.mark(piece, column, row, out);
+                    column += 1;
                 }
             }
         }
@@ -111,12 +146,13 @@ impl MarkedCells {
         cell: PieceCell,
         side: i32,
         to: i32,
-        decided: SamplesBefore<'_>,
-        near: &mut Vec<IVec2>,
-        out: &mut Vec<PieceCell>,
+        decided: SamplesBefore<'_, '_>,
+        near: &mut SamplesNear,
+        out: &mut OpenCells,
     ) {
         if let Some(placed) = self.placed(cell, side) {
-            decided.near_rect(&placed, near);
+            let tile = self.pieces[cell.piece as usize].tile;
+            decided.near_rect(tile, &placed, near);
             self.cut_among(cell, side, to, placed.min, near, out);
         }
     }
@@ -128,20 +164,25 @@ impl MarkedCells {
         side: i32,
         to: i32,
         from: Point,
-        near: &[IVec2],
-        out: &mut Vec<PieceCell>,
+        near: &SamplesNear,
+        out: &mut OpenCells,
     ) {
         let Some(placed) = self.placed(cell, side) else {
             return;
         };
         let extent = IVec2::new(placed.width() - 1, placed.height() - 1);
         let corner = placed.min - from;
-        let mut offsets = near.iter().map(|&offset| offset - corner);
-        if offsets.any(|offset| covers_offset(farthest(offset, extent))) {
+        let covers = |offset: &IVec2| covers_offset(farthest(*offset - corner, extent));
+        if near.certain.iter().any(covers) {
+            return;
+        }
+        // What one doubtful sample covers is not looked at again: without the sample, any dart there may be one.
+        if near.doubtful.iter().any(covers) {
+            out.doubtful.push((cell, side));
             return;
         }
         if side == to {
-            out.push(cell);
+            out.cells.push(cell);
             return;
         }
 
@@ -153,7 +194,7 @@ impl MarkedCells {
     }
 
     /// Returns where a piece has a cell, without what of the cell lies beyond the piece.
-    fn placed(&self, PieceCell { piece, min }: PieceCell, side: i32) -> Option<Rect> {
+    pub(crate) fn placed(&self, PieceCell { piece, min }: PieceCell, side: i32) -> Option<Rect> {
         let piece = &self.pieces[piece as usize];
         let Rect { min: low, max: end } = piece.sources;
         let held = Rect {

@@ -1,26 +1,34 @@
 //! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from what
 //! the pattern's own darts made of them, in the order of arrival.
+//!
+//! It works on a whole domain or on a part of the plane, beyond which nothing is known. There, a dart that no certain sample
+//! covers is *doubtful* if something unknown or something doubtful that is earlier may cover it.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use glam::{I64Vec2, IVec2};
 
+use crate::engine::parallel::claim::tiled_tag;
+use crate::engine::parallel::clip::{Clipper, PlacedBlock};
+use crate::engine::parallel::counts::WindowCounts;
+use crate::engine::parallel::frame::Frame;
+use crate::engine::parallel::gaps::inserted_tag;
+use crate::engine::parallel::sweep::sampled;
+use crate::engine::parallel::window_maker::WindowSamples;
 use crate::error::SampleError;
-use crate::exact::bare::{MARK_SIDE, MarkedCells, PieceCell};
+use crate::exact::agenda::{Agenda, What};
+use crate::exact::bare::{MARK_SIDE, MarkedCells, OpenCells, PieceCell};
 use crate::exact::darts::{Arrival, PlacedDart};
+use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
-use crate::exact::present::{ArrivedSample, PresentSamples};
-use crate::lattice::{Domain, Point, R, Rect};
+use crate::exact::present::{ArrivedSample, Presence, PresentSamples, SamplesNear};
+use crate::lattice::{Point, R, Rect, Rect64};
 use crate::parameters::Parameters;
-use crate::pattern::{PatternVariant, Symmetry};
+use crate::pattern::Symmetry;
 use crate::progress::{Meter, Observer};
-use crate::random::{Key, Stream, below};
-use crate::run::{Run, Summary};
-use crate::samples::{Sampled, Source};
+use crate::random::Key;
+use crate::run::Run;
 use crate::stage::Stage;
-use crate::stages::blocks::{Block, split};
 use crate::stages::darts::LAST_LEVEL;
-use crate::stages::tile::clip_start;
 
 /// Returns the exact tiling of a domain with the pattern of `history`.
 ///
@@ -43,174 +51,205 @@ pub fn exact_sample(
     history: &PatternHistory,
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
-    let mut tiling = ExactTiling::new(parameters, history)?;
-    tiling.tile(observer)?;
+    let domain = parameters.validate_sequential()?;
+    let mut clipper = clipper(parameters, history)?;
+    clipper.count_blocks();
 
-    // The darts of the first levels wait in the history.
-    for level in 0..LATE_LEVEL {
-        tiling.settle(level, Stage::Eliminate, observer)?;
-    }
-    // Those of later levels are thrown where something changed.
-    tiling.open_borders();
-    for level in LATE_LEVEL..=LAST_LEVEL {
-        tiling.throw(level);
-        tiling.settle(level, Stage::Iterate(level), observer)?;
-    }
-
-    let summary = tiling.summary();
-    Run::of_result(parameters, history.pattern(), tiling.sampled(), summary)
+    let mut tiling = ExactTiling::new(history);
+    tiling.run(&clipper, Ground::whole(&domain), observer)?;
+    let mut samples = WindowSamples::default();
+    tiling.emit(true, &mut samples);
+    let summary = samples.counts.summary(samples.points.len() as u64);
+    let sampled = sampled(samples.points, samples.tags, true);
+    Run::of_result(parameters, history.pattern(), sampled, summary)
 }
 
-/// A block with its clip.
+/// Returns what finds the blocks of a run, and the samples that they clip.
+pub(crate) fn clipper(
+    parameters: &Parameters,
+    history: &PatternHistory,
+) -> Result<Clipper, SampleError> {
+    let domain = parameters.validate()?;
+    let key = Key::from_seed(parameters.seed);
+    let (leaf, pattern) = (parameters.leaf_units()?, history.pattern());
+    Ok(Clipper::new(
+        domain,
+        leaf,
+        key,
+        pattern,
+        parameters.dihedral,
+    ))
+}
+
+/// A part of a block on the ground.
 #[derive(Clone, Copy)]
 struct ExactTile {
+    /// The index of the block.
+    block: u32,
+    /// Where the ground has it.
     rect: Rect,
     symmetry: Symmetry,
-    /// The first of its pieces, and the first of the next block.
+    /// The first of its pieces, and the first of the next tile.
     first_piece: u32,
     end_piece: u32,
 }
 
-/// Something that may be another way than in the pattern, to be decided when its dart arrives.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Arriving {
-    dart: PlacedDart,
-    what: What,
-}
-
-/// What is to be decided.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
-    /// Whether an earlier sample covers a present one, given by its id.
-    Sample(u32),
-    /// Whether no earlier sample covers a dart of the block given by its index.
-    Dart(u32),
-}
-
-/// An exact tiling in progress.
-struct ExactTiling<'a> {
+/// An exact tiling in progress. Its buffers can be used again.
+pub(crate) struct ExactTiling<'a> {
     history: &'a PatternHistory,
-    blocks: Vec<Block>,
-    dihedral: bool,
+    blocks: Vec<PlacedBlock>,
     tiles: Vec<ExactTile>,
-    present: PresentSamples,
-    /// What arrives with each level.
-    queues: Vec<Vec<Arriving>>,
-    /// What has come up since the level that is being decided began, and belongs to it.
-    sudden: BinaryHeap<Reverse<Arriving>>,
-    deciding: Option<u32>,
+    present: PresentSamples<'a>,
+    agenda: Agenda,
     cells: MarkedCells,
+    /// Marked cells that have not thrown any darts.
+    fresh: Vec<PieceCell>,
     /// The side of the cells to throw darts into, of the level that is being decided, and these cells.
     side: i32,
-    active: Vec<PieceCell>,
-    /// Marked cells that have not thrown any.
-    fresh: Vec<PieceCell>,
+    open: OpenCells,
+    near: SamplesNear,
 }
 
 impl<'a> ExactTiling<'a> {
-    fn new(parameters: &Parameters, history: &'a PatternHistory) -> Result<Self, SampleError> {
-        let domain: Domain = parameters.validate_sequential()?;
-        let key = Key::from_seed(parameters.seed);
-        let expected = domain.area_radii() * crate::parameters::MAXIMAL_DENSITY;
-        Ok(Self {
+    /// Returns buffers for tilings with a pattern.
+    pub(crate) fn new(history: &'a PatternHistory) -> Self {
+        Self {
             history,
-            blocks: split(&domain, parameters.leaf_units()?, key).leaves,
-            dihedral: parameters.dihedral,
+            blocks: Vec::new(),
             tiles: Vec::new(),
-            present: PresentSamples::with_capacity(domain, (1.1 * expected) as usize),
-            queues: vec![Vec::new(); LAST_LEVEL as usize + 1],
-            sudden: BinaryHeap::new(),
-            deciding: None,
+            present: PresentSamples::new(history),
+            agenda: Agenda::default(),
             cells: MarkedCells::default(),
-            side: R,
-            active: Vec::new(),
             fresh: Vec::new(),
-        })
+            side: R,
+            open: OpenCells::default(),
+            near: SamplesNear::default(),
+        }
+    }
+
+    /// Makes the samples of a ground.
+    pub(crate) fn run(
+        &mut self,
+        clipper: &Clipper,
+        ground: Ground,
+        observer: &mut dyn Observer,
+    ) -> Result<(), SampleError> {
+        clipper.blocks(&ground.frame, &mut self.blocks)?;
+        self.present.reset(ground);
+        self.agenda.clear();
+        self.tile(clipper, observer)?;
+
+        // The darts of the first levels wait in the history.
+        for level in 0..LATE_LEVEL {
+            self.settle(level, Stage::Eliminate, observer)?;
+        }
+        // Those of later levels are thrown where something changed.
+        self.open_borders();
+        for level in LATE_LEVEL..=LAST_LEVEL {
+            self.throw(level);
+            self.settle(level, Stage::Iterate(level), observer)?;
+        }
+        Ok(())
     }
 
     /// Lays down every block's own samples.
-    fn tile(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
-        let pattern = self.history.pattern();
-        let variants: Vec<PatternVariant> = (0..if self.dihedral { 8 } else { 1 })
-            .map(|symmetry| pattern.variant(Symmetry(symmetry)))
-            .collect();
-        let mut meter = Meter::begin(observer, Stage::Tile, self.blocks.len() as u64)?;
+    fn tile(&mut self, clipper: &Clipper, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        self.tiles.clear();
+        self.cells.clear();
+        self.fresh.clear();
+        self.open.cells.clear();
+        self.side = R;
+        let blocks = std::mem::take(&mut self.blocks);
+        let all = self.present.ground().rect();
+        let mut meter = Meter::begin(observer, Stage::Tile, blocks.len() as u64)?;
 
-        for index in 0..self.blocks.len() {
-            let block = self.blocks[index];
-            let word = block.key.draw(Stream::Dihedral, 0)[0];
-            let symmetry = below(word, variants.len() as u32);
-            let variant = &variants[symmetry as usize];
-            let start = clip_start(&block, variant)?;
-
-            let first = self.cells.pieces().len() as u32;
-            let symmetry = Symmetry(symmetry as u8);
-            let held = pattern.domain().rect();
-            for piece in pieces(index as u32, &block.rect, start, symmetry, &held) {
-                self.cells.add(piece);
+        for block in &blocks {
+            // Some blocks reach onto the ground with their margins alone.
+            if let Some(rect) = block.rect.within(&all) {
+                self.add_tile(block, rect);
+                self.clip(clipper, block);
             }
-            self.tiles.push(ExactTile {
-                rect: block.rect,
-                symmetry,
-                first_piece: first,
-                end_piece: self.cells.pieces().len() as u32,
-            });
-            self.clip(index as u32, start, variant);
             meter.tick()?;
         }
+        self.blocks = blocks;
         meter.end()
     }
 
-    /// Lays down the samples of a clip that lie in the block. Those around it are missing from the beginning.
-    fn clip(&mut self, block: u32, start: Point, variant: &PatternVariant) {
-        let rect = self.tiles[block as usize].rect;
-        let (width, height) = (rect.width() + 2 * R, rect.height() + 2 * R);
-        variant.clip(start, width, height, |right, up, pattern| {
-            let place = Point::new(rect.min.x - R + right, rect.min.y - R + up);
+    /// Adds the tile of the part of a block that lies on the ground.
+    fn add_tile(&mut self, block: &PlacedBlock, rect: Rect) {
+        let (tile, first_piece) = (self.tiles.len() as u32, self.cells.pieces().len() as u32);
+        let symmetry = Symmetry(block.symmetry);
+        let moved = self.present.ground().moved(block);
+        self.present.add_tile(moved);
+
+        // Late darts at places that something unknown may cover are not thrown.
+        if let Some(core) = Rect64::from(rect).within(&self.present.ground().core()) {
+            let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
+            let rect = self.present.rect_in_domain(tile, &core);
+            let held = self.history.pattern().domain().rect();
+            for piece in pieces(tile, &rect, start, symmetry, &held) {
+                self.cells.add(piece);
+            }
+        }
+        self.tiles.push(ExactTile {
+            block: block.index,
+            rect,
+            symmetry,
+            first_piece,
+            end_piece: self.cells.pieces().len() as u32,
+        });
+    }
+
+    /// Lays down the samples of a clip that lie in the last tile. Those around it are missing from the beginning.
+    fn clip(&mut self, clipper: &Clipper, block: &PlacedBlock) {
+        let tile = self.tiles.len() as u32 - 1;
+        let rect = self.tiles[tile as usize].rect;
+        let reach = i64::from(R);
+        let around = Rect64::from(rect).grown(reach, reach);
+        let target = self.present.ground().rect();
+        let target = Rect {
+            min: Point::new(target.min.x - R, target.min.y - R),
+            max: Point::new(target.max.x + R, target.max.y + R),
+        };
+
+        clipper.clip(block, &around, &target, |x, y, pattern| {
+            let place = Point::new(x, y);
             if !rect.contains(place) {
-                self.wake(block, place, pattern);
+                self.wake(tile, place, pattern);
                 return;
             }
 
-            let dart = PlacedDart {
-                arrival: self.history.arrival(pattern),
-                source: self.history.pattern().samples()[pattern as usize],
-                place,
-            };
-            let id = self.present.add(dart, block, Some(pattern));
+            let id = self.present.add(place, tile, pattern);
             // A sample of another block can cover only what is within r of the border.
-            if rect.depth(place) <= R {
-                self.await_arrival(dart, What::Sample(id));
+            if rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
+                let dart = self.present.dart(self.present.get(id));
+                self.agenda.add(dart, What::Sample(id));
             }
         });
     }
 
-    /// Asks the darts again whose first blocker is a pattern's sample that is missing at `place`.
-    fn wake(&mut self, block: u32, place: Point, pattern: u32) {
-        let history = self.history;
-        let ExactTile { rect, symmetry, .. } = self.tiles[block as usize];
-        for waiting in history.waiting(pattern) {
-            let offset = symmetry.turn(waiting.offset);
-            let dart = PlacedDart {
-                arrival: waiting.arrival,
-                source: waiting.source,
-                place: Point::new(place.x + offset.x, place.y + offset.y),
-            };
-            // Another block has its own darts there.
-            if rect.contains(dart.place) {
-                self.await_arrival(dart, What::Dart(block));
-            }
-        }
+    /// Returns whether a late dart that is not thrown may cover a sample of the pattern.
+    fn is_late_near_unknown(&self, place: Point, pattern: u32) -> bool {
+        self.present.ground().is_near_unknown(place, 2 * R)
+            && self.history.arrival(pattern).level() >= LATE_LEVEL
     }
 
-    /// Notes what is to be decided when its dart arrives.
-    fn await_arrival(&mut self, dart: PlacedDart, what: What) {
-        let level = dart.arrival.level();
-        let arriving = Arriving { dart, what };
-        if self.deciding == Some(level) {
-            self.sudden.push(Reverse(arriving));
-        } else {
-            self.queues[level as usize].push(arriving);
+    /// Asks the darts again whose first blocker is a pattern's sample that is missing at `place` of the ground, or doubtful.
+    fn wake(&mut self, tile: u32, place: Point, pattern: u32) {
+        let history = self.history;
+        let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
+        for waiting in history.waiting(pattern) {
+            let IVec2 { x, y } = symmetry.turn(waiting.offset);
+            let place = Point::new(place.x + x, place.y + y);
+            // Another block has its own darts there.
+            if rect.contains(place) {
+                let dart = PlacedDart {
+                    arrival: waiting.arrival,
+                    source: waiting.source,
+                    place: self.present.in_domain(tile, place),
+                };
+                self.agenda.add(dart, What::Dart(tile));
+            }
         }
     }
 
@@ -221,27 +260,12 @@ impl<'a> ExactTiling<'a> {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all.
-        let mut queue = std::mem::take(&mut self.queues[level as usize]);
-        queue.sort_unstable();
-        let mut meter = Meter::begin(observer, stage, queue.len() as u64)?;
-        self.deciding = Some(level);
-
-        let mut known = queue.into_iter().peekable();
-        loop {
-            let sudden = self.sudden.peek().map(|Reverse(sudden)| *sudden);
-            let is_sudden = sudden.is_some_and(|sudden| known.peek().is_none_or(|k| sudden < *k));
-            let next = if is_sudden {
-                self.sudden.pop();
-                sudden
-            } else {
-                known.next()
-            };
-            let Some(next) = next else { break };
-
+        let known = self.agenda.begin(level);
+        let mut meter = Meter::begin(observer, stage, known as u64)?;
+        while let Some(next) = self.agenda.next() {
             match next.what {
-                What::Sample(id) => self.decide_sample(id),
-                What::Dart(block) => self.decide_dart(next.dart, block),
+                What::Sample(id) => self.decide_sample(id, &next.dart),
+                What::Dart(tile) => self.decide_dart(&next.dart, tile),
             }
             meter.tick()?;
         }
@@ -249,81 +273,113 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Loses a sample if an earlier one covers it. Everything earlier is final.
-    fn decide_sample(&mut self, id: u32) {
+    fn decide_sample(&mut self, id: u32, dart: &PlacedDart) {
         let sample = *self.present.get(id);
-        let (Some(pattern), false) = (sample.pattern, sample.is_lost) else {
+        let (Some(pattern), Presence::Certain) = (sample.pattern(), sample.presence) else {
             return;
         };
-        if !self.present.precedes(&sample.dart) {
-            return;
+        match self.present.presence(dart, sample.tile) {
+            Presence::Certain => return,
+            Presence::Doubtful => self.present.doubt(id),
+            Presence::Lost => self.present.lose(id),
         }
 
-        self.present.lose(id);
-        self.wake(sample.block, sample.dart.place, pattern);
-        let tile = &self.tiles[sample.block as usize];
+        self.wake(sample.tile, sample.place, pattern);
+        let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
-        let place = sample.dart.place;
-        self.cells.mark_disk(pieces, place, &mut self.fresh);
-        let level = sample.dart.arrival.level();
+        self.cells.mark_disk(pieces, dart.place, &mut self.fresh);
+        let level = dart.arrival.level();
         if level >= LATE_LEVEL {
             // What the cells threw before would have been refused by others.
-            self.throw_fresh(level, Some(&sample.dart));
+            self.throw_fresh(level, Some(dart));
         }
     }
 
     /// Makes a dart a sample if it is none, and no earlier one covers it.
-    fn decide_dart(&mut self, dart: PlacedDart, block: u32) {
-        if self.present.refuses(&dart) {
+    fn decide_dart(&mut self, dart: &PlacedDart, tile: u32) {
+        if self.present.has(dart, tile) {
             return;
         }
+        let presence = self.present.presence(dart, tile);
+        if presence == Presence::Lost {
+            return;
+        }
+
         let mut later = Vec::new();
-        self.present.later(&dart, |id| later.push(id));
-        for id in later {
-            self.await_arrival(self.present.get(id).dart, What::Sample(id));
-        }
-        self.present.add(dart, block, None);
+        self.present.later(dart, tile, |id| later.push(id));
+        self.await_samples(&later);
+        self.present.insert(*dart, tile, presence);
     }
 
-    /// Marks the cells whose darts may lack a first blocker beyond the border of their block.
+    /// Decides about samples again when they arrive.
+    fn await_samples(&mut self, ids: &[u32]) {
+        for &id in ids {
+            let dart = self.present.dart(self.present.get(id));
+            self.agenda.add(dart, What::Sample(id));
+        }
+    }
+
+    /// Marks the cells whose darts may lack a first blocker beyond the border of their tile.
     fn open_borders(&mut self) {
-        for index in 0..self.cells.pieces().len() as u32 {
-            let block = self.cells.pieces()[index as usize].block;
-            let rect = self.tiles[block as usize].rect;
-            self.cells.mark_border(index, &rect, &mut self.fresh);
+        for (tile, held) in (0..).zip(&self.tiles) {
+            let rect = self.present.rect_in_domain(tile, &held.rect);
+            for piece in held.first_piece..held.end_piece {
+                self.cells.mark_border(piece, &rect, &mut self.fresh);
+            }
         }
     }
 
-    /// Throws the darts of a level into all active cells.
+    /// Throws the darts of a level into all open cells.
     fn throw(&mut self, level: u32) {
-        let end = Arrival::new(level, 0, 0);
-        let decided = self.present.before(end);
+        let from = Arrival::new(level, 0, 0);
         let (side, before) = (R >> level, self.side);
-        let (mut active, mut near) = (Vec::with_capacity(self.active.len()), Vec::new());
-        for &cell in &self.active {
+        for cell in std::mem::take(&mut self.open.cells) {
+            let decided = self.present.before(from);
             self.cells
-                .cut(cell, before, side, decided, &mut near, &mut active);
+                .cut(cell, before, side, decided, &mut self.near, &mut self.open);
         }
-        self.active = active;
         self.side = side;
+        self.add_zones(from);
 
-        for index in 0..self.active.len() {
-            self.throw_into(self.active[index], level, None);
+        for index in 0..self.open.cells.len() {
+            self.throw_into(self.open.cells[index], level, None);
         }
         self.throw_fresh(level, None);
     }
 
     /// Throws the darts of a level into cells that were marked, those later than `after`.
     fn throw_fresh(&mut self, level: u32, after: Option<&PlacedDart>) {
-        let decided = self.present.before(Arrival::new(level, 0, 0));
-        let (first, mut near) = (self.active.len(), Vec::new());
+        let from = Arrival::new(level, 0, 0);
+        let first = self.open.cells.len();
         for cell in self.fresh.drain(..) {
-            let (side, active) = (R >> level, &mut self.active);
-            self.cells
-                .cut(cell, MARK_SIDE, side, decided, &mut near, active);
+            let (side, decided) = (R >> level, self.present.before(from));
+            self.cells.cut(
+                cell,
+                MARK_SIDE,
+                side,
+                decided,
+                &mut self.near,
+                &mut self.open,
+            );
         }
-        for index in first..self.active.len() {
-            self.throw_into(self.active[index], level, after);
+        self.add_zones(after.map_or(from, |after| after.arrival));
+
+        for index in first..self.open.cells.len() {
+            self.throw_into(self.open.cells[index], level, after);
         }
+    }
+
+    /// Makes the cells that were found to be doubtful zones, whose darts arrive `from` then on.
+    fn add_zones(&mut self, from: Arrival) {
+        let mut later = Vec::new();
+        for (cell, side) in self.open.doubtful.drain(..) {
+            if let Some(placed) = self.cells.placed(cell, side) {
+                let tile = self.cells.pieces()[cell.piece as usize].tile;
+                let rect = self.present.rect_on_ground(tile, &placed);
+                self.present.add_zone(rect, from, |id| later.push(id));
+            }
+        }
+        self.await_samples(&later);
     }
 
     /// Throws the darts of a level into a cell, those later than `after`.
@@ -341,59 +397,79 @@ impl<'a> ExactTiling<'a> {
             };
             let is_later = after.is_none_or(|after| dart > *after);
             let decided = self.present.before(Arrival::new(level, 0, 0));
-            if is_later && !decided.covers(dart.place) {
-                self.await_arrival(dart, What::Dart(piece.block));
+            if is_later && !decided.covers(piece.tile, dart.place) {
+                self.agenda.add(dart, What::Dart(piece.tile));
             }
         }
     }
 
-    fn summary(&self) -> Summary {
-        let samples = self.present.samples();
-        let tiled = samples.iter().filter(|sample| sample.pattern.is_some());
-        let tiled = tiled.count();
-        let eliminated = samples.iter().filter(|sample| sample.is_lost).count();
-        let mut inserted = vec![0; LAST_LEVEL as usize];
-        for sample in samples.iter().filter(|sample| sample.pattern.is_none()) {
-            inserted[iteration(sample) as usize - 1] += 1;
-        }
-        while inserted.last() == Some(&0) {
-            inserted.pop();
-        }
+    /// Returns whether the samples of the window depend on what lies beyond the ground.
+    pub(crate) fn is_doubtful(&self) -> bool {
+        let ground = self.present.ground();
+        ground.has_unknown() && self.present.is_doubtful(&ground.frame.window)
+    }
 
-        Summary {
-            blocks: self.blocks.len(),
-            tiled,
-            dropped: 0,
-            eliminated,
-            inserted,
-            count: samples.len() - eliminated,
+    /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if they
+    /// are wanted.
+    pub(crate) fn emit(&self, with_tags: bool, out: &mut WindowSamples) {
+        out.clear();
+        self.count(&mut out.counts);
+        let Frame { window, .. } = self.present.ground().frame;
+        let cells = self.present.ground().frame.window_cells();
+        let mut held = Vec::new();
+        for row in cells.min.y..cells.max.y {
+            for column in cells.min.x..cells.max.x {
+                held.clear();
+                self.present.in_cell(column, row, |sample| {
+                    if window.contains(sample.place) {
+                        held.push(*sample);
+                    }
+                });
+                // Most cells have one.
+                if held.len() > 1 {
+                    held.sort_unstable_by_key(|sample| sample.place.row_major());
+                }
+                for sample in &held {
+                    out.points
+                        .push(self.present.in_domain(sample.tile, sample.place));
+                    if with_tags {
+                        out.tags.push(self.tag(sample));
+                    }
+                }
+            }
+            out.rows.push(out.points.len() as u32);
         }
     }
 
-    /// Returns the samples in canonical order, with their sources.
-    fn sampled(&self) -> Sampled {
+    fn tag(&self, sample: &ArrivedSample) -> u64 {
+        match sample.pattern() {
+            Some(pattern) => tiled_tag(self.tiles[sample.tile as usize].block, pattern),
+            None => inserted_tag(self.iteration(sample)),
+        }
+    }
+
+    /// Returns the iteration in which a sample counts as inserted.
+    fn iteration(&self, sample: &ArrivedSample) -> u32 {
+        self.present.arrival(sample).level().max(1)
+    }
+
+    /// Counts what the window has.
+    fn count(&self, counts: &mut WindowCounts) {
+        *counts = WindowCounts::default();
+        let window = self.present.ground().frame.window;
+        let corners = self.blocks.iter().map(|block| block.rect.min);
+        let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));
+        counts.blocks = inside.count() as u64;
+
         let samples = self.present.samples().iter();
-        let mut kept: Vec<_> = samples.filter(|sample| !sample.is_lost).collect();
-        kept.sort_unstable_by_key(|sample| sample.dart.place.canonical());
-        let sources = kept.iter().map(|sample| match sample.pattern {
-            Some(pattern) => Source::Tiled {
-                block: sample.block,
-                pattern,
-            },
-            None => Source::Inserted {
-                iteration: iteration(sample),
-            },
-        });
-        Sampled {
-            sources: Some(sources.collect()),
-            points: kept.iter().map(|sample| sample.dart.place).collect(),
+        for sample in samples.filter(|sample| window.contains(sample.place)) {
+            match (sample.presence, sample.pattern()) {
+                (Presence::Lost, _) => counts.eliminated += 1,
+                (Presence::Certain, None) => counts.insert(self.iteration(sample) as usize - 1, 1),
+                (Presence::Certain, Some(_)) | (Presence::Doubtful, _) => {}
+            }
         }
     }
-}
-
-/// Returns the iteration in which a sample counts as inserted.
-fn iteration(sample: &ArrivedSample) -> u32 {
-    sample.dart.arrival.level().max(1)
 }
 
 #[cfg(test)]

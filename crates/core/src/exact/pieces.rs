@@ -9,8 +9,8 @@ use crate::pattern::Symmetry;
 /// nothing wraps within a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Piece {
-    /// The index of the block.
-    pub(crate) block: u32,
+    /// The index of the block's tile.
+    pub(crate) tile: u32,
     /// The places of the pattern that the piece has.
     pub(crate) sources: Rect,
     symmetry: Symmetry,
@@ -34,6 +34,13 @@ impl Piece {
         Point::new(source.x, source.y)
     }
 
+    /// Returns what of the pattern lies in a rectangle of the copy, which is not empty.
+    pub(crate) fn sources_of(&self, rect: &Rect) -> Rect {
+        let last = Point::new(rect.max.x - 1, rect.max.y - 1);
+        let [a, b] = [rect.min, last].map(|place| self.source(place));
+        spanned(a, b)
+    }
+
     /// Returns where the copy has a rectangle of the pattern, which is not empty.
     pub(crate) fn placed(&self, sources: &Rect) -> Rect {
         let last = Point::new(sources.max.x - 1, sources.max.y - 1);
@@ -42,12 +49,12 @@ impl Piece {
     }
 }
 
-/// Returns the pieces of a block. Its clip, r larger on all sides, begins at `start` of the pattern under `symmetry`, as in
-/// [`crate::stages::tile`]; `pattern` holds the pattern's places.
+/// Returns the pieces of a part of a block, which is not empty. The clip of the part, r larger on all sides, begins at
+/// `start` of the pattern under `symmetry`, as in [`crate::stages::tile`]; `pattern` holds the pattern's places.
 pub(crate) fn pieces(
-    block: u32,
+    tile: u32,
     rect: &Rect,
-    start: Point,
+    start: I64Vec2,
     symmetry: Symmetry,
     pattern: &Rect,
 ) -> Vec<Piece> {
@@ -55,7 +62,7 @@ pub(crate) fn pieces(
     let extent = IVec2::new(pattern.max.x, pattern.max.y);
     let period = symmetry.turn(extent).abs().as_i64vec2();
     // The block's lowest place, and the first beyond it, in the turned pattern that repeats.
-    let first = I64Vec2::from(start) + i64::from(R);
+    let first = start + i64::from(R);
     let end = first + I64Vec2::new(rect.width().into(), rect.height().into());
 
     let mut pieces = Vec::new();
@@ -72,7 +79,7 @@ pub(crate) fn pieces(
             };
             let origin = I64Vec2::from(rect.min) - (first - copy) + corner.as_i64vec2();
             pieces.push(Piece {
-                block,
+                tile,
                 sources: spanned(back(low), back(high)),
                 symmetry,
                 origin: origin.as_ivec2(),
@@ -126,7 +133,7 @@ mod tests {
                 });
 
                 let mut found = Vec::new();
-                for piece in pieces(3, &rect, start, symmetry, &held) {
+                for piece in pieces(3, &rect, start.into(), symmetry, &held) {
                     for (id, &source) in (0..).zip(pattern.samples()) {
                         if piece.sources.contains(source) {
                             let place = piece.place(source);

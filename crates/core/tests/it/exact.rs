@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 use tilescope_analysis::{Region, VerifyOptions, verify};
 use tilescope_core::stages::disks::DiskGrid;
 use tilescope_core::{
-    Boundary, Domain, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, Run, Stream,
-    Unobserved, below, exact_sample,
+    Boundary, Domain, ExactPlane, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, R,
+    Run, Stream, Unobserved, Window, below, exact_sample, exact_sample_parallel,
 };
 
 use oracle::{Ties, defined};
@@ -114,6 +114,140 @@ fn hostile_sets_follow_the_definition() {
 fn two_thousand_hostile_sets_follow_the_definition() {
     for index in 0..2_000 {
         check(index);
+    }
+}
+
+/// Returns a pool of so many threads.
+fn threads(count: usize) -> rayon::ThreadPool {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(count);
+    builder.build().unwrap()
+}
+
+/// Asserts that all threads together make the run that one makes, sources and counts included.
+fn check_threads(parameters: &Parameters, counts: &[usize]) {
+    let history = history(parameters);
+    let expected = exact_sample(parameters, &history, &mut Unobserved).unwrap();
+    for &count in counts {
+        let run = threads(count)
+            .install(|| exact_sample_parallel(parameters, &history, &mut Unobserved))
+            .unwrap();
+        assert_eq!(run.summary(), expected.summary(), "{count}: {parameters:?}");
+        assert!(run.samples == expected.samples, "{count}: {parameters:?}");
+        assert_eq!(run.blocks, expected.blocks);
+    }
+}
+
+#[test]
+fn all_threads_make_what_one_makes() {
+    for index in 0..tilescope_tests::cases(60) {
+        check_threads(&hostile(index), &[1, 2, 3, 7]);
+    }
+    // Several windows, several bands.
+    for (boundary, leaf) in [(Boundary::Periodic, 9.0), (Boundary::Bounded, 40.0)] {
+        let parameters = Parameters {
+            width: 301.3,
+            height: 277.9,
+            radius: 1.0,
+            boundary,
+            leaf,
+            dihedral: leaf > 20.0,
+            ..Parameters::default()
+        };
+        check_threads(&parameters, &[1, 2, 3, 7]);
+    }
+}
+
+#[test]
+#[ignore = "takes long: tests/run --slow runs it"]
+fn two_thousand_hostile_sets_are_equal_for_all_threads() {
+    for index in 0..2_000 {
+        check_threads(&hostile(index), &[1, 2, 3, 7]);
+    }
+}
+
+/// Windows of hostile sets and of larger ones show the whole's samples: windows inside, across borders, and beyond them.
+#[test]
+fn windows_show_what_the_whole_has() {
+    let large = |index: u32| Parameters {
+        width: 90.7,
+        height: 121.0,
+        ..hostile(index)
+    };
+    for index in 0..tilescope_tests::cases(80) {
+        let parameters = if index % 4 == 0 {
+            large(index)
+        } else {
+            hostile(index)
+        };
+        let history = history(&parameters);
+        let run = exact_sample(&parameters, &history, &mut Unobserved).unwrap();
+        let plane = ExactPlane::new(&parameters, &history).unwrap();
+        let points = run.points();
+        let key = Key::from_seed(index.into());
+        for number in 0..6 {
+            let window = drawn_window(&run.domain, key.derive(Stream::Sequence, number));
+            let found = plane.window(&window).unwrap();
+            let expected: Vec<Point> = points
+                .iter()
+                .copied()
+                .filter(|p| shows(&run.domain, &window, *p))
+                .collect();
+            assert_eq!(found, expected, "{window:?} of {parameters:?}");
+        }
+    }
+}
+
+/// Returns a window at most as long as the domain, which begins up to a side before it.
+fn drawn_window(domain: &Domain, key: Key) -> Window {
+    let sides = [domain.width(), domain.height()];
+    let mut window = Window {
+        min: glam::I64Vec2::ZERO,
+        max: glam::I64Vec2::ZERO,
+    };
+    for (axis, side) in sides.into_iter().enumerate() {
+        let [begin, length] = key.draw(Stream::Dart, axis as u32);
+        window.min[axis] = i64::from(below(begin, 2 * side as u32)) - i64::from(side);
+        window.max[axis] = window.min[axis] + 1 + i64::from(below(length, side as u32));
+    }
+    window
+}
+
+/// Returns whether a window shows a sample, or its repetition.
+fn shows(domain: &Domain, window: &Window, p: Point) -> bool {
+    let repeats = if domain.is_periodic() { -2..=2 } else { 0..=0 };
+    let mut images = repeats.clone().flat_map(|i| {
+        let rows = repeats.clone();
+        rows.map(move |j| glam::I64Vec2::new(i, j))
+    });
+    let sides = glam::I64Vec2::new(domain.width().into(), domain.height().into());
+    images.any(|image| window.contains(glam::I64Vec2::from(p) + image * sides))
+}
+
+/// A window of a plane of a thousand million samples is that of the same plane computed with more around it.
+#[test]
+fn windows_of_a_huge_plane_agree_with_each_other() {
+    let parameters = Parameters {
+        width: 37_800.0,
+        height: 37_800.0,
+        radius: 1.0,
+        leaf: 20.0,
+        ..Parameters::default()
+    };
+    let history = history(&parameters);
+    let plane = ExactPlane::new(&parameters, &history).unwrap();
+    for (x, y) in [(0, 0), (12_345, 30_000), (37_790, 5)] {
+        let rect = |reach: i64| {
+            let min = glam::I64Vec2::new(x, y) * i64::from(R) + 77;
+            Window {
+                min: min - reach,
+                max: min + 20 * i64::from(R) + reach,
+            }
+        };
+        let small = plane.window(&rect(0)).unwrap();
+        let mut large = plane.window(&rect(30 * i64::from(R))).unwrap();
+        large.retain(|p| shows(plane.domain(), &rect(0), *p));
+        assert!(small.len() > 240);
+        assert_eq!(small, large);
     }
 }
 

@@ -1,0 +1,78 @@
+//! What is to be decided, in the order of arrival. Levels follow each other; while one is decided, more of it may come up.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::exact::darts::PlacedDart;
+use crate::stages::darts::LAST_LEVEL;
+
+/// Something that may be another way than in the pattern, to be decided when its dart arrives.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Arriving {
+    pub(crate) dart: PlacedDart,
+    pub(crate) what: What,
+}
+
+/// What is to be decided.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum What {
+    /// Whether an earlier sample covers a present one, given by its id.
+    Sample(u32),
+    /// Whether no earlier sample covers a dart of the tile given by its index.
+    Dart(u32),
+}
+
+/// What is to be decided, level by level.
+#[derive(Default)]
+pub(crate) struct Agenda {
+    /// What arrives with each level.
+    levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
+    deciding: Option<u32>,
+    /// How much of the level that is being decided is done.
+    done: usize,
+    /// What has come up since that level began, and belongs to it.
+    sudden: BinaryHeap<Reverse<Arriving>>,
+}
+
+impl Agenda {
+    /// Forgets everything.
+    pub(crate) fn clear(&mut self) {
+        self.levels.iter_mut().for_each(Vec::clear);
+        self.sudden.clear();
+        self.deciding = None;
+    }
+
+    /// Adds what is to be decided when its dart arrives.
+    #[inline]
+    pub(crate) fn add(&mut self, dart: PlacedDart, what: What) {
+        let level = dart.arrival.level();
+        let arriving = Arriving { dart, what };
+        if self.deciding == Some(level) {
+            self.sudden.push(Reverse(arriving));
+        } else {
+            self.levels[level as usize].push(arriving);
+        }
+    }
+
+    /// Begins a level, and returns how much arrives with it as far as that is known.
+    pub(crate) fn begin(&mut self, level: u32) -> usize {
+        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all.
+        let known = &mut self.levels[level as usize];
+        known.sort_unstable();
+        self.deciding = Some(level);
+        self.done = 0;
+        known.len()
+    }
+
+    /// Returns what arrives next with the level.
+    pub(crate) fn next(&mut self) -> Option<Arriving> {
+        let level = self.deciding?;
+        let known = self.levels[level as usize].get(self.done);
+        let sudden = self.sudden.peek().map(|Reverse(sudden)| sudden);
+        if sudden.is_some_and(|sudden| known.is_none_or(|known| sudden < known)) {
+            return self.sudden.pop().map(|Reverse(sudden)| sudden);
+        }
+        self.done += 1;
+        known.copied()
+    }
+}

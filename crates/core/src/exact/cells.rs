@@ -1,0 +1,110 @@
+//! Numbers of things by place, in cells of side R that lie behind one another in memory. Whoever asks knows the places.
+
+use crate::lattice::{Point, R, Rect};
+
+/// Numbers in one part of a cell. Four samples more than R apart fit into no cell, but those of several blocks do.
+const SLOTS: usize = 3;
+
+/// A free slot.
+const FREE: u32 = u32::MAX;
+
+/// Part of a cell: its first one, or more of a crowded one.
+#[derive(Clone, Copy, Debug)]
+struct CellPart {
+    numbers: [u32; SLOTS],
+    /// The index of the next part; 0, which is a cell's first, if there is none.
+    next: u32,
+}
+
+/// Numbers by cell, row by row, from place (0, 0) on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NumberCells {
+    columns: usize,
+    parts: Vec<CellPart>,
+}
+
+impl NumberCells {
+    /// Empties the cells, and sets the first place beyond them.
+    pub(crate) fn reset(&mut self, end: Point) {
+        let cells = |end: i32| ((end - 1) / R + 1) as usize;
+        self.columns = cells(end.x);
+        self.parts.clear();
+        let empty = CellPart {
+            numbers: [FREE; SLOTS],
+            next: 0,
+        };
+        self.parts.resize(self.columns * cells(end.y), empty);
+    }
+
+    fn index(&self, place: Point) -> usize {
+        (place.y / R) as usize * self.columns + (place.x / R) as usize
+    }
+
+    /// Adds a number at a place.
+    #[inline]
+    pub(crate) fn add(&mut self, place: Point, number: u32) {
+        let mut part = self.index(place);
+        loop {
+            let CellPart { numbers, next } = &mut self.parts[part];
+            if let Some(free) = numbers.iter_mut().find(|number| **number == FREE) {
+                *free = number;
+                return;
+            }
+            part = match *next {
+                0 => self.append(part),
+                next => next as usize,
+            };
+        }
+    }
+
+    #[cold]
+    fn append(&mut self, part: usize) -> usize {
+        let appended = self.parts.len();
+        self.parts[part].next = appended as u32;
+        self.parts.push(CellPart {
+            numbers: [FREE; SLOTS],
+            next: 0,
+        });
+        appended
+    }
+
+    /// Removes a number from the cell of its place.
+    pub(crate) fn remove(&mut self, place: Point, number: u32) {
+        let mut part = self.index(place);
+        loop {
+            let CellPart { numbers, next } = &mut self.parts[part];
+            if let Some(slot) = numbers.iter_mut().find(|other| **other == number) {
+                *slot = FREE;
+                return;
+            }
+            debug_assert_ne!(*next, 0, "{number} is in no part of its cell");
+            part = *next as usize;
+        }
+    }
+
+    /// Calls `visit` with the numbers in all cells that a rectangle touches, until it returns `true`; returns whether it
+    /// did.
+    #[inline]
+    pub(crate) fn any_in(&self, rect: &Rect, mut visit: impl FnMut(u32) -> bool) -> bool {
+        let columns = (rect.min.x / R) as usize..=((rect.max.x - 1) / R) as usize;
+        for row in (rect.min.y / R) as usize..=((rect.max.y - 1) / R) as usize {
+            let start = row * self.columns;
+            let parts = &self.parts[start + columns.start()..=start + columns.end()];
+            for first in parts {
+                let mut part = first;
+                loop {
+                    for &number in &part.numbers {
+                        if number != FREE && visit(number) {
+                            return true;
+                        }
+                    }
+                    if part.next == 0 {
+                        break;
+                    }
+                    part = &self.parts[part.next as usize];
+                }
+            }
+        }
+        false
+    }
+}

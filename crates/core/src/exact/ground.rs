@@ -1,0 +1,156 @@
+//! The part of the plane that a tiling works on: a whole domain, or a window with a halo beyond which nothing is known.
+
+use glam::{I64Vec2, IVec2};
+
+use crate::engine::parallel::clip::PlacedBlock;
+use crate::engine::parallel::frame::Frame;
+use crate::lattice::{Domain, Point, R, Rect};
+
+/// Farther than any place of a frame with a halo is from its ends.
+const FAR: i32 = 1 << 29;
+
+/// A frame, and how the plane goes on beyond it. Places are in the frame's coordinates.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ground {
+    pub(crate) frame: Frame,
+    /// The sides of a periodic domain that is worked on as a whole, so that opposite ends are joined.
+    joined: Option<Point>,
+    /// What is known: the frame, and all of the plane on the sides where a domain ends.
+    known: Option<Rect>,
+}
+
+impl Ground {
+    /// Returns the ground of a whole domain.
+    pub(crate) fn whole(domain: &Domain) -> Self {
+        let rect = domain.rect();
+        let frame = Frame {
+            // The last cells of a periodic domain may be cut.
+            end: [rect.max.x, rect.max.y],
+            goes_on: [[false; 2]; 2],
+            ..Frame::new(domain, &rect, 0)
+        };
+        let joined = domain.is_periodic().then_some(rect.max);
+        Self {
+            frame,
+            joined,
+            known: None,
+        }
+    }
+
+    /// Returns the ground of a window of a domain, with a halo of so many cells.
+    pub(crate) fn around(domain: &Domain, window: &Rect, halo: i32) -> Self {
+        let frame = Frame::new(domain, window, halo);
+        let [[left, right], [bottom, top]] = frame.goes_on;
+        let [width, height] = frame.end;
+        let reach = |goes_on: bool| if goes_on { 0 } else { FAR };
+        let known = Rect {
+            min: Point::new(-reach(left), -reach(bottom)),
+            max: Point::new(width + reach(right), height + reach(top)),
+        };
+        let is_whole = !frame.goes_on.as_flattened().contains(&true);
+        Self {
+            frame,
+            joined: None,
+            known: (!is_whole).then_some(known),
+        }
+    }
+
+    /// Returns how far a block is moved from where the domain has it to where the ground has it.
+    pub(crate) fn moved(&self, block: &PlacedBlock) -> IVec2 {
+        let mut at = block.rect.min + self.frame.origin;
+        if self.frame.periodic {
+            let [width, height] = self.frame.sides.map(i64::from);
+            // No block crosses the domain's ends.
+            at = I64Vec2::new(at.x.rem_euclid(width), at.y.rem_euclid(height));
+        }
+        // Only the sum of a place and this fits into 32 bits.
+        let moved = block.rect.min - at;
+        IVec2::new(moved.x as i32, moved.y as i32)
+    }
+
+    /// Returns the places that it has.
+    pub(crate) fn rect(&self) -> Rect {
+        let [width, height] = self.frame.end;
+        Rect {
+            min: Point::new(0, 0),
+            max: Point::new(width, height),
+        }
+    }
+
+    /// Returns the places more than R from all that is unknown.
+    pub(crate) fn core(&self) -> Rect {
+        let Rect { min, max } = self.rect();
+        let Some(known) = self.known else {
+            return Rect { min, max };
+        };
+        Rect {
+            min: Point::new(
+                min.x.max(known.min.x.saturating_add(R + 1)),
+                min.y.max(known.min.y.saturating_add(R + 1)),
+            ),
+            max: Point::new(max.x.min(known.max.x - R), max.y.min(known.max.y - R)),
+        }
+    }
+
+    /// Returns whether something is unknown.
+    pub(crate) const fn has_unknown(&self) -> bool {
+        self.known.is_some()
+    }
+
+    /// Returns whether a place lies at most `reach` from something unknown on one of the axes.
+    #[inline]
+    pub(crate) fn is_near_unknown(&self, place: Point, reach: i32) -> bool {
+        self.known.is_some_and(|known| known.depth(place) <= reach)
+    }
+
+    /// Calls `visit` with the parts of a rectangle that lie on the ground, and how far what is found there must be moved to
+    /// be beside the rectangle: opposite ends may be joined. Stops when `visit` returns `true`; returns whether it did.
+    #[inline]
+    pub(crate) fn any_part(
+        &self,
+        rect: &Rect,
+        mut visit: impl FnMut(&Rect, IVec2) -> bool,
+    ) -> bool {
+        let all = self.rect();
+        let Rect { min, max } = *rect;
+        // Nearly always it lies inside.
+        if min.x >= 0 && min.y >= 0 && max.x <= all.max.x && max.y <= all.max.y {
+            return visit(rect, IVec2::ZERO);
+        }
+        self.any_cut_part(rect, &mut visit)
+    }
+
+    #[cold]
+    fn any_cut_part(&self, rect: &Rect, visit: &mut dyn FnMut(&Rect, IVec2) -> bool) -> bool {
+        let all = self.rect();
+        let shifts = |side: Option<i32>| side.map_or([0; 3], |side| [0, -side, side]);
+        let count = if self.joined.is_some() { 3 } else { 1 };
+        let (xs, ys) = (
+            shifts(self.joined.map(|sides| sides.x)),
+            shifts(self.joined.map(|sides| sides.y)),
+        );
+
+        let part = |min: i32, max: i32, shift: i32, end: i32| {
+            // A domain may end where the integers do.
+            let moved = |v: i32| (i64::from(v) - i64::from(shift)).clamp(0, end.into()) as i32;
+            moved(min)..moved(max)
+        };
+        for &up in &ys[..count] {
+            let rows = part(rect.min.y, rect.max.y, up, all.max.y);
+            for &right in &xs[..count] {
+                let columns = part(rect.min.x, rect.max.x, right, all.max.x);
+                if rows.is_empty() || columns.is_empty() {
+                    continue;
+                }
+                let found = Rect {
+                    min: Point::new(columns.start, rows.start),
+                    max: Point::new(columns.end, rows.end),
+                };
+                if visit(&found, IVec2::new(right, up)) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

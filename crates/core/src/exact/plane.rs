@@ -1,0 +1,204 @@
+//! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all threads.
+
+use crate::engine::parallel::clip::Clipper;
+use crate::engine::parallel::sweep::Sweep;
+use crate::engine::parallel::widened::WidenedWindow;
+use crate::engine::parallel::window_maker::{WindowMaker, WindowSamples, samples_of_window};
+use crate::error::SampleError;
+use crate::exact::engine::{ExactTiling, clipper};
+use crate::exact::ground::Ground;
+use crate::exact::history::PatternHistory;
+use crate::lattice::{Domain, Point, R, Rect, Window};
+use crate::parameters::Parameters;
+use crate::pool::Pool;
+use crate::progress::{Observer, Unobserved};
+use crate::run::Run;
+
+/// The first width of the halo in cells. Of 180,000 r of border, nothing farther than 6.5 r was doubtful.
+const HALO: i32 = 8;
+
+/// The widest halo in cells. No window has been seen to need a second one.
+const MAX_HALO: i32 = HALO << 7;
+
+/// The longest side of a window that is computed at once, in cells: larger ones leave the second-level cache.
+const MAX_SIDE: i32 = 320;
+
+/// The plane of an exact tiling, from which any window can be computed alone.
+///
+/// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number of
+/// threads. A window has a halo around it. What lies beyond is unknown, and so is what depends on it; if that reaches into
+/// the window, the halo grows.
+///
+/// ```
+/// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved};
+///
+/// // A window of a run of two thousand million samples.
+/// let parameters = Parameters { radius: 2e-5, ..Parameters::default() };
+/// let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
+/// let plane = ExactPlane::new(&parameters, &history)?;
+/// let window = plane.domain().window([0.5, 0.5], [0.501, 0.501])?;
+/// let samples = plane.window(&window)?;
+/// assert!((1_650..1_850).contains(&samples.len()));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub struct ExactPlane<'a> {
+    domain: Domain,
+    history: &'a PatternHistory,
+    clipper: Clipper,
+    idle: Pool<ExactTiling<'a>>,
+}
+
+impl<'a> ExactPlane<'a> {
+    /// Returns the plane of `parameters` with the pattern of `history`.
+    ///
+    /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
+    pub fn new(parameters: &Parameters, history: &'a PatternHistory) -> Result<Self, SampleError> {
+        let clipper = clipper(parameters, history)?;
+        clipper.check_blocks()?;
+        Ok(Self {
+            domain: parameters.validate()?,
+            history,
+            clipper,
+            idle: Pool::default(),
+        })
+    }
+
+    /// Returns the domain.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond the end of a periodic
+    /// domain shows its repetition, with the positions of the domain.
+    pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
+        self.observed_window(window, &mut Unobserved)
+    }
+
+    /// Returns what [`Self::window`] does, unless `observer` stops it with [`SampleError::Cancelled`].
+    pub fn observed_window(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Point>, SampleError> {
+        samples_of_window(self, window, MAX_SIDE, observer)
+    }
+
+    /// Returns the window with the samples around it that a verifier needs to judge it.
+    pub fn widened(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<WidenedWindow, SampleError> {
+        WidenedWindow::of(window, &self.domain, R, |wide| {
+            self.observed_window(wide, observer)
+        })
+    }
+
+    /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each sample
+    /// has its source, for which all blocks are counted first.
+    #[must_use]
+    pub fn sweep(mut self, sources: bool) -> Sweep<Self> {
+        if sources {
+            self.clipper.count_blocks();
+        }
+        Sweep::of_plane(self, sources, MAX_SIDE)
+    }
+}
+
+impl WindowMaker for ExactPlane<'_> {
+    fn domain(&self) -> &Domain {
+        self.domain()
+    }
+
+    fn fill(
+        &self,
+        window: &Rect,
+        with_tags: bool,
+        out: &mut WindowSamples,
+    ) -> Result<(), SampleError> {
+        let mut tiling = self.idle.take_or(|| ExactTiling::new(self.history));
+        let mut halo = HALO;
+        loop {
+            let ground = Ground::around(&self.domain, window, halo);
+            tiling.run(&self.clipper, ground, &mut Unobserved)?;
+            if !tiling.is_doubtful() {
+                break;
+            }
+            if halo == MAX_HALO {
+                let radii = f64::from(halo);
+                return Err(SampleError::Entangled { radii });
+            }
+            halo *= 2;
+        }
+
+        tiling.emit(with_tags, out);
+        self.idle.give(tiling);
+        Ok(())
+    }
+}
+
+/// Returns the same run as [`crate::exact_sample`], made on all threads of the current pool.
+pub fn exact_sample_parallel(
+    parameters: &Parameters,
+    history: &PatternHistory,
+    observer: &mut dyn Observer,
+) -> Result<Run, SampleError> {
+    let sweep = ExactPlane::new(parameters, history)?.sweep(true);
+    let (sampled, summary) = sweep.finish(observer)?;
+    Run::of_result(parameters, history.pattern(), sampled, summary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::parallel::window_maker::pieces;
+    use crate::parameters::PatternSpec;
+
+    /// Returns the samples of a window by a halo of so many cells, and whether some are in doubt.
+    fn computed(plane: &ExactPlane<'_>, window: &Rect, halo: i32) -> (Vec<Point>, bool) {
+        let mut tiling = ExactTiling::new(plane.history);
+        let ground = Ground::around(&plane.domain, window, halo);
+        tiling.run(&plane.clipper, ground, &mut Unobserved).unwrap();
+        let mut samples = WindowSamples::default();
+        tiling.emit(false, &mut samples);
+        (samples.points, tiling.is_doubtful())
+    }
+
+    /// Control: without asking whether samples are in doubt, windows with a narrow halo differ from the whole. Those that
+    /// are not in doubt do not.
+    #[test]
+    fn doubt_is_where_windows_differ() {
+        for (seed, dihedral) in [(1, false), (2, true)] {
+            let parameters = Parameters {
+                width: 240.0,
+                height: 216.0,
+                radius: 1.0,
+                leaf: 7.0,
+                seed,
+                dihedral,
+                pattern: PatternSpec {
+                    side: 30.0,
+                    ..PatternSpec::default()
+                },
+                ..Parameters::default()
+            };
+            let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+            let plane = ExactPlane::new(&parameters, &history).unwrap();
+            let windows = pieces(&plane.domain.rect(), 12 * R);
+
+            let mut differing = [0; 6];
+            for window in &windows {
+                let (wide, is_doubtful) = computed(&plane, window, 16);
+                assert!(!is_doubtful);
+                for halo in 2..6 {
+                    let (narrow, is_doubtful) = computed(&plane, window, halo);
+                    let differs = narrow != wide;
+                    assert!(!differs || is_doubtful, "{halo} cells around {window:?}");
+                    differing[halo as usize] += u32::from(differs);
+                }
+            }
+            assert!(differing[2] > 20 && differing[3] > 0, "{differing:?}");
+        }
+    }
+}
