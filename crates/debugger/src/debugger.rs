@@ -143,10 +143,11 @@ impl Debugger {
         &self.breakpoints
     }
 
-    /// Adds a breakpoint. An empty condition always holds. A condition that does not parse is kept with its error.
+    /// Adds a breakpoint. An empty condition always holds. A condition that does not parse, or names a number that is
+    /// for watches alone, is kept with its error.
     pub fn add_breakpoint(&mut self, line: LineId, condition: &str) {
         let text = condition.trim();
-        let parsed = (!text.is_empty()).then(|| self.evaluator.parse(text));
+        let parsed = (!text.is_empty()).then(|| self.evaluator.parse_condition(text));
         self.breakpoints.push(Breakpoint {
             line,
             condition: text.to_owned(),

@@ -1,7 +1,7 @@
 //! Expressions of conditions and watches, in the language of `rhai`, over what is in scope at a cursor. Operations,
 //! sizes and nesting are limited, and expressions cannot access anything outside the run.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rhai::packages::{BasicMathPackage, CorePackage, Package};
 use rhai::{AST, Dynamic, Engine, Scope};
@@ -9,7 +9,7 @@ use tilescope_core::R;
 
 use crate::event::NONE;
 use crate::query::{block, distance, verdict_name};
-use crate::recording::Recording;
+use crate::recording::{NumberAt, NumberName, Recording};
 use crate::state::State;
 
 /// The most operations of an evaluation.
@@ -84,6 +84,14 @@ pub enum ExpressionError {
         /// The fault.
         message: String,
     },
+    /// A condition names a number that is for watches alone.
+    #[error("a condition cannot have the number \"{name}\": {why}; watch it instead")]
+    NotInConditions {
+        /// The number's name.
+        name: &'static str,
+        /// The reason.
+        why: &'static str,
+    },
     /// The value of a condition is not true or false.
     #[error("a condition must be true or false, not {found}")]
     NotTruth {
@@ -94,13 +102,19 @@ pub enum ExpressionError {
 
 /// A parsed expression.
 #[derive(Clone, Debug)]
-pub struct Expression(AST);
+pub struct Expression {
+    tree: AST,
+    /// The numbers of the moment that it names.
+    numbers: Vec<NumberName>,
+}
 
 /// Evaluates expressions over a recording. Functions: `x_of(s)`, `y_of(s)` (in r), `distance(s, t)` (the shortest way,
-/// in r), `block_of(s)`.
+/// in r), `block_of(s)`. Names: [`NAMES`], and the numbers that the recording was given.
 pub struct Evaluator {
     engine: Engine,
     recording: Arc<Recording>,
+    /// The numbers of the moment, once an expression has named one.
+    followed: OnceLock<Mutex<NumberAt>>,
 }
 
 impl Evaluator {
@@ -111,6 +125,7 @@ impl Evaluator {
         CorePackage::new().register_into_engine(&mut engine);
         BasicMathPackage::new().register_into_engine(&mut engine);
         engine.disable_symbol("eval");
+
         engine.set_max_operations(MAX_OPERATIONS);
         engine.set_max_expr_depths(MAX_DEPTH, MAX_DEPTH);
         engine.set_max_string_size(MAX_LENGTH);
@@ -118,7 +133,11 @@ impl Evaluator {
         engine.set_max_map_size(64);
         engine.set_max_call_levels(8);
         register(&mut engine, &recording);
-        Self { engine, recording }
+        Self {
+            engine,
+            recording,
+            followed: OnceLock::new(),
+        }
     }
 
     /// Returns the engine, to add functions to those that expressions can call.
@@ -139,7 +158,38 @@ impl Evaluator {
             .engine
             .compile_expression(with_signs(text))
             .map_err(error)?;
-        Ok(Expression(tree))
+        Ok(Expression {
+            tree,
+            numbers: self.numbers_in(text),
+        })
+    }
+
+    /// Returns a parsed condition. It is evaluated at many moments of a run, so that not every number can be in it.
+    pub fn parse_condition(&self, text: &str) -> Result<Expression, ExpressionError> {
+        let expression = self.parse(text)?;
+        for number in &expression.numbers {
+            if let Some(why) = number.not_in_conditions {
+                let name = number.name;
+                return Err(ExpressionError::NotInConditions { name, why });
+            }
+        }
+        Ok(expression)
+    }
+
+    /// Returns the numbers of the moment that an expression names, each once.
+    fn numbers_in(&self, text: &str) -> Vec<NumberName> {
+        let Some(numbers) = self.recording.numbers() else {
+            return Vec::new();
+        };
+        let words = words(text);
+        // A word before a bracket is a function, and one after a dot a property.
+        let is_named = |number: &&NumberName| {
+            let names = |(before, word, after): &(Option<char>, &str, Option<char>)| {
+                *word == number.name && *before != Some('.') && *after != Some('(')
+            };
+            words.iter().any(names)
+        };
+        numbers.names.iter().filter(is_named).copied().collect()
     }
 
     /// Returns the value of an expression at a state, as text.
@@ -164,14 +214,72 @@ impl Evaluator {
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<Dynamic, ExpressionError> {
         let mut scope = scope(&self.recording, state);
+        for number in &expression.numbers {
+            let value = self.number(number, state.cursor())?;
+            scope.push_constant_dynamic(number.name, value);
+        }
         add(&mut scope);
         let error = |e: Box<rhai::EvalAltResult>| ExpressionError::Evaluation {
             message: e.to_string(),
         };
         self.engine
-            .eval_ast_with_scope(&mut scope, &expression.0)
+            .eval_ast_with_scope(&mut scope, &expression.tree)
             .map_err(error)
     }
+
+    /// Returns a number of the moment at a cursor.
+    fn number(&self, number: &NumberName, cursor: usize) -> Result<Dynamic, ExpressionError> {
+        let Some(numbers) = self.recording.numbers() else {
+            return Ok(Dynamic::UNIT);
+        };
+        let followed = self
+            .followed
+            .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
+        let mut followed = followed.lock().unwrap_or_else(PoisonError::into_inner);
+
+        let value = followed(number.name, cursor).map_err(|why| ExpressionError::Evaluation {
+            message: format!("the number \"{}\": {why}", number.name),
+        })?;
+        Ok(match value {
+            Some(count) if number.is_count => (count as i64).into(),
+            other => maybe(other),
+        })
+    }
+}
+
+/// Returns the names in an expression, each with the nearest characters before and after it that are not spaces; texts in
+/// quotes are skipped.
+#[must_use]
+pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
+    let mut words = Vec::new();
+    let mut quote: Option<char> = None;
+    let mut start: Option<usize> = None;
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        if quote.is_some() {
+            if quote == Some(c) {
+                quote = None;
+            }
+            continue;
+        }
+        if is_part(c) {
+            start = start.or(Some(at));
+            continue;
+        }
+
+        if let Some(from) = start.take() {
+            let word = &text[from..at];
+            if !word.starts_with(|c: char| c.is_ascii_digit()) {
+                let before = text[..from].trim_end().chars().next_back();
+                let after = text[at..].trim_start().chars().next();
+                words.push((before, word, after));
+            }
+        }
+        if matches!(c, '"' | '\'' | '`') {
+            quote = Some(c);
+        }
+    }
+    words
 }
 
 /// Returns an expression with the signs `&&` and `||` for the words `and` and `or`, which queries have, too. Texts in quotes

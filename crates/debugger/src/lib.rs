@@ -49,7 +49,7 @@ pub use density::density;
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{
-    Evaluator, Expression, ExpressionError, LENGTHS, MAX_LENGTH, NAMES, NAMES_OF_NEXT, shown,
+    Evaluator, Expression, ExpressionError, LENGTHS, MAX_LENGTH, NAMES, NAMES_OF_NEXT, shown, words,
 };
 pub use kind::EventKind;
 pub use life::{Life, Status};
@@ -58,7 +58,7 @@ pub use listing::{LineId, Listing, ListingError, ListingLine, Listings, by_id};
 pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
-pub use recording::Recording;
+pub use recording::{MomentNumbers, NumberAt, NumberName, Recording};
 pub use sentence::{grouped, sentence, short};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,

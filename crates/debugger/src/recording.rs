@@ -21,6 +21,33 @@ use crate::tape::Tape;
 /// Events between two stored contexts.
 pub(crate) const STRIDE: usize = 1024;
 
+/// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: whoever holds a recording gives it
+/// its numbers, so that every evaluator of that recording has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberName {
+    /// Its name in expressions.
+    pub name: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Whether its values are whole.
+    pub is_count: bool,
+    /// Why no condition can name it; `None` if conditions can.
+    pub not_in_conditions: Option<&'static str>,
+}
+
+/// Returns a number, by its name, after the events before a cursor; `None` where it is not defined, and an error where it cannot
+/// be measured. The work of a call must be bounded: watches are evaluated in every frame, conditions at every breakpoint.
+pub type NumberAt = Box<dyn FnMut(&str, usize) -> Result<Option<f64>, String> + Send>;
+
+/// Numbers that can be had at every moment of a recording.
+pub struct MomentNumbers {
+    /// Their names; none of them is in [`crate::NAMES`].
+    pub names: Vec<NumberName>,
+    /// Begins to follow a recording. Each evaluator does so when an expression first names a number, so that two of them at
+    /// different cursors do not move each other's measures.
+    pub follow: fn(&Recording) -> NumberAt,
+}
+
 /// A recorded run.
 ///
 /// It can be serialised, with its indices, for web workers that share no memory. That is not a file format: only the
@@ -48,6 +75,8 @@ pub struct Recording {
     classes: OnceLock<Classes>,
     #[serde(with = "crate::computed")]
     by_sample: OnceLock<BySample>,
+    #[serde(skip)]
+    numbers: OnceLock<&'static MomentNumbers>,
 }
 
 impl Recording {
@@ -98,6 +127,7 @@ impl Recording {
             tallies: Vec::with_capacity(tape.len() / STRIDE + 1),
             classes: OnceLock::new(),
             by_sample: OnceLock::new(),
+            numbers: OnceLock::new(),
             run,
             tape,
             is_cut_within_stage: false,
@@ -301,6 +331,18 @@ impl Recording {
     pub(crate) fn last_of(&self, kind: EventKind, end: usize) -> Option<usize> {
         self.classes()
             .nearest(end, Direction::Backwards, |event| event.kind() == kind)
+    }
+
+    /// Lets expressions over this recording name numbers of the moment. Evaluators that are made before have none; numbers that
+    /// were given before stay.
+    pub fn give_numbers(&self, numbers: &'static MomentNumbers) {
+        let _ = self.numbers.set(numbers);
+    }
+
+    /// Returns the numbers of the moment that expressions can name, if it was given any.
+    #[must_use]
+    pub fn numbers(&self) -> Option<&'static MomentNumbers> {
+        self.numbers.get().copied()
     }
 
     /// Makes the indices of events by sample, line and kind now, instead of at the first search. Takes some hundred

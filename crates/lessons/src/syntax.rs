@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use rhai::Engine;
-use tilescope_debugger::{MAX_LENGTH, NAMES};
+use tilescope_debugger::{MAX_LENGTH, NAMES, words};
 
 use crate::error::LessonError;
 use crate::names::{self, PROPERTIES};
@@ -68,37 +68,4 @@ pub(crate) fn check_text(text: &str, line: usize) -> Result<(), LessonError> {
     expressions
         .iter()
         .try_for_each(|expression| check(expression, line, &[]))
-}
-
-/// Returns the names in an expression, each with the nearest characters before and after it that are not spaces; texts in
-/// quotes are skipped.
-fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
-    let mut words = Vec::new();
-    let mut quote: Option<char> = None;
-    let mut start: Option<usize> = None;
-    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
-        if quote.is_some() {
-            if quote == Some(c) {
-                quote = None;
-            }
-            continue;
-        }
-        if is_part(c) {
-            start = start.or(Some(at));
-            continue;
-        }
-        if let Some(from) = start.take() {
-            let word = &text[from..at];
-            if !word.starts_with(|c: char| c.is_ascii_digit()) {
-                let before = text[..from].trim_end().chars().next_back();
-                let after = text[at..].trim_start().chars().next();
-                words.push((before, word, after));
-            }
-        }
-        if matches!(c, '"' | '\'' | '`') {
-            quote = Some(c);
-        }
-    }
-    words
 }

@@ -30,6 +30,7 @@
 
 mod course;
 mod curve;
+mod expressions;
 mod kept;
 mod make;
 mod moment;
@@ -38,6 +39,7 @@ mod spectra;
 
 pub use course::{Change, Course, CourseRecorder};
 pub use curve::{Curve, CurveError, CurveMaker};
+pub use expressions::MOMENT_NUMBERS;
 pub use make::CourseError;
-pub use moment::{FRAME_STEPS, LiveMoment, Moved, Wanted};
+pub use moment::{FRAME_STEPS, LiveMoment, MAX_SAMPLES, Moved, Wanted};
 pub use numbers::{NumberError, is_of_spectrum, live_numbers, numbers_named};

@@ -14,6 +14,9 @@ use crate::spectra::Spectra;
 /// TODO: 23 ns a step were measured with debug assertions; hold it against `tilescope bench --live` of a release build.
 pub const FRAME_STEPS: u64 = 800_000;
 
+/// The most samples of a run whose measures move: of more, a change of the spectrum alone would take a frame.
+pub const MAX_SAMPLES: usize = 200_000;
+
 /// What visible panels, curves and players ask for. Nothing else is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is asked for by itself")]

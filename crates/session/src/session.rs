@@ -15,6 +15,7 @@ use tilescope_core::{
 };
 use tilescope_debugger::{Event, Outline, Recording};
 use tilescope_gpu::GpuError;
+use tilescope_live::MOMENT_NUMBERS;
 
 use crate::combination::Combination;
 use crate::index::SampleIndex;
@@ -210,11 +211,15 @@ impl Session {
             .get_or_init(|| tilescope_debugger::digest(self.run()))
     }
 
-    /// Returns the events of the run, if they were recorded.
+    /// Returns the events of the run, if they were recorded. Expressions over them can name numbers of the moment.
     #[must_use]
-    pub const fn recording(&self) -> Option<&Arc<Recording>> {
+    pub fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
-            RunSource::Recorded(recording) => Some(recording),
+            RunSource::Recorded(recording) => {
+                // Here, as a session that was sent to a worker lacks them.
+                recording.give_numbers(&MOMENT_NUMBERS);
+                Some(recording)
+            }
             RunSource::Run(_) => None,
         }
     }

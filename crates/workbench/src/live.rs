@@ -6,15 +6,12 @@ use std::sync::Arc;
 
 use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasuredSet;
-use tilescope_live::{Course, FRAME_STEPS, LiveMoment, Wanted};
+use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped, sentence};
-
-/// The most samples of a run whose measures move: of more, a change of the spectrum alone would take a frame.
-pub const MAX_SAMPLES: usize = 200_000;
 
 /// In how many frames measures may try to catch up with a run that plays, before they are sent ahead in the background: a jump
 /// is nearly always caught up with sooner, or never. A page has no other thread, so that it waits for the moment to rest.

@@ -70,5 +70,20 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             }
         });
     }
+    // Their values would be measured in every frame, wanted or not.
+    heading(ui, "In scope: numbers of the moment");
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for number in debugger
+            .recording()
+            .numbers()
+            .map_or(&[][..], |all| &all.names)
+        {
+            let limit = number.not_in_conditions.map_or("", |_| "in watches alone");
+            ui.scope(|ui| row(ui, number.name, limit, palette))
+                .response
+                .on_hover_text(number.meaning);
+        }
+    });
     ui.label(RichText::new(unit).small().color(palette.muted));
 }

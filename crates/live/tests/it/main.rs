@@ -2,5 +2,6 @@
 
 mod course;
 mod curve;
+mod expressions;
 mod moment;
 mod support;

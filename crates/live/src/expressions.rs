@@ -1,0 +1,61 @@
+//! Numbers of the moment in watches and conditions: `gaps > 0`.
+
+use std::sync::{Arc, LazyLock};
+
+use tilescope_analysis::measures::{SetNumber, number};
+use tilescope_debugger::{MomentNumbers, NumberAt, NumberName, Recording};
+
+use crate::course::Course;
+use crate::curve::MAX_SAMPLES_OF_SPECTRUM;
+use crate::moment::{LiveMoment, MAX_SAMPLES};
+use crate::numbers::{is_of_spectrum, live_numbers, wanted_for};
+
+/// The numbers of the catalogue that can be had at every moment, by their keys, for
+/// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
+///
+/// A value takes at most the time of measuring its moment from nothing, and that of the changes since the value before where
+/// these are fewer: all conditions of a run from its start to its end take the time of the run's curve.
+pub static MOMENT_NUMBERS: LazyLock<MomentNumbers> = LazyLock::new(|| MomentNumbers {
+    names: live_numbers().map(name).collect(),
+    follow,
+});
+
+fn name(number: &'static SetNumber) -> NumberName {
+    let why = "its spectrum would be read again at every breakpoint";
+    NumberName {
+        name: number.key,
+        meaning: number.meaning,
+        is_count: number.decimals == 0,
+        // Reading the rings takes as long as 32 changes of the spectrum, 2 ms at 10,000 samples: ten minutes at the 300,000
+        // breakpoints of such a run, whose other numbers take some seconds.
+        not_in_conditions: is_of_spectrum(number).then_some(why),
+    }
+}
+
+/// Follows the measures of a recording.
+fn follow(recording: &Recording) -> NumberAt {
+    let samples = recording.run().samples.len();
+    if samples > MAX_SAMPLES {
+        let why = format!(
+            "the run has {samples} samples; moments of at most {MAX_SAMPLES} are measured: take a larger radius"
+        );
+        return Box::new(move |_, _| Err(why.clone()));
+    }
+
+    let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
+    Box::new(move |key, cursor| {
+        let Some(number) = number(key) else {
+            return Ok(None);
+        };
+        let most = moment.course().most_samples();
+        // A watch is evaluated in every frame of a run that plays.
+        if is_of_spectrum(number) && most > MAX_SAMPLES_OF_SPECTRUM {
+            return Err(format!(
+                "the run has up to {most} samples at once; it can be watched in runs of at most {MAX_SAMPLES_OF_SPECTRUM}: take a larger radius"
+            ));
+        }
+        let moved = moment.seek(cursor, wanted_for(&[number]), u64::MAX);
+        moved.map_err(|error| error.to_string())?;
+        Ok(number.of(&moment.measured()))
+    })
+}
