@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasuredSet;
-use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
+use tilescope_live::{Course, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
@@ -92,13 +92,14 @@ impl Live {
         self.steps
     }
 
-    /// Brings what is wanted to a moment, in about [`FRAME_STEPS`] at most. What is farther away gets there in the background,
+    /// Brings what is wanted to a moment, in about so many counted steps at most. What is farther away gets there in the background,
     /// once the moment rests from one call to the next, or did not get there in [`MAX_LATE_FRAMES`] calls.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
         shown: &ShownMoment<'_>,
         wanted: Wanted,
+        steps: u64,
         wake: &Wake,
     ) {
         let key = key_of(shown);
@@ -115,7 +116,7 @@ impl Live {
         let Followed::Here(moment) = &mut self.followed else {
             return;
         };
-        let moved = match moment.seek(key.1, wanted, FRAME_STEPS) {
+        let moved = match moment.seek(key.1, wanted, steps) {
             Ok(moved) => moved,
             Err(error) => return self.refuse(sentence(&error.to_string())),
         };

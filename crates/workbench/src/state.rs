@@ -252,8 +252,8 @@ impl State {
                 self.with(|s, c| s.runs.apply(command, &s.form, &s.gpu, c));
             }
             Command::Analysis(command) => {
-                let shown = self.runs.first.shown();
-                self.analysis.apply(command, shown.as_ref());
+                self.runs.measure(command);
+                self.analysis.apply(command);
             }
             Command::Debug(command) => self.with(|s, c| s.runs.first.apply_to_debugger(command, c)),
             Command::Time(command) => {

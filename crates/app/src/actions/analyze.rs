@@ -34,12 +34,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     let clear = Command::Analysis(AnalysisCommand::Clear);
     list.add("Remove the comparison file", clear)
         .refused(is_without.then_some("This run is not compared with a file."));
-    let is_idle = analysis.progress().is_none();
+    let measuring = &state.runs().first.measuring;
+    let is_idle = measuring.progress().is_none();
     let stop = Command::Analysis(AnalysisCommand::Stop);
     list.add("Cancel measuring", stop)
         .refused(is_idle.then_some("Nothing is being measured."));
     let shown = state.runs().first.shown();
-    let is_stopped = shown.is_some_and(|shown| analysis.is_stopped(&shown));
+    let is_stopped = shown.is_some_and(|shown| measuring.is_stopped(&shown));
     let resume = Command::Analysis(AnalysisCommand::Resume);
     list.add("Measure this moment", resume)
         .refused((!is_stopped).then_some("Measuring this moment was not cancelled."));

@@ -1,8 +1,9 @@
-//! The live analysis: numbers and curves of the kept samples at this moment, beside those of maximal sets and of a
-//! file. They move with the run; where a run has none that do, outdated values are faded until new ones arrive. The
+//! The live analysis: numbers and curves of the kept samples at this moment, beside those of a second run, of maximal sets and
+//! of a file. They move with the run; where a run has none that do, outdated values are faded until new ones arrive. The
 //! measuring itself is in the workbench.
 
 mod charts;
+mod difference;
 mod numbers;
 mod picture;
 mod plot;
@@ -23,12 +24,17 @@ use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
 use tilescope_workbench::analysis::measured::missing;
 use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
-use tilescope_workbench::command::Command;
+use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width for two columns.
 const TWO_COLUMNS: f32 = 620.0;
+
+/// Returns the line of run B.
+const fn line_of_second(palette: &Palette) -> (Dash, Color32) {
+    (Dash::Long, palette.inserted)
+}
 
 /// The context of the panel.
 pub struct AnalysisContext<'a> {
@@ -36,7 +42,9 @@ pub struct AnalysisContext<'a> {
     pub palette: &'static Palette,
     /// The run.
     pub run: &'a RunView,
-    /// The measures.
+    /// The run that it is compared with.
+    pub second: Option<&'a RunView>,
+    /// What is measured beside the runs.
     pub analysis: &'a Analysis,
     /// The reference file, or why it could not be measured.
     pub reference_file: Option<Result<&'a Arc<ReferenceFile>, String>>,
@@ -44,39 +52,28 @@ pub struct AnalysisContext<'a> {
     pub brush_text: String,
 }
 
-/// The sets shown, and their colours and line styles.
-struct Sets<'a> {
-    /// The measures of the moment at rest, as far as they are there.
+/// The measures of the moment of a run, as far as they are there.
+#[derive(Clone, Copy)]
+struct RunMeasures<'a> {
+    /// Those at rest.
     now: Option<&'a MeasuredSet>,
-    /// Those of the moment that move with the run.
+    /// Those that move with the run.
     live: Option<&'a MeasuredSet>,
-    /// The latest measures, of another moment, until those of this one are there; none in a run whose measures move.
+    /// The latest ones, of another moment, until those of this one are there; none in a run whose measures move.
     before: Option<&'a MeasuredSet>,
-    reference: Option<&'a Arc<MeasuredSet>>,
-    reference_file: Option<&'a Arc<ReferenceFile>>,
-    /// The length of r in the unit of the file.
-    unit: f64,
-    /// Generation of the session; see `Session::generation`.
-    generation: u64,
-    palette: &'a Palette,
 }
 
-impl<'a> Sets<'a> {
-    fn of(context: &AnalysisContext<'a>, shown: &ShownMoment<'a>) -> Self {
-        let now = context.analysis.of(shown).map(|known| &*known.measured);
+impl<'a> RunMeasures<'a> {
+    fn of(run: &'a RunView, shown: &ShownMoment<'a>) -> Self {
+        let measuring = &run.measuring;
+        let now = measuring.of(shown).map(|known| &*known.measured);
         let is_whole = now.is_some_and(|now| missing(now).is_none());
-        let is_wanted = !is_whole && context.analysis.failure(shown).is_none();
-        let live = &context.run.live;
-        let before = context.analysis.last(shown).map(|known| &*known.measured);
+        let is_wanted = !is_whole && measuring.failure(shown).is_none();
+        let before = measuring.last(shown).map(|known| &*known.measured);
         Self {
             now,
-            live: live.of(shown).map(|set| &**set).filter(|_| is_wanted),
-            before: before.filter(|_| is_wanted && live.refusal().is_some()),
-            reference: context.analysis.reference.measured(),
-            reference_file: context.reference_file.clone().and_then(Result::ok),
-            unit: shown.session.run().domain.radius(),
-            generation: shown.session.generation,
-            palette: context.palette,
+            live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
+            before: before.filter(|_| is_wanted && run.live.refusal().is_some()),
         }
     }
 
@@ -95,16 +92,47 @@ impl<'a> Sets<'a> {
     }
 }
 
+/// The sets shown, and their colours and line styles.
+struct Sets<'a> {
+    /// The moment of the run.
+    first: RunMeasures<'a>,
+    /// The moment of the run that it is compared with.
+    second: Option<RunMeasures<'a>>,
+    reference: Option<&'a Arc<MeasuredSet>>,
+    reference_file: Option<&'a Arc<ReferenceFile>>,
+    /// The length of r in the unit of the file.
+    unit: f64,
+    /// Generation of the session; see `Session::generation`.
+    generation: u64,
+    palette: &'a Palette,
+}
+
+impl<'a> Sets<'a> {
+    fn of(context: &AnalysisContext<'a>, shown: &ShownMoment<'a>) -> Self {
+        let second = context.second.and_then(|run| Some((run, run.shown()?)));
+        Self {
+            first: RunMeasures::of(context.run, shown),
+            second: second.map(|(run, shown)| RunMeasures::of(run, &shown)),
+            reference: context.analysis.reference.measured(),
+            reference_file: context.reference_file.clone().and_then(Result::ok),
+            unit: shown.session.run().domain.radius(),
+            generation: shown.session.generation,
+            palette: context.palette,
+        }
+    }
+}
+
 pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, commands| {
     show(ui, &AnalysisContext::of(state), commands);
 });
 
 impl<'a> AnalysisContext<'a> {
-    /// Returns the context of the analysis of run A.
+    /// Returns the context of the analysis of run A, and of run B if there is one.
     pub fn of(state: &'a State) -> Self {
         Self {
             palette: Palette::of(state.appearance().look),
             run: &state.runs().first,
+            second: state.runs().get(Which::Second),
             analysis: state.analysis(),
             reference_file: state.analysis().file_for(&state.runs().first),
             brush_text: state.analysis().brush_text(&state.runs().first),
@@ -165,40 +193,57 @@ fn status(
     sets: &Sets<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
-    let (palette, analysis) = (context.palette, &context.analysis);
     ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
     // On a line of its own, since narrow panels have no room for it beside the heading.
     ui.horizontal(|ui| {
         ui.set_height(26.0);
         progress(ui, context, shown, own);
     });
-    let name = capital(&name_of(shown));
-    let (text, color) = if let Some(why) = analysis.failure(shown) {
-        (format!("{name}: {why}"), palette.muted)
-    } else if analysis.is_whole(shown) {
-        let counts = sets.now.map(numbers::counts).unwrap_or_default();
-        (format!("{name}: {counts}"), palette.text)
-    } else if let Some(live) = sets.live {
-        let share = share(context.run.live.share(shown));
-        (
-            format!("{name}: {} {share}", numbers::counts(live)),
-            palette.text,
-        )
-    } else {
-        let old = match analysis.last(shown).filter(|_| sets.before.is_some()) {
-            Some(known) => format!(" Faded: {}.", known.name),
-            None => String::new(),
-        };
-        let why = context.run.live.refusal().unwrap_or_default();
-        let doing = if analysis.is_stopped(shown) {
-            "not measured."
-        } else {
-            "being measured\u{2026}"
-        };
-        (format!("{name}: {doing}{old} {why}"), palette.text)
+
+    let color = match context.run.measuring.failure(shown) {
+        Some(_) => context.palette.muted,
+        None => context.palette.text,
     };
-    // The event is announced by the sentence below the canvas, so it is not repeated here.
-    lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
+    let text = told(context.run, shown, &sets.first);
+    let second = context.second.and_then(|run| Some((run, run.shown()?)));
+    let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
+        // The event is announced by the sentence below the canvas, so it is not repeated here.
+        lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
+        return;
+    };
+    let text = RichText::new(format!("A: {text}")).color(color);
+    lines(ui, text).known_as("analysis.status");
+    let text = format!("B: {}", told(run, &other, measures));
+    lines(ui, RichText::new(text).color(context.palette.text)).known_as("analysis.status-b");
+}
+
+/// Says which moment of a run is measured, and how far.
+fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> String {
+    let measuring = &run.measuring;
+    let name = capital(&name_of(shown));
+    if let Some(why) = measuring.failure(shown) {
+        return format!("{name}: {why}");
+    }
+    if measuring.is_whole(shown) {
+        let counts = measures.now.map(numbers::counts).unwrap_or_default();
+        return format!("{name}: {counts}");
+    }
+    if let Some(live) = measures.live {
+        let share = share(run.live.share(shown));
+        return format!("{name}: {} {share}", numbers::counts(live));
+    }
+
+    let old = match measuring.last(shown).filter(|_| measures.before.is_some()) {
+        Some(known) => format!(" Faded: {}.", known.name),
+        None => String::new(),
+    };
+    let why = run.live.refusal().unwrap_or_default();
+    let doing = if measuring.is_stopped(shown) {
+        "not measured."
+    } else {
+        "being measured\u{2026}"
+    };
+    format!("{name}: {doing}{old} {why}")
 }
 
 /// Says what share of the frequencies is shown while the run moves.
@@ -217,8 +262,8 @@ fn progress(
     shown: &ShownMoment<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
-    let (palette, analysis) = (context.palette, &context.analysis);
-    if let Some((part, fraction)) = analysis.progress() {
+    let (palette, measuring) = (context.palette, &context.run.measuring);
+    if let Some((part, fraction)) = measuring.progress() {
         let cancel = ui.button("Cancel");
         cancel.known_as("analysis.cancel");
         let cancel = cancel.on_hover_text("Stops measuring this moment.");
@@ -228,11 +273,11 @@ fn progress(
         let bar = ProgressBar::new(fraction).desired_height(6.0);
         ui.add(bar.desired_width(56.0).fill(palette.accent));
         ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
-    } else if analysis.failure(shown).is_some() {
+    } else if measuring.failure(shown).is_some() {
         ui.button("Measure again")
             .issues("analysis.again", AnalysisCommand::Resume, own);
-    } else if analysis.is_stopped(shown)
-        && !analysis.is_whole(shown)
+    } else if measuring.is_stopped(shown)
+        && !measuring.is_whole(shown)
         && ui.button("Measure this moment").clicked()
     {
         own.push(AnalysisCommand::Resume);
@@ -261,15 +306,19 @@ fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
 
 fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     let palette = sets.palette;
-    let band = sets
-        .spectrum()
-        .is_some_and(|(spectrum, _)| spectrum.bands.is_some());
-    let this = if band {
-        "this moment, with its 95% band"
-    } else {
-        "this moment"
+    let spectrum = sets.first.spectrum();
+    let band = spectrum.is_some_and(|(spectrum, _)| spectrum.bands.is_some());
+    let this = match (sets.second, band) {
+        (None, true) => "this moment, with its 95% band",
+        (None, false) => "this moment",
+        (Some(_), true) => "run A at this moment, with its 95% band",
+        (Some(_), false) => "run A at this moment",
     };
     entry(ui, Dash::Solid, palette.accent, this).known_as("analysis.moment");
+    if sets.second.is_some() {
+        let (line, color) = line_of_second(palette);
+        entry(ui, line, color, "run B at its moment").known_as("analysis.second");
+    }
     let reference = &context.analysis.reference;
     let name = match reference {
         tilescope_workbench::analysis::Reference::Failed(why) => format!("reference: {why}"),

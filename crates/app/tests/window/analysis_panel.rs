@@ -11,6 +11,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -473,4 +474,45 @@ fn the_run_is_drawn_as_a_curve_that_leads_to_its_moments() {
     node(&harness, "curve.hide").click();
     harness.run();
     assert!(find(&harness, "curve.chart").is_none());
+}
+
+#[test]
+fn the_second_run_stands_beside_the_first_with_their_difference() {
+    let mut harness = analysing();
+    for id in ["chart.difference", "analysis.status-b", "analysis.second"] {
+        assert!(find(&harness, id).is_none(), "{id}");
+    }
+    let start = CompareCommand::Start(ComparePreset::Leaf);
+    apply(&mut harness, Command::Compare(start));
+    harness.state_mut().state.restore(Settings {
+        layout: Some(Layout::alone(Panel::Analysis)),
+        ..Settings::default()
+    });
+    settle(&mut harness);
+
+    let state = &harness.state().state;
+    let runs = [
+        &state.runs().first,
+        &state.runs().second.as_ref().expect("a second run").0,
+    ];
+    let counts = runs.map(|run| run.session.as_ref().unwrap().summary.count);
+    let [a, b] = counts.map(tilescope_session::words::grouped);
+    let sign = if counts[1] < counts[0] {
+        "\u{2212}"
+    } else {
+        "+"
+    };
+    let difference = tilescope_session::words::grouped(counts[0].abs_diff(counts[1]));
+    assert_ne!(counts[0], counts[1]);
+    let facts = [
+        format!("A {a}"),
+        format!("B {b}"),
+        format!("B \u{2212} A {sign}{difference}"),
+    ];
+    says(&harness, SAMPLES, &facts.each_ref().map(String::as_str));
+    says(&harness, CONFLICTS, &["A 0", "B 0", "B \u{2212} A 0"]);
+    says(&harness, "analysis.status-b", &["B: ", &b]);
+    says(&harness, "chart.P", &["run A", "run B", "reference"]);
+    node(&harness, "chart.periodogram-b");
+    says(&harness, "chart.difference", &["B minus A"]);
 }

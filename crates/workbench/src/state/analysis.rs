@@ -1,4 +1,4 @@
-//! The live analysis and the run that is shown: the file to compare with, and the causes of the brush.
+//! The live analysis and the runs that are shown: its commands, the file to compare with, and the causes of the brush.
 
 use std::sync::Arc;
 
@@ -6,13 +6,36 @@ use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::jobs::Wake;
 use tilescope_sets::region;
 
-use super::{RunView, WindowState};
-use crate::analysis::Analysis;
+use super::{RunView, Runs, WindowState};
 use crate::analysis::reference_file::ReferenceFile;
+use crate::analysis::{Analysis, AnalysisCommand};
 use crate::layout::Panel;
 
+impl Runs {
+    /// Stops or goes on measuring: both runs are measured, or neither.
+    pub(super) fn measure(&mut self, command: AnalysisCommand) {
+        let second = self.second.as_mut().map(|(run, _)| run);
+        for run in [Some(&mut self.first), second].into_iter().flatten() {
+            match command {
+                AnalysisCommand::Stop => run.stop_measuring(),
+                AnalysisCommand::Resume => run.measuring.resume(),
+                AnalysisCommand::Clear | AnalysisCommand::Brush(_) => {}
+            }
+        }
+    }
+}
+
 impl Analysis {
-    /// Measures the moment of a run; rests while the analysis is not visible.
+    /// Applies a command to what the runs are compared with.
+    pub(super) fn apply(&mut self, command: AnalysisCommand) {
+        match command {
+            AnalysisCommand::Stop | AnalysisCommand::Resume => {}
+            AnalysisCommand::Clear => self.reference_file = None,
+            AnalysisCommand::Brush(brush) => self.brush = brush,
+        }
+    }
+
+    /// Looks at the moment of a run; rests while the analysis is not visible.
     pub(super) fn follow(&mut self, run: &RunView, is_seen: bool, wake: &Wake) {
         if !is_seen {
             return self.rest();
@@ -22,10 +45,10 @@ impl Analysis {
         }
     }
 
-    /// Waits until the moment is measured.
+    /// Waits until the reference is measured and the causes of the brush are found.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_with(&mut self, run: &RunView, is_seen: bool, wake: &Wake) {
-        // The first call notes the cursor, the second starts the work.
+        // The first call notes the moment, the second starts the work.
         self.follow(run, is_seen, wake);
         self.follow(run, is_seen, wake);
         while self.settle() {

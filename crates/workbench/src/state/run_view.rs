@@ -17,6 +17,7 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::verification::{Verdict, WitnessMark};
 
 use super::{Appearance, Verification};
+use crate::analysis::Measuring;
 use crate::curve::RunCurve;
 use crate::live::Live;
 use crate::passes::Passes;
@@ -71,6 +72,8 @@ pub struct RunView {
     pub geometry: Geometry,
     /// The measures of the moment that move with the run.
     pub live: Live,
+    /// All measures of the moment, once it rests.
+    pub measuring: Measuring,
     /// The curve of the run.
     pub curve: RunCurve,
     /// The parameters of the session being made, if no file is part of its input.
@@ -122,6 +125,7 @@ impl Default for RunView {
             witness_mark: None,
             geometry: Geometry::default(),
             live: Live::default(),
+            measuring: Measuring::default(),
             curve: RunCurve::default(),
             asked: None,
             rows: None,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use tilescope_classroom::Classroom;
 use tilescope_debugger::Debugger;
+use tilescope_live::FRAME_STEPS;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::selection::Selection;
@@ -442,12 +443,15 @@ impl State {
     }
 }
 
-/// Returns what the window shows of a run. The analysis and the curve are of the first one.
+/// Returns what the window shows of a run. The curve is of the first one.
 fn asked_of(state: &State, which: Which) -> Asked {
     let is_first = which == Which::First;
+    // Two runs share the time of a frame.
+    let runs = if state.runs.second.is_some() { 2 } else { 1 };
     Asked {
         layers: state.appearance.layers(state.runs.first.current_stage()),
-        is_analysed: is_first && state.window.shows(Panel::Analysis),
+        is_analysed: state.window.shows(Panel::Analysis),
+        steps: FRAME_STEPS / runs,
         curve: state.appearance.curve.number.filter(|_| is_first),
     }
 }

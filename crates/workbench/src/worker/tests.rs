@@ -135,7 +135,7 @@ fn visit() -> Vec<String> {
     state.settle();
     let session = state.runs().first.session.as_ref().expect("a session");
     let shown = state.runs().first.shown().expect("a moment");
-    let known = state.analysis().of(&shown).expect("measures");
+    let known = state.runs().first.measuring.of(&shown).expect("measures");
     let brushed = brush.expect("a brush");
     let second = state.runs().second.as_ref().expect("a second run");
     let other = second.0.session.as_ref().expect("a second session");

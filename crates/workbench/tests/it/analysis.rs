@@ -10,9 +10,10 @@ use tilescope_analysis::measures::{
 use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_core::{Parameter, Parameters, Pattern, Standing, Sweep, Unobserved, sample};
 use tilescope_session::Session;
+use tilescope_session::moment::ShownMoment;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
 use tilescope_workbench::analysis::measured::{Samples, missing};
-use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
+use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT, Measuring};
 use tilescope_workbench::command::{FormCommand, TimeCommand, Which, WindowCommand};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
@@ -38,15 +39,21 @@ fn jump(state: &mut State, cursor: usize) {
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
 }
 
+fn measuring(state: &State) -> &Measuring {
+    &state.runs().first.measuring
+}
+
+fn shown(state: &State) -> ShownMoment<'_> {
+    state.runs().first.shown().unwrap()
+}
+
 fn measured(state: &State) -> Arc<MeasuredSet> {
-    let known = state.analysis().of(&state.runs().first.shown().unwrap());
+    let known = measuring(state).of(&shown(state));
     Arc::clone(&known.expect("measured").measured)
 }
 
 fn is_whole(state: &State) -> bool {
-    state
-        .analysis()
-        .is_whole(&state.runs().first.shown().unwrap())
+    measuring(state).is_whole(&shown(state))
 }
 
 /// The positions of the samples that cover their disks, in r, found sample by sample.
@@ -161,19 +168,13 @@ fn runs_without_stages_or_events_are_measured_too() {
 fn nothing_is_measured_while_the_panel_is_hidden_or_there_are_no_samples() {
     let mut state = opened();
     assert!(
-        state
-            .analysis()
-            .last(&state.runs().first.shown().unwrap())
-            .is_none()
-            && state.analysis().progress().is_none()
+        measuring(&state).last(&shown(&state)).is_none() && measuring(&state).progress().is_none()
     );
     assert!(state.analysis().reference.measured().is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     jump(&mut state, 0);
     state.settle();
-    let why = state
-        .analysis()
-        .failure(&state.runs().first.shown().unwrap());
+    let why = measuring(&state).failure(&shown(&state));
     assert!(why.unwrap().starts_with("0 samples stand"), "{why:?}");
     assert!(state.analysis().reference.measured().is_some());
     // The failure does not affect the next moment.
@@ -195,7 +196,7 @@ fn waiting_at_a_gate() -> (State, Arc<Gate>) {
     gate.close_after(1);
     state.advance(0.0);
     gate.wait_for_job();
-    assert!(state.analysis().progress().is_some());
+    assert!(measuring(&state).progress().is_some());
     (state, gate)
 }
 
@@ -205,12 +206,8 @@ fn measuring_can_be_stopped_and_resumed() {
     state.apply(Command::Analysis(AnalysisCommand::Stop));
     gate.open();
     state.settle();
-    assert!(state.analysis().progress().is_none() && !is_whole(&state));
-    assert!(
-        state
-            .analysis()
-            .is_stopped(&state.runs().first.shown().unwrap())
-    );
+    assert!(measuring(&state).progress().is_none() && !is_whole(&state));
+    assert!(measuring(&state).is_stopped(&shown(&state)));
     state.apply(Command::Analysis(AnalysisCommand::Resume));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -219,45 +216,26 @@ fn measuring_can_be_stopped_and_resumed() {
 #[test]
 fn a_moving_cursor_cancels_measuring_and_the_moment_shown_is_named() {
     let (mut state, gate) = waiting_at_a_gate();
-    let whole = state
-        .analysis()
-        .last(&state.runs().first.shown().unwrap())
+    let whole = measuring(&state)
+        .last(&shown(&state))
         .expect("the end was measured")
         .clone();
     assert!(whole.name.ends_with("finish"), "{}", whole.name);
-    assert!(
-        state
-            .analysis()
-            .of(&state.runs().first.shown().unwrap())
-            .is_none()
-    );
+    assert!(measuring(&state).of(&shown(&state)).is_none());
     jump(&mut state, 3_500);
     gate.open();
     state.settle();
     assert_is_that_of_the_crate(&state);
-    let now = state
-        .analysis()
-        .last(&state.runs().first.shown().unwrap())
-        .unwrap();
+    let now = measuring(&state).last(&shown(&state)).unwrap();
     assert!(now.name.starts_with("event 3,500"), "{}", now.name);
     jump(&mut state, 3_000);
-    assert!(
-        state
-            .analysis()
-            .of(&state.runs().first.shown().unwrap())
-            .is_none()
-    );
+    assert!(measuring(&state).of(&shown(&state)).is_none());
 }
 
 #[test]
 fn faded_measures_are_of_the_same_session() {
     let mut state = analysing();
-    assert!(
-        state
-            .analysis()
-            .last(&state.runs().first.shown().unwrap())
-            .is_some()
-    );
+    assert!(measuring(&state).last(&shown(&state)).is_some());
     state.apply(Command::Form(FormCommand::Type(
         Parameter::Radius,
         "0.04".to_owned(),
@@ -266,19 +244,9 @@ fn faded_measures_are_of_the_same_session() {
     while state.runs().first.sampling.is_some() {
         state.advance(0.0);
     }
-    assert!(
-        state
-            .analysis()
-            .last(&state.runs().first.shown().unwrap())
-            .is_none()
-    );
+    assert!(measuring(&state).last(&shown(&state)).is_none());
     state.settle();
-    assert!(
-        state
-            .analysis()
-            .last(&state.runs().first.shown().unwrap())
-            .is_some()
-    );
+    assert!(measuring(&state).last(&shown(&state)).is_some());
 }
 
 #[test]
@@ -286,15 +254,10 @@ fn hiding_the_panel_stops_the_work() {
     let (mut state, gate) = waiting_at_a_gate();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     state.advance(0.0);
-    assert!(state.analysis().progress().is_none());
+    assert!(measuring(&state).progress().is_none());
     gate.open();
     state.settle();
-    assert!(
-        state
-            .analysis()
-            .of(&state.runs().first.shown().unwrap())
-            .is_none()
-    );
+    assert!(measuring(&state).of(&shown(&state)).is_none());
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert_is_that_of_the_crate(&state);
@@ -350,7 +313,7 @@ fn parts_are_measured_one_after_the_other() {
     let mut frames = 0;
     while !is_whole(&state) {
         state.advance(0.0);
-        let known = state.analysis().of(&state.runs().first.shown().unwrap());
+        let known = measuring(&state).of(&shown(&state));
         let next = known.and_then(|known| missing(&known.measured));
         if let Some(part) = next.filter(|part| seen.last() != Some(part)) {
             seen.push(part);

@@ -11,8 +11,10 @@ use tilescope_session::Session;
 use tilescope_session::layers::Layer;
 use tilescope_sets::region_in_radii;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, Which, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::RunView;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::opened;
@@ -219,4 +221,44 @@ fn a_curve_is_made_in_the_background_followed_and_undone() {
     assert_eq!(state.appearance().curve.number, None);
     state.settle();
     assert!(state.runs().first.curve.points().is_none());
+}
+
+#[test]
+fn both_runs_of_a_comparison_are_measured_and_share_the_time_of_a_frame() {
+    let mut state = analysing();
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
+    state.apply(Command::Compare(start));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    let is_whole = |run: &RunView| run.measuring.is_whole(&run.shown().unwrap());
+    let second = |state: &State| state.runs().get(Which::Second).map(is_whole);
+    assert!(is_whole(&state.runs().first));
+    assert_eq!(second(&state), Some(true));
+
+    // Both move, each to its own moment.
+    let end = state.runs().first.cursor().unwrap().1;
+    for cursor in [end / 3, end / 3 + 40, end / 3 + 20] {
+        let before = steps(&state);
+        jump(&mut state, cursor);
+        state.advance(FRAME_SECS);
+        state.advance(FRAME_SECS);
+        for which in [Which::First, Which::Second] {
+            let run = state.runs().get(which).unwrap();
+            let shown = run.shown().unwrap();
+            let live = run.live.of(&shown).expect("live measures");
+            let stands =
+                |id: &u32| matches!(shown.standing(*id), Standing::Tiled | Standing::Valid);
+            let ids = 0..shown.session.run().samples.len() as u32;
+            assert_eq!(live.samples, ids.filter(stands).count());
+        }
+        let taken = steps(&state) - before;
+        assert!(taken <= 2 * FRAME_STEPS, "{cursor}: {taken}");
+    }
+
+    // The control: nothing is measured for a panel that is hidden.
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
+    jump(&mut state, end / 2);
+    state.settle();
+    let run = state.runs().get(Which::Second).unwrap();
+    assert!(run.measuring.of(&run.shown().unwrap()).is_none());
 }

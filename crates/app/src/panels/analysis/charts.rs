@@ -1,16 +1,21 @@
 //! The charts of the analysis: their curves and axis ranges.
 
+use std::sync::Arc;
+
 use egui::{Color32, RichText, Ui};
 use tilescope_analysis::measures::{MeasuredSet, Spectrum, anisotropy_reference_db};
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::heading;
 
 use super::plot::{Curve, Dash, Plot, PlotAxis};
-use super::{Sets, drag, picture as periodogram};
+use super::{RunMeasures, Sets, difference, drag, line_of_second, picture as periodogram};
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 
 /// Height of charts, in screen points.
 const HEIGHT: f32 = 168.0;
+/// The narrowest of three pictures in a row, in screen points.
+const MIN_SIDE: f32 = 150.0;
 /// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
 /// Possible ends of an axis of power or of g: the axis changes only when necessary.
@@ -18,23 +23,90 @@ const ENDS: [f64; 5] = [2.0, 3.0, 4.0, 6.0, 8.0];
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 
-/// Shows the periodogram.
+/// Shows the periodogram; with a second run both, and their difference.
 pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     heading(ui, "Periodogram");
-    let ring = Brush::along(brush, BrushAxis::Frequency);
-    let (spectrum, faded) = match sets.spectrum() {
-        Some((spectrum, faded)) => (Some(spectrum), faded),
-        None => (None, false),
-    };
-    let dragged = periodogram::show(ui, spectrum, faded, ring, sets.palette);
-    drag(BrushAxis::Frequency, dragged, brush, own);
-    let cells = spectrum.map_or_else(String::new, |spectrum| cells_of(spectrum));
+    let shown = sets.first.spectrum();
+    if sets.second.is_some() {
+        compared(ui, sets, brush, own);
+    } else {
+        periodogram_of(ui, "", shown, sets.palette, brush, own);
+    }
+    let cells = shown.map_or_else(String::new, |(spectrum, _)| cells_of(spectrum));
     let text = format!(
         "\u{3bd} along x and y, to \u{b1}2.5; power 0 black, {} and above white{cells}",
         periodogram::WHITE
     );
     let text = RichText::new(text).size(11.5).color(sets.palette.muted);
     ui.label(text);
+}
+
+/// Shows the periodogram of a run, "" or "-b".
+fn periodogram_of(
+    ui: &mut Ui,
+    run: &str,
+    shown: Option<(&Arc<Spectrum>, bool)>,
+    palette: &Palette,
+    brush: Option<Brush>,
+    own: &mut Vec<AnalysisCommand>,
+) {
+    let ring = Brush::along(brush, BrushAxis::Frequency);
+    let (spectrum, faded) =
+        shown.map_or((None, false), |(spectrum, faded)| (Some(spectrum), faded));
+    let dragged = periodogram::show(ui, run, spectrum, faded, ring, palette);
+    drag(BrushAxis::Frequency, dragged, brush, own);
+}
+
+/// Shows the periodograms of both runs and their difference: in a row, or in two where a third of the width is too narrow.
+fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
+    let palette = sets.palette;
+    let spectra = [Some(sets.first), sets.second].map(|run| run.and_then(|run| run.spectrum()));
+    let mut of_run = |ui: &mut Ui, index: usize| {
+        let (name, run) = [("A", ""), ("B", "-b")][index];
+        ui.label(RichText::new(name).size(12.0).color(palette.muted));
+        periodogram_of(ui, run, spectra[index], palette, brush, own);
+    };
+    let difference = |ui: &mut Ui| {
+        let text = "B \u{2212} A";
+        ui.label(RichText::new(text).size(12.0).color(palette.muted));
+        let both = spectra[0].zip(spectra[1]).map(|(a, b)| [a.0, b.0]);
+        difference::show(ui, both, palette);
+    };
+
+    if ui.available_width() >= 3.0 * MIN_SIDE {
+        ui.columns_const(|[left, middle, right]| {
+            of_run(left, 0);
+            of_run(middle, 1);
+            difference(right);
+        });
+        ui.label(
+            RichText::new(difference_text())
+                .size(11.5)
+                .color(palette.muted),
+        );
+    } else {
+        ui.columns_const(|[left, right]| {
+            of_run(left, 0);
+            of_run(right, 1);
+        });
+        ui.columns_const(|[left, right]| {
+            difference(left);
+            right.add_space(20.0);
+            right.label(
+                RichText::new(difference_text())
+                    .size(11.5)
+                    .color(palette.muted),
+            );
+        });
+    }
+}
+
+/// Explains the picture of the difference.
+fn difference_text() -> String {
+    format!(
+        "The difference is that of means over cells: where A has more power in the colour of A's line, where B has more in that of B's, in full from {} on",
+        difference::FULL
+    )
 }
 
 /// Describes how many frequencies are averaged in a cell of the picture, and up to where they are measured if not
@@ -88,6 +160,7 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         },
         level: (1.0, "white noise"),
         curves: power,
+        is_compared: sets.second.is_some(),
         brush: ring,
         height: HEIGHT,
     };
@@ -119,6 +192,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         curves: curves_of(sets, &|measured, _| {
             Some((measured.spectrum_so_far()?.anisotropy(), None))
         }),
+        is_compared: sets.second.is_some(),
         brush: Brush::along(brush, BrushAxis::Frequency),
         height: HEIGHT - 14.0,
     };
@@ -149,6 +223,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
         },
         level: (1.0, "white noise"),
         curves: pairs,
+        is_compared: sets.second.is_some(),
         brush: Brush::along(brush, BrushAxis::Distance),
         height: HEIGHT,
     };
@@ -162,7 +237,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
 
 type CurvePoints = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
-/// Returns the curves of the moment, of the reference and of the file; `points` receives a set and the length of r in
+/// Returns the curves of the moment of each run, of the reference and of the file; `points` receives a set and the length of r in
 /// its unit.
 fn curves_of(
     sets: &Sets<'_>,
@@ -179,13 +254,23 @@ fn curves_of(
     let mut curves = Vec::new();
     // Those at rest are in r, those that move in user units.
     let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
-    if let Some((found, faded)) = sets.part(in_radii) {
-        let (name, color) = if faded {
-            ("a moment before", palette.accent.gamma_multiply(FADED))
-        } else {
-            ("this moment", palette.accent)
-        };
-        curves.push(curve(name, Dash::Solid, color, found));
+    let mut add = |run: RunMeasures<'_>, name: &str, line, color: Color32| {
+        if let Some((found, faded)) = run.part(in_radii) {
+            let color = if faded {
+                color.gamma_multiply(FADED)
+            } else {
+                color
+            };
+            let name = if faded { "a moment before" } else { name };
+            curves.push(curve(name, line, color, found));
+        }
+    };
+    if let Some(second) = sets.second {
+        add(sets.first, "run A", Dash::Solid, palette.accent);
+        let (line, color) = line_of_second(palette);
+        add(second, "run B", line, color);
+    } else {
+        add(sets.first, "this moment", Dash::Solid, palette.accent);
     }
     let others = [
         sets.reference

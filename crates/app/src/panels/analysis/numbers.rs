@@ -5,20 +5,75 @@ use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SetNumber};
 use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::widgets::Known;
 
-use super::Sets;
+use super::{RunMeasures, Sets};
 
 /// Width of a number, in screen points.
 const COLUMN: f32 = 62.0;
+/// Width of the names of numbers.
+const NAME: f32 = 128.0;
 const ROW: f32 = 19.0;
 /// Fewer samples are not measured.
 const MIN_SAMPLES: usize = 3;
 
+/// A column of the table.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Column {
+    /// The moment of the run, or of run A.
+    Moment,
+    /// That of run B.
+    Second,
+    /// How much more B has than A.
+    Difference,
+    /// The reference.
+    Reference,
+    /// The file.
+    File,
+}
+
+impl Column {
+    /// Returns the columns of a table, the most important first: those that have room.
+    fn of(sets: &Sets<'_>, width: f32) -> Vec<Self> {
+        let compared = sets.second.is_some();
+        let all = [
+            (Self::Moment, true),
+            (Self::Second, compared),
+            (Self::Difference, compared),
+            (Self::Reference, true),
+            (Self::File, sets.reference_file.is_some()),
+        ];
+        let shown = all.into_iter().filter(|(_, is_there)| *is_there);
+        let most = ((width - NAME) / COLUMN).floor().max(3.0) as usize;
+        shown.map(|(column, _)| column).take(most).collect()
+    }
+
+    const fn head(self, is_compared: bool) -> &'static str {
+        match self {
+            Self::Moment if is_compared => "A",
+            Self::Moment => "moment",
+            Self::Second => "B",
+            Self::Difference => "B \u{2212} A",
+            Self::Reference => "reference",
+            Self::File => "file",
+        }
+    }
+}
+
 /// Shows the table. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
-    let heads = ["moment", "reference", "file"];
-    let columns = if sets.reference_file.is_some() { 3 } else { 2 };
-    let heads = heads.map(str::to_owned);
-    row(ui, sets, ("", ""), &heads[..columns], false, "");
+    let columns = Column::of(sets, ui.available_width());
+    let is_compared = sets.second.is_some();
+    let heads: Vec<&str> = (columns.iter())
+        .map(|column| column.head(is_compared))
+        .collect();
+    let of_heads = heads.iter().map(|head| ((*head).to_owned(), false));
+    row(
+        ui,
+        sets,
+        ("", ""),
+        &heads,
+        &of_heads.collect::<Vec<_>>(),
+        "",
+    );
 
     // The file keeps its own unit, and this run's r has another length in it.
     let file = (sets.reference_file).map(|file| file.measured.with_radius(sets.unit));
@@ -26,25 +81,75 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         let Some(name) = number.short else {
             continue;
         };
-        let shown = |set: Option<&MeasuredSet>| {
-            let text = set.and_then(|set| text_of(number, set));
-            text.unwrap_or_else(|| "\u{2013}".to_owned())
-        };
-        let (now, faded) = sets.part(|set| text_of(number, set)).unwrap_or_else(|| {
-            let awaits_rest = sets.live.is_some_and(|live| awaits_rest(number, live));
-            let text = if awaits_rest { "at rest" } else { "\u{2013}" };
-            (text.to_owned(), false)
+        let texts = columns.iter().map(|column| match column {
+            Column::Moment => now(number, &sets.first),
+            Column::Second => sets.second.map_or_else(unknown, |run| now(number, &run)),
+            Column::Difference => (difference(number, sets).unwrap_or_else(dash), false),
+            Column::Reference => {
+                let set = sets.reference.map(|set| &**set);
+                (
+                    set.and_then(|set| text_of(number, set))
+                        .unwrap_or_else(dash),
+                    false,
+                )
+            }
+            Column::File => {
+                let text = file.as_ref().and_then(|set| text_of(number, set));
+                (text.unwrap_or_else(dash), false)
+            }
         });
-        let reference = sets.reference.map(|set| &**set);
-        let texts = [now, shown(reference), shown(file.as_ref())];
+        let texts: Vec<(String, bool)> = texts.collect();
 
         let explanation = match file.as_ref().and_then(unjudged) {
             Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
             _ => number.meaning.to_owned(),
         };
-        let name = (number.key, name);
-        row(ui, sets, name, &texts[..columns], faded, &explanation);
+        row(ui, sets, (number.key, name), &heads, &texts, &explanation);
     }
+}
+
+fn dash() -> String {
+    "\u{2013}".to_owned()
+}
+
+fn unknown() -> (String, bool) {
+    (dash(), false)
+}
+
+/// Returns a number of the moment of a run, and whether it is outdated.
+fn now(number: &SetNumber, run: &RunMeasures<'_>) -> (String, bool) {
+    run.part(|set| text_of(number, set)).unwrap_or_else(|| {
+        let awaits_rest = run.live.is_some_and(|live| awaits_rest(number, live));
+        let text = if awaits_rest {
+            "at rest".to_owned()
+        } else {
+            dash()
+        };
+        (text, false)
+    })
+}
+
+/// Returns by how much a number of run B is larger than that of run A, if both have it at the moment that is shown.
+fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
+    let value = |run: RunMeasures<'_>| {
+        let (value, faded) = run.part(|set| number.of(set))?;
+        (!faded).then_some(value)
+    };
+    let difference = value(sets.second?)? - value(sets.first)?;
+    let decimals = if number.decimals == 0 { 0 } else { 4 };
+    let text = format!("{:.decimals$}", difference.abs());
+    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    let sign = match difference {
+        _ if is_zero => "",
+        below if below < 0.0 => "\u{2212}",
+        _ => "+",
+    };
+    let text = if decimals == 0 {
+        grouped(difference.abs() as usize)
+    } else {
+        text
+    };
+    Some(format!("{sign}{text}"))
 }
 
 /// Returns a number of a set, once it is known.
@@ -96,38 +201,42 @@ pub fn counts(set: &MeasuredSet) -> String {
     }
 }
 
+/// Shows a row; of each text also whether it is outdated.
 fn row(
     ui: &mut Ui,
     sets: &Sets<'_>,
     (key, name): (&str, &str),
-    texts: &[String],
-    faded: bool,
+    heads: &[&str],
+    texts: &[(String, bool)],
     explanation: &str,
 ) {
     let palette = sets.palette;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let is_head = name.is_empty();
     if !is_head {
-        let names = ["", "reference ", "file "];
-        let each = names
-            .iter()
-            .zip(texts)
-            .map(|(name, text)| format!("{name}{text}"));
-        let old = if faded { " (of a moment before)" } else { "" };
-        let description = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
+        let each = heads.iter().zip(texts).map(|(head, (text, faded))| {
+            let old = if *faded { " (of a moment before)" } else { "" };
+            match *head {
+                "moment" => format!("{text}{old}"),
+                head => format!("{head} {text}{old}"),
+            }
+        });
+        let description = format!("{name}: {}", each.collect::<Vec<_>>().join(", "));
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &description));
         response.known_as(format_args!("analysis.number-{key}"));
         response.on_hover_text(explanation);
     }
+
     let painter = ui.painter();
     let at = rect.left_center();
     let font = FontId::proportional(12.8);
     painter.text(at, Align2::LEFT_CENTER, name, font, palette.muted);
-    for (k, text) in texts.iter().enumerate() {
+    let own = if sets.second.is_some() { 3 } else { 1 };
+    for (k, (text, faded)) in texts.iter().enumerate() {
         let color: Color32 = match k {
             _ if is_head => palette.muted,
-            0 if faded => palette.text.gamma_multiply(0.45),
-            0 => palette.text,
+            _ if *faded => palette.text.gamma_multiply(0.45),
+            of_run if of_run < own => palette.text,
             _ => palette.muted,
         };
         let font = if is_head {

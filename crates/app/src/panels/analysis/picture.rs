@@ -18,12 +18,13 @@ use super::plot::{Dragged, dragged};
 pub const WHITE: f64 = 3.0;
 
 /// Maximum width of the picture, in screen points.
-const MAX_SIDE: f32 = 480.0;
+pub const MAX_SIDE: f32 = 480.0;
 
-/// Shows the picture in a square of the full width, with frequencies up to `reach` along both axes; returns the change
-/// of the ring.
+/// Shows the picture of a run, "" or "-b", in a square of the full width, with frequencies up to `reach` along both axes; returns
+/// the change of the ring.
 pub fn show(
     ui: &mut Ui,
+    run: &str,
     spectrum: Option<&Arc<Spectrum>>,
     faded: bool,
     brush: Option<[f64; 2]>,
@@ -37,7 +38,7 @@ pub fn show(
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
-    response.known_as("chart.periodogram");
+    response.known_as(format_args!("chart.periodogram{run}"));
     let response = response.on_hover_cursor(CursorIcon::Crosshair);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, palette.domain);
@@ -50,7 +51,7 @@ pub fn show(
             .map(|half| (2.0 * half * per_nu) as f32);
         let cells = Rect::from_center_size(rect.center(), vec2(size[0], size[1]));
         let tint = Color32::WHITE.gamma_multiply(if faded { 0.35 } else { 1.0 });
-        let id = Id::unique("periodogram of the moment");
+        let id = Id::unique(("periodogram of the moment", run));
         let texture = texture_of(ui, id, spectrum, TextureOptions::NEAREST, image);
         painter.image(texture.id(), cells, tilescope_canvas::UNIT, tint);
     }
@@ -113,7 +114,7 @@ fn image(spectrum: &Spectrum) -> ColorImage {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::ops::ControlFlow;
 
     use tilescope_analysis::measures::Periodogram;
@@ -121,7 +122,7 @@ mod tests {
 
     use super::*;
 
-    fn spectrum(width: f64, height: f64) -> Spectrum {
+    pub fn spectrum(width: f64, height: f64) -> Spectrum {
         let region = Region {
             width,
             height,

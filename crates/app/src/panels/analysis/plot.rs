@@ -27,6 +27,8 @@ pub enum Dash {
     Dotted,
     /// Dashed.
     Dashed,
+    /// With long dashes.
+    Long,
 }
 
 /// A curve.
@@ -65,6 +67,8 @@ pub struct Plot<'a> {
     pub level: (f64, &'a str),
     /// The curves, the most important first.
     pub curves: Vec<Curve>,
+    /// Whether the first two are those of runs A and B, whose difference is of interest.
+    pub is_compared: bool,
     /// The selected range.
     pub brush: Option<[f64; 2]>,
     /// Height, in screen points.
@@ -159,6 +163,12 @@ impl Plot<'_> {
             if let Some([_, y]) = nearest(&curve.points, x) {
                 rows.push(format!("{} {y:>8.3}  {}", self.y.sign, curve.name));
             }
+        }
+        if let [a, b, ..] = &self.curves[..]
+            && self.is_compared
+            && let (Some([_, a]), Some([_, b])) = (nearest(&a.points, x), nearest(&b.points, x))
+        {
+            rows.push(format!("{} {:>+8.3}  B \u{2212} A", self.y.sign, b - a));
         }
         rows.push(format!(
             "{} {:>8.3}  {}",
@@ -290,6 +300,10 @@ impl PlotFrame<'_> {
                 let stroke = Stroke::new(1.7, curve.color);
                 painter.extend(Shape::dashed_line(&points, stroke, 6.0, 3.5));
             }
+            Dash::Long => {
+                let stroke = Stroke::new(1.8, curve.color);
+                painter.extend(Shape::dashed_line(&points, stroke, 14.0, 2.5));
+            }
         }
     }
 
@@ -332,6 +346,14 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
         }
         Dash::Dashed => {
             painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
+        }
+        Dash::Long => {
+            painter.extend(Shape::dashed_line(
+                &ends,
+                Stroke::new(1.8, color),
+                11.0,
+                2.5,
+            ));
         }
     }
 }

@@ -25,6 +25,8 @@ use crate::state::effects::{Context, Effect};
 pub(in crate::state) struct Asked {
     pub(in crate::state) layers: Layers,
     pub(in crate::state) is_analysed: bool,
+    /// The counted steps that the measures which move with it may take in a frame.
+    pub(in crate::state) steps: u64,
     pub(in crate::state) curve: Option<CurveNumber>,
 }
 
@@ -144,7 +146,11 @@ impl RunView {
             self.curve.want(session, asked.curve, &context.wake);
         }
 
+        if !asked.is_analysed {
+            self.measuring.rest();
+        }
         let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
+        let mut measuring = take(&mut self.measuring);
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             let is_analysed = asked.is_analysed;
@@ -154,7 +160,10 @@ impl RunView {
                 pairs: is_analysed,
                 cover: is_analysed || layers.has_gaps(),
             };
-            live.follow(session, &shown, wanted, &context.wake);
+            live.follow(session, &shown, wanted, asked.steps, &context.wake);
+            if is_analysed {
+                measuring.want(session, &shown, &context.wake);
+            }
             if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {
                 geometry.take_borders(&shown, cover);
             }
@@ -162,7 +171,16 @@ impl RunView {
                 geometry.want(session, &shown, layers.has_net(), &context.wake);
             }
         }
-        (self.live, self.geometry) = (live, geometry);
+        (self.live, self.geometry, self.measuring) = (live, geometry, measuring);
+    }
+
+    /// Stops measuring the moment.
+    pub(in crate::state) fn stop_measuring(&mut self) {
+        let mut measuring = take(&mut self.measuring);
+        if let Some(shown) = self.shown() {
+            measuring.stop(&shown);
+        }
+        self.measuring = measuring;
     }
 
     /// Takes finished work on the session.
@@ -193,6 +211,9 @@ impl RunView {
             self.live.settle();
             self.curve.settle();
             self.geometry.settle();
+        }
+        while self.measuring.settle() {
+            self.follow_moment(asked, context);
         }
         self.history_found.settle();
         if let Some(passes) = &mut self.passes {
