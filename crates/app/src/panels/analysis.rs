@@ -102,8 +102,6 @@ struct Sets<'a> {
     reference_file: Option<&'a Arc<ReferenceFile>>,
     /// The length of r in the unit of the file.
     unit: f64,
-    /// Generation of the session; see `Session::generation`.
-    generation: u64,
     palette: &'a Palette,
 }
 
@@ -116,7 +114,6 @@ impl<'a> Sets<'a> {
             reference: context.analysis.reference.measured(),
             reference_file: context.reference_file.clone().and_then(Result::ok),
             unit: shown.session.run().domain.radius(),
-            generation: shown.session.generation,
             palette: context.palette,
         }
     }

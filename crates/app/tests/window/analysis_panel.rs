@@ -516,3 +516,27 @@ fn the_second_run_stands_beside_the_first_with_their_difference() {
     node(&harness, "chart.periodogram-b");
     says(&harness, "chart.difference", &["B minus A"]);
 }
+
+#[test]
+fn a_moment_has_one_picture_whichever_moments_were_seen_before() {
+    let mut harness = analysing();
+    let end = cursor(&harness);
+    let picture = |harness: &mut Harness<'_, App>, cursor: usize| {
+        apply(harness, Command::Time(TimeCommand::Jump(cursor)));
+        let rect = node(harness, "chart.P").rect();
+        let texts = harness.output().shapes.iter().filter_map(|clipped| {
+            let egui::Shape::Text(text) = &clipped.shape else {
+                return None;
+            };
+            rect.contains(text.pos)
+                .then(|| text.galley.text().to_owned())
+        });
+        texts.collect::<Vec<String>>()
+    };
+    let before = picture(&mut harness, end);
+    // After tiling the power is higher than the axis: its peak is marked with its value.
+    let tiled = picture(&mut harness, 1_500);
+    assert_ne!(tiled, before);
+    assert!(tiled.len() > before.len(), "{tiled:?}");
+    assert_eq!(picture(&mut harness, end), before);
+}

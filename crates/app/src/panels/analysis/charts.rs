@@ -18,8 +18,11 @@ const HEIGHT: f32 = 168.0;
 const MIN_SIDE: f32 = 150.0;
 /// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
-/// Possible ends of an axis of power or of g: the axis changes only when necessary.
-const ENDS: [f64; 5] = [2.0, 3.0, 4.0, 6.0, 8.0];
+/// Ends of the axes of power and of g: those of a maximal set with room above its peaks. They never change, so that a moment has
+/// one picture, whichever moments were seen before, and charts can be compared while stepping. What is higher, as the power after
+/// tiling, is cut off and marked with its value; the periodogram is white from the same power on.
+const END_OF_POWER: f64 = periodogram::WHITE;
+const END_OF_PAIRS: f64 = 4.0;
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 
@@ -79,11 +82,7 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
             of_run(middle, 1);
             difference(right);
         });
-        ui.label(
-            RichText::new(difference_text())
-                .size(11.5)
-                .color(palette.muted),
-        );
+        difference_text(ui, palette);
     } else {
         ui.columns_const(|[left, right]| {
             of_run(left, 0);
@@ -92,21 +91,22 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
         ui.columns_const(|[left, right]| {
             difference(left);
             right.add_space(20.0);
-            right.label(
-                RichText::new(difference_text())
-                    .size(11.5)
-                    .color(palette.muted),
-            );
+            difference_text(right, palette);
         });
     }
 }
 
 /// Explains the picture of the difference.
-fn difference_text() -> String {
-    format!(
+fn difference_text(ui: &mut Ui, palette: &Palette) {
+    let text = format!(
         "The difference is that of means over cells: where A has more power in the colour of A's line, where B has more in that of B's, in full from {} on",
         difference::FULL
-    )
+    );
+    let text = RichText::new(text).size(11.5).color(palette.muted);
+    // Columns justify their text, which tears so short lines apart.
+    ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.label(text)
+    });
 }
 
 /// Describes how many frequencies are averaged in a cell of the picture, and up to where they are measured if not
@@ -156,7 +156,7 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         y: PlotAxis {
             label: "power",
             sign: "P",
-            range: [0.0, grown(ui, sets, "P", end_of(&power))],
+            range: [0.0, END_OF_POWER],
         },
         level: (1.0, "white noise"),
         curves: power,
@@ -219,7 +219,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
         y: PlotAxis {
             label: "pairs, relative to independent samples",
             sign: "g",
-            range: [0.0, grown(ui, sets, "g", end_of(&pairs))],
+            range: [0.0, END_OF_PAIRS],
         },
         level: (1.0, "white noise"),
         curves: pairs,
@@ -286,22 +286,4 @@ fn curves_of(
         }
     }
     curves
-}
-
-/// Returns the larger of `end` and the largest end that the axis has had in this session, so that charts of one run can
-/// be compared while stepping.
-fn grown(ui: &Ui, sets: &Sets<'_>, sign: &str, end: f64) -> f64 {
-    let id = egui::Id::unique(("end of an axis of the analysis", sign, sets.generation));
-    let before: Option<f64> = ui.data(|data| data.get_temp(id));
-    let end = before.map_or(end, |before| before.max(end));
-    ui.data_mut(|data| data.insert_temp(id, end));
-    end
-}
-
-/// Returns the end of an axis from zero that holds most of the curves: single peaks are cut off.
-fn end_of(curves: &[Curve]) -> f64 {
-    let all = curves.iter().flat_map(|curve| &curve.points);
-    let highest = all.map(|point| point[1]).fold(0.0, f64::max);
-    let fits = ENDS.into_iter().find(|end| highest <= *end);
-    fits.unwrap_or(ENDS[ENDS.len() - 1])
 }

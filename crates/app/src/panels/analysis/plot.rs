@@ -119,6 +119,13 @@ impl Plot<'_> {
         for curve in self.curves.iter().rev() {
             frame.curve(&within, curve);
         }
+        // Run B's dashes lie on run A's line, so that both are seen where they are the same.
+        if let Some(second) = self.curves.get(1).filter(|_| self.is_compared) {
+            frame.curve(&within, second);
+        }
+        for (row, curve) in self.curves.iter().enumerate() {
+            frame.cut_off(&within, curve, row);
+        }
         let pointer = response.hover_pos().filter(|at| inner.contains(*at));
         if let Some(at) = pointer.filter(|_| !response.dragged()) {
             let x = frame.x_at(at);
@@ -302,9 +309,41 @@ impl PlotFrame<'_> {
             }
             Dash::Long => {
                 let stroke = Stroke::new(1.8, curve.color);
-                painter.extend(Shape::dashed_line(&points, stroke, 14.0, 2.5));
+                painter.extend(Shape::dashed_line(&points, stroke, 9.0, 6.0));
             }
         }
+    }
+
+    /// Marks where a curve leaves the chart at the top, and writes its highest value; `row` tells curves apart.
+    fn cut_off(&self, painter: &Painter, curve: &Curve, row: usize) {
+        let peaks = peaks_above(&curve.points, self.plot.y.range[1]);
+        let top = self.inner.top();
+        for peak in &peaks {
+            let x = self.at(*peak).x;
+            let corners = [
+                pos2(x, top),
+                pos2(x - 4.0, top + 6.0),
+                pos2(x + 4.0, top + 6.0),
+            ];
+            let triangle = Shape::convex_polygon(corners.to_vec(), curve.color, Stroke::NONE);
+            painter.add(triangle);
+        }
+
+        let highest = peaks.iter().max_by(|a, b| a[1].total_cmp(&b[1]));
+        let Some(peak) = highest else {
+            return;
+        };
+        let x = self.at(*peak).x;
+        // On the side that has more room.
+        let is_right = x > self.inner.center().x;
+        let (offset, align) = if is_right {
+            (-7.0, Align2::RIGHT_TOP)
+        } else {
+            (7.0, Align2::LEFT_TOP)
+        };
+        let at = pos2(x + offset, top + 1.0 + 12.0 * row as f32);
+        let text = format!("{:.1}", peak[1]);
+        painter.text(at, align, text, FontId::monospace(10.5), curve.color);
     }
 
     fn band(&self, curve: &Curve, band: &[[f64; 2]]) -> Mesh {
@@ -332,6 +371,22 @@ impl PlotFrame<'_> {
             }
         }
     }
+}
+
+/// Returns the highest point of each part of a curve that is above `end`.
+fn peaks_above(points: &[[f64; 2]], end: f64) -> Vec<[f64; 2]> {
+    let mut peaks: Vec<[f64; 2]> = Vec::new();
+    let mut goes_on = false;
+    for point in points {
+        let is_above = point[1] > end;
+        match peaks.last_mut().filter(|_| goes_on) {
+            Some(peak) if is_above && point[1] > peak[1] => *peak = *point,
+            None if is_above => peaks.push(*point),
+            Some(_) | None => {}
+        }
+        goes_on = is_above;
+    }
+    peaks
 }
 
 /// Draws a sample of a curve's line, for a legend.
@@ -402,6 +457,19 @@ mod tests {
                 assert!(count <= most + 1 && count >= 1, "{most} {high} {count}");
             }
         }
+    }
+
+    #[test]
+    fn each_part_that_is_cut_off_is_marked_at_its_highest_point() {
+        let points = [5.0, 8.0, 6.0, 1.0, 2.0, 4.5, 3.0, 7.0];
+        let points: Vec<[f64; 2]> = (0..)
+            .map(f64::from)
+            .zip(points)
+            .map(|(x, y)| [x, y])
+            .collect();
+        let peaks = [[1.0, 8.0], [5.0, 4.5], [7.0, 7.0]];
+        assert_eq!(peaks_above(&points, 4.0), peaks);
+        assert!(peaks_above(&points, 8.0).is_empty());
     }
 
     #[test]
