@@ -60,16 +60,16 @@ pub struct StepView {
     pub zoom: Option<Camera>,
 }
 
-/// A text that is written to a file; on a page, downloaded.
-pub struct TextFile {
+/// A file that is written; on a page, downloaded.
+pub struct NewFile {
     /// The stem of its name.
     pub stem: String,
     /// The extension of its name.
     pub extension: &'static str,
     /// Its path, if one was given; otherwise a new file beside where the program runs.
     pub path: Option<PathBuf>,
-    /// The text.
-    pub text: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
 }
 
 /// A request of lessons and talks to the rest of the window. The window carries out the requests of a command in their order,
@@ -101,7 +101,7 @@ pub enum Effect {
     /// List a file among those opened last.
     RememberFile(String),
     /// Write a file.
-    Save(TextFile),
+    Save(NewFile),
     /// Close menus and help.
     CloseMenus,
     /// Make a lesson of the scenes, for [`Classroom::present_scenes`].

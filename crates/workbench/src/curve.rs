@@ -1,6 +1,8 @@
 //! The run as a curve: a number of the catalogue over the events of a run, which the window draws above the timeline. It is made
 //! in the background, once for each run and number. Begin with [`RunCurve::want`]; `tilescope_live` computes it.
 
+mod figure;
+
 use std::fmt;
 use std::sync::Arc;
 
@@ -15,6 +17,7 @@ use tilescope_session::task::{self, SessionRef, Task};
 use tilescope_session::words::sentence;
 
 use crate::live::{course_of, refusal};
+pub use figure::CurveFormat;
 
 /// The heights that a curve can have, in screen points: that of a sparkline, and that of a chart of the analysis.
 pub const HEIGHTS: [u16; 2] = [40, 200];
@@ -250,6 +253,12 @@ impl RunCurve {
             columns: vec![points.values.clone()],
         };
         Some((number, curve.csv()))
+    }
+
+    /// Returns the number, if one is wanted.
+    #[must_use]
+    pub fn number(&self) -> Option<CurveNumber> {
+        self.of.map(|(_, number)| number)
     }
 
     /// Returns the fraction done, from 0 to 1, while the curve is made.

@@ -13,6 +13,8 @@ pub mod refusal;
 pub mod write;
 
 use std::path::{Path, PathBuf};
+
+pub(crate) use provenance::provenance;
 use tilescope_drawing::brushed::Cause;
 use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;

@@ -30,6 +30,8 @@ use std::sync::Arc;
 
 use tilescope_session::jobs::Job;
 
+use crate::curve::CurveFormat;
+
 /// The purpose for which a file is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -128,8 +130,8 @@ pub enum FileCommand {
     /// Opens a file of any kind that can be dropped on the window, or a lesson; at the start of the program once the first run
     /// is there, with which a point set may be compared.
     Open(String),
-    /// Saves the curve of the run as CSV, beside where the program runs; on a page, downloads it.
-    SaveCurve,
+    /// Saves the curve of the run as a table or a picture, beside where the program runs; on a page, downloads it.
+    SaveCurve(CurveFormat),
     /// Reopens the last session of an earlier use of the program.
     Last,
     /// Takes files that were dropped on the window: a session, a layout or a pattern.

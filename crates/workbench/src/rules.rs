@@ -453,7 +453,7 @@ const fn file(command: &FileCommand) -> Rules {
         | FileCommand::Go
         | FileCommand::Cancel
         | FileCommand::Open(_)
-        | FileCommand::SaveCurve
+        | FileCommand::SaveCurve(_)
         | FileCommand::Last
         | FileCommand::Dropped(_)
         | FileCommand::DroppedBytes(..) => REVEALING,

@@ -15,7 +15,7 @@ use tilescope_ui::widgets::Known;
 use super::context::TimeContext;
 use super::track::{self, Segment};
 use tilescope_workbench::command::{AppearanceCommand, Command, TimeCommand};
-use tilescope_workbench::curve::{CurveNumber, CurvePoints};
+use tilescope_workbench::curve::{CurveFormat, CurveNumber, CurvePoints};
 use tilescope_workbench::files::FileCommand;
 
 /// Between the curve and the controls below.
@@ -92,9 +92,13 @@ fn chooser(
 
     ui.horizontal_wrapped(|ui| {
         let points = context.run.curve.points();
-        let save = ui.add_enabled(points.is_some(), Button::new("Save as CSV").small());
-        let command = Command::File(FileCommand::SaveCurve);
-        save.issues("curve.save", command, commands);
+        ui.label(RichText::new("Save as").small());
+        for format in CurveFormat::ALL {
+            let button = Button::new(format.name()).small();
+            let save = ui.add_enabled(points.is_some(), button);
+            let id = format_args!("curve.save-{}", format.extension());
+            save.issues(id, Command::File(FileCommand::SaveCurve(format)), commands);
+        }
         let command = Command::Appearance(AppearanceCommand::Curve(None));
         ui.add(Button::new("Hide").small())
             .issues("curve.hide", command, commands);

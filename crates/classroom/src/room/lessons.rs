@@ -20,7 +20,7 @@ use tilescope_session::words::sentence;
 use crate::graded::FULL_MARKS;
 use crate::lesson_picture::layers_named;
 use crate::lessons::{GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
-use crate::room::{CanvasView, Classroom, Context, Effect, StepView, TextFile};
+use crate::room::{CanvasView, Classroom, Context, Effect, NewFile, StepView};
 
 /// The name of files with results.
 const RESULTS: &str = "tilescope-results";
@@ -304,11 +304,11 @@ impl Classroom {
             _ => (results.to_json(), "json"),
         };
         let path = wanted.contains('.').then(|| PathBuf::from(wanted));
-        context.ask(Effect::Save(TextFile {
+        context.ask(Effect::Save(NewFile {
             stem: RESULTS.to_owned(),
             extension,
             path,
-            text,
+            bytes: text.into_bytes(),
         }));
     }
 

@@ -12,7 +12,7 @@ use crate::handout::HandoutTask;
 use crate::lesson_picture::{PictureKey, PictureStyle, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
-use crate::room::{CanvasView, Classroom, Context, Effect, TextFile};
+use crate::room::{CanvasView, Classroom, Context, Effect, NewFile};
 use crate::talk::{
     Cover, HandoutFile, Kept, RestoredStep, Talk, TalkCommand, TalkPart, TalkRecord, Tool,
 };
@@ -24,11 +24,11 @@ const NEXT: [f64; 2] = [440.0, 330.0];
 fn take_handout(file: HandoutFile, made: Result<String, String>, context: &mut Context) {
     let (stem, path) = file;
     match made {
-        Ok(text) => context.ask(Effect::Save(TextFile {
+        Ok(text) => context.ask(Effect::Save(NewFile {
             stem,
             extension: "html",
             path,
-            text,
+            bytes: text.into_bytes(),
         })),
         Err(why) => context.tell(format!("There is no handout. {why}"), true),
     }

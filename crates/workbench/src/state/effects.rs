@@ -304,7 +304,7 @@ impl State {
                 }
             }
             E::RememberFile(path) => self.files.remember_file(&path),
-            E::Save(file) => self.with(|state, context| state.files.save_text(file, context)),
+            E::Save(file) => self.with(|state, context| state.files.save_new(file, context)),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
             E::LessonOfScenes => {
                 let made = self.runs.first.lesson_of_scenes();

@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tilescope_classroom::lessons::LessonCommand;
-use tilescope_classroom::room::TextFile;
+use tilescope_classroom::room::NewFile;
 use tilescope_debugger::Stops;
 use tilescope_session::combining::SavedCombination;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task;
-use tilescope_session::words::last_part;
-#[cfg(not(target_arch = "wasm32"))]
-use tilescope_session::words::sentence;
+use tilescope_session::words::{last_part, sentence};
 use tilescope_sets::region;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -21,6 +19,8 @@ use super::Notice;
 use super::effects::{Context, Effect};
 use super::{FileState, Form, Past, RunView, State, WindowState};
 use crate::command::Command;
+use crate::curve::CurveFormat;
+use crate::export::provenance;
 use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, LAST_SESSION,
@@ -123,17 +123,7 @@ impl FileState {
             FileCommand::Go => self.file_away(run, saved, context),
             FileCommand::Open(path) => self.awaiting = Some(path),
             FileCommand::Last => self.reopen_last(run, context),
-            FileCommand::SaveCurve => {
-                if let Some((number, text)) = run.curve.csv() {
-                    let file = TextFile {
-                        stem: format!("curve-{}", number.key()),
-                        extension: "csv",
-                        path: None,
-                        text,
-                    };
-                    self.save_text(file, context);
-                }
-            }
+            FileCommand::SaveCurve(format) => self.save_curve(run, format, context),
             FileCommand::Cancel => {
                 if let Some(filing) = &self.filing {
                     filing.job.cancel();
@@ -420,21 +410,44 @@ impl FileState {
             | FileCommand::Chosen(_)
             | FileCommand::Cancel
             | FileCommand::Open(_)
-            | FileCommand::SaveCurve
+            | FileCommand::SaveCurve(_)
             | FileCommand::Last => None,
         }
     }
 
-    /// Writes a text to a file, by default to a new one beside where the program runs; on a page, downloads it.
-    pub(super) fn save_text(&mut self, file: TextFile, context: &mut Context) {
-        let TextFile {
+    /// Saves the curve of a run, or says why there is none.
+    fn save_curve(&self, run: &RunView, format: CurveFormat, context: &mut Context) {
+        let curve = (run.session.as_ref())
+            .and_then(|session| run.curve.file(session, format, provenance(session)));
+        let why = match (curve, run.curve.number()) {
+            (Some(Ok(bytes)), Some(number)) => {
+                return self.save_new(
+                    NewFile {
+                        stem: format!("curve-{}", number.key()),
+                        extension: format.extension(),
+                        path: None,
+                        bytes,
+                    },
+                    context,
+                );
+            }
+            (Some(Err(error)), _) => sentence(&error.to_string()),
+            (_, Some(_)) => "The curve is not made yet.".to_owned(),
+            (_, None) => "No curve is shown: choose its number first.".to_owned(),
+        };
+        context.tell(why, true);
+    }
+
+    /// Writes a file, by default a new one beside where the program runs; on a page, downloads it.
+    pub(super) fn save_new(&self, file: NewFile, context: &mut Context) {
+        let NewFile {
             stem,
             extension,
             path,
-            text,
+            bytes,
         } = file;
         if self.in_browser() {
-            let file = NamedBytes::new(format!("{stem}.{extension}"), text);
+            let file = NamedBytes::new(format!("{stem}.{extension}"), bytes);
             return context.ask(Effect::Download(file));
         }
         let named = |number: usize| match number {
@@ -442,7 +455,7 @@ impl FileState {
             _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
-        write_text(&path.unwrap_or_default(), &text, context);
+        write_new(&path.unwrap_or_default(), &bytes, context);
     }
 
     /// Lists a file as the most recent one. Its path is complete, so that it is found from other folders.
@@ -459,11 +472,11 @@ impl FileState {
 }
 
 #[cfg(target_arch = "wasm32")]
-fn write_text(_: &Path, _: &str, _: &mut Context) {}
+fn write_new(_: &Path, _: &[u8], _: &mut Context) {}
 
 #[cfg(not(target_arch = "wasm32"))]
-fn write_text(path: &Path, text: &str, context: &mut Context) {
-    match tilescope_formats::write_whole(path, text.as_bytes()) {
+fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
+    match tilescope_formats::write_whole(path, bytes) {
         Ok(()) => {
             let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
             let text = format!("Saved as {}.", path.display());

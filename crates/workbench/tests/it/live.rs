@@ -12,9 +12,10 @@ use tilescope_session::layers::Layer;
 use tilescope_sets::region_in_radii;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::curve::CurveNumber;
+use tilescope_workbench::curve::{CurveFormat, CurveNumber};
+use tilescope_workbench::files::{Delivery, FileCommand};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::state::RunView;
+use tilescope_workbench::state::{RunView, Settings};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::opened;
@@ -221,6 +222,46 @@ fn a_curve_is_made_in_the_background_followed_and_undone() {
     assert_eq!(state.appearance().curve.number, None);
     state.settle();
     assert!(state.runs().first.curve.points().is_none());
+}
+
+#[test]
+fn a_curve_is_saved_as_a_table_and_as_a_picture() {
+    let mut state = opened();
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
+    let save = |state: &mut State, format| {
+        state.apply(Command::File(FileCommand::SaveCurve(format)));
+        state.take_requests().downloads
+    };
+    // Without a curve there is nothing to save, and a notice says so.
+    assert!(save(&mut state, CurveFormat::Png).is_empty());
+    let notice = state.messages().notice.clone().expect("a notice");
+    assert!(notice.is_error && notice.text.contains("choose its number"));
+
+    let conflicts = CurveNumber::of("conflicts");
+    state.apply(Command::Appearance(AppearanceCommand::Curve(conflicts)));
+    state.settle();
+    for format in CurveFormat::ALL {
+        let files = save(&mut state, format);
+        let [file] = &files[..] else {
+            panic!("{format:?}: {} files", files.len());
+        };
+        assert_eq!(file.name, format!("curve-conflicts.{}", format.extension()));
+        let start: &[u8] = match format {
+            CurveFormat::Csv => b"event,stage,conflicts\n",
+            CurveFormat::Png => b"\x89PNG",
+            CurveFormat::Svg => b"<svg",
+        };
+        assert!(file.bytes.starts_with(start), "{format:?}");
+        if format == CurveFormat::Svg {
+            let text = String::from_utf8_lossy(&file.bytes);
+            for words in ["Conflicts over the events of a run", "Tile", "seed 1"] {
+                assert!(text.contains(words), "{words}");
+            }
+        }
+    }
 }
 
 #[test]

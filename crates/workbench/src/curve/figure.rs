@@ -1,0 +1,201 @@
+//! The curve of a run as a file: the table, or a picture of it with ticks where stages begin.
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::Stage;
+use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
+use tilescope_figures::{FigureError, Palette, Scene, to_png, to_svg_with_fonts};
+use tilescope_session::sentence::name_in;
+use tilescope_session::session::Session;
+use tilescope_session::words::{capital, counted, grouped};
+
+use super::{CurvePoints, RunCurve};
+
+/// The columns of a picture, each with its least and its largest value, so that no peak is lost: a column of it is a pixel wide.
+const COLUMNS: usize = 1_080;
+/// The share of the events from which on a stage has its name, which has room in so much of the picture's width.
+const MIN_SHARE: f64 = 0.06;
+/// Pixels of a PNG for each of its points, as other figures have.
+const SCALE: f64 = 2.0;
+
+/// The formats of a curve's file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CurveFormat {
+    /// The table.
+    Csv,
+    /// A picture of pixels.
+    Png,
+    /// A picture of lines.
+    Svg,
+}
+
+impl CurveFormat {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Svg];
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "CSV",
+            Self::Png => "PNG",
+            Self::Svg => "SVG",
+        }
+    }
+
+    /// Returns the extension of its files.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+}
+
+impl RunCurve {
+    /// Returns the curve of a session as a file, a picture with `metadata`; `None` until it is made.
+    ///
+    /// # Errors
+    ///
+    /// The number is defined at no moment of the run, so that there is no picture.
+    pub fn file(
+        &self,
+        session: &Session,
+        format: CurveFormat,
+        metadata: Vec<(String, String)>,
+    ) -> Option<Result<Vec<u8>, FigureError>> {
+        if format == CurveFormat::Csv {
+            return Some(Ok(self.csv()?.1.into_bytes()));
+        }
+        let scene = self
+            .scene(session)?
+            .map(|scene| Scene { metadata, ..scene });
+        Some(scene.and_then(|scene| match format {
+            CurveFormat::Csv | CurveFormat::Png => to_png(&scene, SCALE),
+            CurveFormat::Svg => Ok(to_svg_with_fonts(&scene)?.into_bytes()),
+        }))
+    }
+
+    /// Returns the picture.
+    fn scene(&self, session: &Session) -> Option<Result<Scene, FigureError>> {
+        let ((_, number), points) = (self.of?, self.points()?);
+        let number = number.row();
+        let events = points.events.last().copied().unwrap_or(0);
+
+        let name = format!(
+            "{}, r = {}, seed {}",
+            counted(session.summary.count, "sample", "samples"),
+            session.run().domain.radius(),
+            session.run().parameters.seed
+        );
+        let series = lines(points).into_iter().map(|points| Series {
+            name: name.clone(),
+            look: Look::Alone,
+            points,
+            band: None,
+        });
+        let x = format!("events, {} in all", grouped(events));
+        let y = [number.name, number.unit].join(", ");
+        let chart = LineChart {
+            title: String::new(),
+            x: Axis::new(x)
+                .with_range(0.0, events.max(1) as f64)
+                .with_ticks(ticks(session, points)),
+            y: Axis::new(y.trim_end_matches(", ")),
+            series: series.collect(),
+            levels: Vec::new(),
+        };
+
+        let figure = Figure {
+            title: format!("{} over the events of a run", capital(number.name)),
+            rows: vec![vec![Panel::Lines(chart)]],
+        };
+        Some(figure_scene(&figure, &Palette::LIGHT).map_err(FigureError::from))
+    }
+}
+
+/// Returns the lines of a curve: a new one after each part where it is not defined.
+fn lines(points: &CurvePoints) -> Vec<Vec<[f64; 2]>> {
+    let all: Vec<[f64; 2]> = (points.events.iter())
+        .zip(&points.values)
+        .map(|(event, value)| [*event as f64, *value])
+        .collect();
+    let parts = all.split(|point| !point[1].is_finite());
+    let shown = parts.filter(|part| !part.is_empty());
+    let last = points.events.last().copied().unwrap_or(0);
+    shown.map(|part| thinned(part, last as f64)).collect()
+}
+
+/// Returns the first, the least, the largest and the last point of each column of the picture.
+fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
+    let column = |point: &[f64; 2]| (point[0] / last.max(1.0) * COLUMNS as f64) as usize;
+    let mut thin: Vec<[f64; 2]> = Vec::new();
+    for points in line.chunk_by(|a, b| column(a) == column(b)) {
+        let value = |index: &usize| points[*index][1];
+        let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
+        let all = || 0..points.len();
+        let mut kept: Vec<usize> = [
+            Some(0),
+            all().min_by(by_value),
+            all().max_by(by_value),
+            points.len().checked_sub(1),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        kept.sort_unstable();
+        kept.dedup();
+        thin.extend(kept.into_iter().map(|index| points[index]));
+    }
+    thin
+}
+
+/// Returns the beginnings of stages with their names, of those that have room for it.
+fn ticks(session: &Session, points: &CurvePoints) -> Vec<(f64, String)> {
+    let last = points.events.last().copied().unwrap_or(0);
+    let starts = points.stages.chunk_by(|a, b| a == b).scan(0, |at, part| {
+        let start = *at;
+        *at += part.len();
+        Some((
+            points.events[start],
+            *points.events.get(*at).unwrap_or(&last),
+            part[0],
+        ))
+    });
+    let is_wide =
+        |(start, end, _): &(usize, usize, Stage)| (end - start) as f64 >= MIN_SHARE * last as f64;
+    starts
+        .filter(is_wide)
+        .map(|(start, _, stage)| (start as f64, name_in(session, stage)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_keep_every_peak_and_end_where_the_number_does() {
+        let count = 20_000;
+        let mut values = vec![1.0; count];
+        (values[0], values[7_777], values[7_778]) = (f64::NAN, 9.0, -3.0);
+        values[15_000] = f64::NAN;
+        let points = CurvePoints {
+            events: (0..count).collect(),
+            stages: vec![Stage::Tile; count],
+            values,
+        };
+
+        let lines = lines(&points);
+        assert_eq!(lines.len(), 2, "it is not defined in the middle");
+        assert!(lines[0].len() + lines[1].len() <= 4 * (COLUMNS + 2));
+        assert_eq!((lines[0][0], lines[1][0]), ([1.0, 1.0], [15_001.0, 1.0]));
+        for peak in [[7_777.0, 9.0], [7_778.0, -3.0]] {
+            assert!(lines[0].contains(&peak), "{peak:?}");
+        }
+        let events = lines.concat();
+        assert!(events.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    }
+}
