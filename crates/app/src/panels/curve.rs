@@ -10,7 +10,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::session::Session;
 use tilescope_session::words::{capital, grouped};
 use tilescope_ui::language::Worded;
-use tilescope_ui::widgets::Known;
+use tilescope_ui::widgets::{Known, heading};
 
 use super::context::TimeContext;
 use super::track::{self, Segment};
@@ -48,40 +48,74 @@ pub fn show(
     let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
     if beside.width() >= MIN_BESIDE {
         let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
-        chooser(&mut side, context, number, commands);
+        chooser(&mut side, context, commands);
     }
-
     border(ui, context, chart, commands);
     let chart = chart.with_min_y(chart.top() + BORDER);
     let segments = track::segments_within(session, track);
+    chart_of(ui, context, session, number, &segments, chart, commands);
+}
+
+/// Shows the curve where it has the width to itself, as in the panel of a small window: the choice of its number, and the chart
+/// below. The track of such a window has no room above it that the canvas does not need.
+pub fn show_alone(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let Some(session) = &context.run.session else {
+        return;
+    };
+    heading(ui, "Curve of the run");
+    chooser(ui, context, commands);
+    if let Some(number) = context.curve.number {
+        let room = vec2(ui.available_width(), f32::from(context.curve.height));
+        let (chart, _) = ui.allocate_exact_size(room, Sense::hover());
+        let segments = track::segments_within(session, chart);
+        chart_of(ui, context, session, number, &segments, chart, commands);
+    }
+}
+
+/// Shows the chart, or why there is none yet.
+fn chart_of(
+    ui: &mut Ui,
+    context: &TimeContext<'_>,
+    session: &Session,
+    number: CurveNumber,
+    segments: &[Segment],
+    rect: Rect,
+    commands: &mut Vec<Command>,
+) {
     let Some(points) = context.run.curve.points() else {
-        return unknown(ui, context, chart);
+        return unknown(ui, context, rect);
     };
     let frame = CurveFrame {
         points,
         number: number.row(),
-        segments: &segments,
-        rect: chart,
+        segments,
+        rect,
         range: ends(points),
     };
     frame.show(ui, context, session, commands);
 }
 
 /// Shows the choice of the number, its value at the moment, and what saves the curve.
-fn chooser(
-    ui: &mut Ui,
-    context: &TimeContext<'_>,
-    number: CurveNumber,
-    commands: &mut Vec<Command>,
-) {
-    let name = capital(number.row().name);
+fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let number = context.curve.number;
+    let named = |number: Option<CurveNumber>| {
+        number.map_or_else(
+            || "No curve".to_owned(),
+            |number| capital(number.row().name),
+        )
+    };
     let chosen = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
+    let name = ui.words(named(number));
     let response = chosen.selected_text(name).show_ui(ui, |ui| {
-        for other in CurveNumber::all() {
-            let row = ui.selectable_label(other == number, capital(other.row().name));
-            row.known_as(format_args!("curve.{}", other.key()));
-            if row.on_hover_text(other.row().meaning).clicked() {
-                commands.push(Command::Appearance(AppearanceCommand::Curve(Some(other))));
+        for other in [None].into_iter().chain(CurveNumber::all().map(Some)) {
+            let row = ui.selectable_label(other == number, ui.words(named(other)));
+            row.known_as(format_args!(
+                "curve.{}",
+                other.map_or("none", CurveNumber::key)
+            ));
+            let meaning = other.map_or("", |other| other.row().meaning);
+            if row.on_hover_text(ui.words(meaning)).clicked() {
+                commands.push(Command::Appearance(AppearanceCommand::Curve(other)));
             }
         }
     });
@@ -89,10 +123,13 @@ fn chooser(
     let name = ui.words("Number of the curve");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
     response.known_as("curve.number");
+    let Some(number) = number else {
+        return;
+    };
 
     ui.horizontal_wrapped(|ui| {
         let points = context.run.curve.points();
-        ui.label(RichText::new("Save as").small());
+        ui.label(RichText::new(ui.words("Save as")).small());
         for format in CurveFormat::ALL {
             let button = Button::new(format.name()).small();
             let save = ui.add_enabled(points.is_some(), button);
@@ -100,11 +137,11 @@ fn chooser(
             save.issues(id, Command::File(FileCommand::SaveCurve(format)), commands);
         }
         let command = Command::Appearance(AppearanceCommand::Curve(None));
-        ui.add(Button::new("Hide").small())
+        ui.add(Button::new(ui.words("Hide")).small())
             .issues("curve.hide", command, commands);
         let now = points.zip(context.run.cursor());
         let text = now.map(|(points, (cursor, _))| value_of(points, number.row(), cursor));
-        let text = RichText::new(text.unwrap_or_default()).monospace();
+        let text = RichText::new(ui.words(text.unwrap_or_default())).monospace();
         ui.label(text.color(context.palette.muted))
             .known_as("curve.value");
     });
@@ -114,7 +151,8 @@ fn chooser(
 fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Command>) {
     let strip = chart.with_max_y(chart.top() + BORDER);
     let response = ui.interact(strip, Id::unique("border of the curve"), Sense::drag());
-    response.widget_info(|| WidgetInfo::labeled(Role::Splitter, true, "Height of the curve"));
+    let name = ui.words("Height of the curve");
+    response.widget_info(|| WidgetInfo::labeled(Role::Splitter, true, &name));
     response.known_as("curve.height");
     if let Some(pointer) = response.interact_pointer_pos()
         && response.dragged()
@@ -143,7 +181,7 @@ fn unknown(ui: &mut Ui, context: &TimeContext<'_>, chart: Rect) {
         Some(why) => why.to_owned(),
         None => format!("The curve is being made: {percent:.0}%"),
     };
-    let text = RichText::new(text).color(context.palette.muted);
+    let text = RichText::new(ui.words(text)).color(context.palette.muted);
     ui.put(chart, egui::Label::new(text).wrap())
         .known_as("curve.status");
 }
@@ -194,12 +232,12 @@ impl CurveFrame<'_> {
         self.table(ui, session);
         let id = Id::unique("curve of the run");
         let response = ui.interact(self.rect, id, Sense::CLICK | Sense::DRAG);
-        let description = self.description();
+        let description = ui.words(self.description());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
         response.known_as("curve.chart");
 
         let painter = ui.painter_at(self.rect);
-        self.ground(&painter, palette);
+        self.ground(ui, &painter, palette);
         self.line(&painter, palette);
         if let Some((cursor, _)) = context.run.cursor() {
             self.mark(&painter, cursor, palette);
@@ -210,11 +248,11 @@ impl CurveFrame<'_> {
             let cursor = track::cursor_at(self.segments, at.x);
             commands.push(Command::Time(TimeCommand::Jump(cursor)));
         }
-        self.hover(response, session);
+        self.hover(ui, response, session);
     }
 
     /// Shows the value under the pointer.
-    fn hover(&self, response: Response, session: &Session) {
+    fn hover(&self, ui: &Ui, response: Response, session: &Session) {
         let Some(at) = response.hover_pos() else {
             return;
         };
@@ -223,9 +261,11 @@ impl CurveFrame<'_> {
         let name = tilescope_session::sentence::name_in(session, stage);
         let value = value_of(self.points, self.number, cursor);
         let text = format!(
-            "{}: {value}\nevent {}, {name}",
-            self.number.name,
-            grouped(cursor)
+            "{}: {}\n{}, {}",
+            ui.words(self.number.name),
+            ui.words(value),
+            ui.words(format!("event {}", grouped(cursor))),
+            ui.words(name)
         );
         response
             .on_hover_cursor(CursorIcon::PointingHand)
@@ -254,6 +294,7 @@ impl CurveFrame<'_> {
                 before(events.end),
                 grouped(events.end)
             );
+            let text = ui.words(text);
             row.widget_info(|| WidgetInfo::labeled(Role::Row, true, &text));
             row.known_as(format_args!("curve.row-{index}"));
         }
@@ -282,14 +323,14 @@ impl CurveFrame<'_> {
     }
 
     /// Draws the stages and the ends of the axis.
-    fn ground(&self, painter: &Painter, palette: &Palette) {
+    fn ground(&self, ui: &Ui, painter: &Painter, palette: &Palette) {
         painter.rect_filled(self.rect, 2.0, palette.domain);
         let stroke = Stroke::new(1.0, palette.line);
         for segment in self.segments {
             painter.vline(segment.right, self.rect.y_range(), stroke);
         }
         let font = FontId::monospace(10.0);
-        let [low, high] = self.range.map(|value| written(self.number, value));
+        let [low, high] = (self.range).map(|value| ui.words(written(self.number, value)));
         for (at, align, text) in [
             (self.rect.left_top(), Align2::LEFT_TOP, high),
             (self.rect.left_bottom(), Align2::LEFT_BOTTOM, low),

@@ -7,6 +7,7 @@ use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Format, Precision};
 use tilescope_session::words::{grouped, sentence};
+use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 use super::common::progress;
@@ -306,7 +307,8 @@ impl Sheet<'_> {
     fn analysis(&mut self, ui: &mut Ui) {
         self.named(ui, "Analysis", |sheet, ui, _| {
             let mut analysis = sheet.form.analysis;
-            let switch = ui.checkbox(&mut analysis, "beside the picture");
+            let text = ui.words("beside the picture");
+            let switch = ui.checkbox(&mut analysis, text);
             if switch.known_as("export.analysis").changed() {
                 sheet.commands.push(ExportCommand::Analysis(analysis));
             }
@@ -363,7 +365,7 @@ impl Sheet<'_> {
             let layout = egui::Layout::left_to_right(egui::Align::Center);
             let label = ui.allocate_ui_with_layout(size, layout, |ui| {
                 ui.set_min_width(NAME_WIDTH);
-                ui.label(name).id
+                ui.label(ui.words(name)).id
             });
             add(self, ui, label.inner);
         });

@@ -366,8 +366,8 @@ impl Player {
     }
 }
 
-/// Shows what does not fit beside a small window's controls: the whole sentence, counts, speed, the next line and the
-/// loop.
+/// Shows what does not fit beside a small window's controls: the whole sentence, counts, speed, the next line, the
+/// loop and the curve of the run.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     ui.label(RichText::new(said(ui.ctx(), context)).size(14.5))
@@ -399,6 +399,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             }
         }
     });
+    curve::show_alone(ui, context, commands);
 }
 
 /// Shows the buttons that move time; where there is no room, those to the first and last stage are left out, since the

@@ -11,6 +11,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
+use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::Settings;
@@ -83,6 +84,40 @@ fn every_panel_has_a_tab_and_fits() {
 fn widgets_outside_the_window_are_found() {
     let harness = opened_at(PHONE);
     assert!(!outside(&harness, 300.0).is_empty());
+}
+
+#[test]
+fn the_curve_is_in_the_panel_of_playback_and_leaves_the_canvas_its_room() {
+    for size in [PHONE, [360.0, 640.0], [844.0, 390.0]] {
+        let mut harness = opened_at(size);
+        harness.run();
+        let room = canvas(&harness);
+        let number = CurveNumber::of("conflicts");
+        let curve = Command::Appearance(AppearanceCommand::Curve(number));
+        harness.state_mut().state.apply(curve);
+        settle(&mut harness);
+        harness.run();
+        assert_eq!(canvas(&harness), room);
+        assert!(find(&harness, "curve.chart").is_none());
+
+        click(&mut harness, "tab.timeline");
+        for id in [
+            "curve.number",
+            "curve.save-csv",
+            "curve.save-png",
+            "curve.chart",
+        ] {
+            assert!(find(&harness, id).is_some(), "{size:?} lacks {id}");
+        }
+        assert!(node(&harness, "curve.chart").rect().width() > 250.0);
+        assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
+        click(&mut harness, "curve.hide");
+        assert!(find(&harness, "curve.chart").is_none());
+        assert!(
+            find(&harness, "curve.number").is_some(),
+            "to choose another one"
+        );
+    }
 }
 
 fn canvas(harness: &Harness<'_, App>) -> Rect {
