@@ -2,13 +2,16 @@
 //! judges from nothing.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use proptest::prelude::*;
+use proptest::test_runner::TestCaseError;
 use tilescope_analysis::live::{LiveCover, LivePairs, LiveVerdict, Plane};
 use tilescope_analysis::{Boundary, Report, VerifyOptions, verify};
+use tilescope_core::combine::{CombineOptions, Piece, combine_in_stages, grid};
 use tilescope_core::{
-    Insertion, Order, Parameters, PatternSpec, R, Recorder, Run, RunEvent, Unobserved, Variant,
-    sample_recorded,
+    Domain, Fate, Insertion, Order, Parameters, Pattern, PatternSpec, Point, R, Recorder, Run,
+    RunEvent, Unobserved, Variant, sample_recorded,
 };
 
 /// The samples that came and went, in sequence.
@@ -149,6 +152,82 @@ fn parameters() -> impl Strategy<Value = Parameters> {
     )
 }
 
+/// Returns a combination of four sets, as a run with all its stages.
+fn combination(seed: u64, is_bounded: bool, order: Order, insertion: Insertion) -> Run {
+    let boundary = if is_bounded {
+        tilescope_core::Boundary::Bounded
+    } else {
+        tilescope_core::Boundary::Periodic
+    };
+    let domain = Domain::from_size([30.0, 26.0], 1.0, boundary).expect("a domain");
+    let each = grid(&domain, 2, 2).into_iter().zip(seed..);
+    let pieces = each.map(|(rect, seed)| {
+        let own = Domain::of_rect(&rect, tilescope_core::Boundary::Periodic).expect("a domain");
+        let set = Pattern::of_reference(own, seed, &mut Unobserved).expect("a set");
+        let (set, start) = (Arc::new(set), Point::default());
+        Piece { set, rect, start }
+    });
+
+    let options = CombineOptions {
+        seed,
+        order,
+        insertion,
+        ..CombineOptions::default()
+    };
+    let pieces: Vec<Piece> = pieces.collect();
+    let made = combine_in_stages(domain, &pieces, &options, &mut Unobserved);
+    made.expect("a combination").run
+}
+
+/// Returns the samples that come and go in a combination, which reports no events: those that the pieces contribute come, those
+/// that are eliminated go, and those that fill gaps come.
+fn changes_of_combination(run: &Run) -> Vec<(u32, bool)> {
+    let fates = || (0..).zip(&run.samples.fates);
+    let inserted: Vec<u32> = (run.iterations.iter())
+        .flat_map(|made| made.inserted.clone())
+        .collect();
+    let placed = fates().filter(|(id, fate)| **fate != Fate::Dropped && !inserted.contains(id));
+    let eliminated = fates().filter(|(_, fate)| matches!(fate, Fate::Eliminated { .. }));
+
+    let mut changes: Vec<(u32, bool)> = placed.map(|(id, _)| (id, true)).collect();
+    changes.extend(eliminated.map(|(id, _)| (id, false)));
+    changes.extend(inserted.iter().map(|id| (*id, true)));
+    changes
+}
+
+/// Checks moments of a run, in shares of its changes, and its end. The changes are taken forwards and backwards.
+fn check_moments(run: &Run, all: &[(u32, bool)], moments: Vec<f64>) -> Result<(), TestCaseError> {
+    let mut follower = Follower::new(run);
+    let (mut taken, ends) = (0, [0.0, 1.0]);
+    for (round, moment) in moments.into_iter().chain(ends).enumerate() {
+        let target = (moment * all.len() as f64) as usize;
+        while taken < target {
+            let (sample, comes) = all[taken];
+            follower.change(run, sample, comes);
+            taken += 1;
+        }
+        while taken > target {
+            taken -= 1;
+            let (sample, came) = all[taken];
+            follower.change(run, sample, !came);
+        }
+        let difference = follower.difference(round % 4 == 3);
+        prop_assert!(
+            difference.is_none(),
+            "{target} of {}: {difference:?}",
+            all.len()
+        );
+    }
+    prop_assert!(LiveVerdict::of(&follower.pairs, &follower.cover).valid());
+
+    // The control: a change that the circles were not told of.
+    let (id, place) = follower.samples[follower.samples.len() / 2];
+    follower.cover.remove(id, place);
+    follower.cover.insert(id, [place[0] / 2, place[1]]);
+    prop_assert!(follower.difference(false).is_some());
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(tilescope_tests::cases(48)))]
 
@@ -159,30 +238,27 @@ proptest! {
     ) {
         let mut changes = Changes::default();
         let run = sample_recorded(&parameters, &mut Unobserved, &mut changes).expect("a run");
-        let mut follower = Follower::new(&run);
-        let (all, mut taken) = (&changes.0, 0);
-        let ends = [0.0, 1.0];
-        for (round, moment) in moments.into_iter().chain(ends).enumerate() {
-            let target = (moment * all.len() as f64) as usize;
-            while taken < target {
-                let (sample, comes) = all[taken];
-                follower.change(&run, sample, comes);
-                taken += 1;
-            }
-            while taken > target {
-                taken -= 1;
-                let (sample, came) = all[taken];
-                follower.change(&run, sample, !came);
-            }
-            let difference = follower.difference(round % 4 == 3);
-            prop_assert!(difference.is_none(), "{target} of {}: {difference:?}", all.len());
-        }
-        prop_assert!(LiveVerdict::of(&follower.pairs, &follower.cover).valid());
+        check_moments(&run, &changes.0, moments)?;
+    }
+}
 
-        // The control: a change that the circles were not told of.
-        let (id, place) = follower.samples[follower.samples.len() / 2];
-        follower.cover.remove(id, place);
-        follower.cover.insert(id, [place[0] / 2, place[1]]);
-        prop_assert!(follower.difference(false).is_some());
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(tilescope_tests::cases(16)))]
+
+    #[test]
+    fn moments_of_combinations_are_judged_as_from_nothing(
+        seed in any::<u32>(),
+        is_bounded in any::<bool>(),
+        order in prop_oneof![Just(Order::OwnBlockFirst), Just(Order::Random)],
+        insertion in prop_oneof![Just(Insertion::Circumcentre), Just(Insertion::Uniform)],
+        moments in prop::collection::vec(0.0_f64..=1.0, 8),
+    ) {
+        let run = combination(seed.into(), is_bounded, order, insertion);
+        let changes = changes_of_combination(&run);
+        let is_there = |id: &u32| changes.contains(&(*id, true)) && !changes.contains(&(*id, false));
+        prop_assert!(run.result.iter().all(is_there));
+        // Sets that meet are in conflict along their seams.
+        prop_assert!(changes.iter().any(|(_, comes)| !comes));
+        check_moments(&run, &changes, moments)?;
     }
 }
