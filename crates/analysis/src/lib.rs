@@ -6,6 +6,7 @@
 //! witnesses; [`StreamVerifier`] gives the same in bounded memory;
 //! [`measures`] has spectra by a fast transform, distances, order and uniformity;
 //! [`live`] keeps measures while samples come and go;
+//! [`SquaresJudge`] judges sets whose radius depends on the place, in domains of any shape;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
@@ -49,6 +50,7 @@ mod number;
 mod pairs;
 mod region;
 mod report;
+mod squares;
 mod stream;
 pub mod tessellation;
 mod verify;
@@ -66,6 +68,10 @@ pub use monitor::{Control, Progress};
 pub use number::Number;
 pub use region::{Boundary, Region};
 pub use report::Report;
+pub use squares::{
+    LatticeRegion, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError, SquaresJudge,
+    SquaresReport, UncoveredPlace,
+};
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};

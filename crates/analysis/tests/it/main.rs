@@ -15,6 +15,7 @@ mod periodogram;
 mod refusals;
 mod shares;
 mod spectra;
+mod squares;
 mod streams;
 mod support;
 mod tessellation;

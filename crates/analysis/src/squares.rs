@@ -1,0 +1,249 @@
+//! The judge by squares: judges sets of lattice points whose radius depends on the place, in domains of any shape. It
+//! takes plain integers and computes with nothing else, so that its verdict is exact.
+//!
+//! Two places of radii a and b are *near* each other if they are at most ceil(2ab / (a + b)) apart, the harmonic mean of
+//! the radii. A set is conflict-free if no two samples are near each other, and it covers if each lattice point of the
+//! domain is near a sample, with the radius that the point itself has.
+//!
+//! # How it decides
+//!
+//! Begin with [`search`]. A square is *proven* if one sample is near all of its places: its farthest corner is near
+//! enough for the least radius in the square. Any other square is cut in four, and its quarters look only at the samples
+//! that are near enough to some place of it, for the greatest radius in it. A square that none of them reaches is a hole. A square of one
+//! point has an exact answer, so the search ends. Covered circles and triangulations do not apply, since the
+//! region that a sample covers is no disk where the radius varies.
+//!
+//! The samples that a square looks at include every one that is near a sample in it. So conflicts are found where a
+//! square is settled, without a search of their own.
+
+mod error;
+mod radii;
+mod rule;
+mod search;
+mod shape;
+
+use serde::{Deserialize, Serialize};
+
+use crate::findings::MAX_CONFLICTS;
+use crate::monitor::Control;
+use crate::region::Boundary;
+use crate::witness::Conflict;
+use radii::RadiusTable;
+use shape::ShapeIndex;
+
+pub use error::SquaresError;
+
+/// The largest radius: squared distances and the products of the rule stay within 64 bits, and so do bilinear sums with a
+/// pitch of up to 2^[`MAX_PITCH_BITS`].
+pub const MAX_RADIUS: i32 = 1 << 21;
+
+/// The largest pitch of the nodes of a field is two to this power.
+pub const MAX_PITCH_BITS: u32 = 20;
+
+/// A rectangle of lattice points with one corner at the origin: `0 <= x < width` if it is periodic, `0 <= x <= width` if
+/// it is bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LatticeRegion {
+    /// Extent along x, in units.
+    pub width: i32,
+    /// Extent along y, in units.
+    pub height: i32,
+    /// What the border means.
+    pub boundary: Boundary,
+}
+
+/// The radius at each place, in units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Radii<'a> {
+    /// The same everywhere.
+    Constant(i32),
+    /// Integers at nodes, bilinear between them and rounded down.
+    Nodes {
+        /// Nodes are 2^`pitch_bits` units apart on both axes; the first lies at the origin.
+        pitch_bits: u32,
+        /// Nodes of a row: width / pitch if the region is periodic, where the first follows the last; otherwise one more
+        /// than the cells that cover the width.
+        columns: usize,
+        /// The radii, row by row.
+        nodes: &'a [i32],
+    },
+}
+
+/// Which lattice points of the region have to be covered. Samples lie at such points.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// All of them.
+    Rectangle,
+    /// Those inside closed rings by the even-odd rule, and those on a ring.
+    Polygon {
+        /// The corners of each ring; the last is joined to the first.
+        rings: Vec<Vec<[i32; 2]>>,
+    },
+    /// Those in chosen pixels. Places beyond the last pixel are outside.
+    Mask {
+        /// Pixels are 2^`pitch_bits` units wide; the first begins at the origin.
+        pitch_bits: u32,
+        /// Pixels of a row.
+        columns: usize,
+        /// Whether each pixel is inside, row by row.
+        pixels: Vec<bool>,
+    },
+}
+
+/// A lattice point of the domain that no sample is near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UncoveredPlace {
+    /// The point.
+    pub place: [i32; 2],
+    /// The radius there.
+    pub radius: i32,
+}
+
+/// The verdict of the judge by squares.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SquaresReport {
+    /// Number of samples.
+    pub count: usize,
+    /// Number of pairs that are near each other, each pair once; [`MAX_CONFLICTS`] stand for that many or more.
+    pub conflicts: u64,
+    /// The closest of those pairs, closest first, with their distance in units.
+    pub worst_conflicts: Vec<Conflict>,
+    /// Number of squares in which an uncovered place was found. One hole usually has several; none means that every
+    /// lattice point of the domain is covered.
+    pub uncovered: u64,
+    /// An uncovered place of the first of these squares, in the order of tiles.
+    pub uncovered_places: Vec<UncoveredPlace>,
+    /// Squares that were looked at, a measure of the work.
+    pub squares: u64,
+}
+
+impl SquaresReport {
+    /// Whether no two samples are near each other and every lattice point of the domain is covered.
+    #[must_use]
+    pub const fn valid(&self) -> bool {
+        self.conflicts == 0 && self.uncovered == 0
+    }
+
+    /// Whether there are [`MAX_CONFLICTS`] or more: they were not counted further.
+    #[must_use]
+    pub const fn more_conflicts(&self) -> bool {
+        self.conflicts >= MAX_CONFLICTS
+    }
+}
+
+/// Judges sets of one domain.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tilescope_analysis::{Boundary, LatticeRegion, Radii, Shape, SquaresJudge};
+///
+/// // The radius grows from 4 at the left border to 8 at the right one, and the middle is left out.
+/// let region = LatticeRegion { width: 16, height: 8, boundary: Boundary::Bounded };
+/// let nodes = [4, 6, 8, 4, 6, 8];
+/// let radii = Radii::Nodes { pitch_bits: 3, columns: 3, nodes: &nodes };
+/// let pixels = vec![true, false, true];
+/// let shape = Shape::Mask { pitch_bits: 3, columns: 3, pixels };
+/// let judge = SquaresJudge::new(region, radii, &shape)?;
+///
+/// let go_on = |_| ControlFlow::Continue(());
+/// let report = judge.judge(&[[2, 2], [2, 7], [7, 1], [7, 5], [16, 3]], 16, &go_on)?;
+/// assert_eq!(report.conflicts, 2);
+/// assert_eq!(report.uncovered, 0);
+/// # Ok::<(), tilescope_analysis::SquaresError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SquaresJudge {
+    region: LatticeRegion,
+    radii: RadiusTable,
+    shape: ShapeIndex,
+}
+
+impl SquaresJudge {
+    /// Returns the judge of a region, its radii and a shape in it.
+    ///
+    /// # Errors
+    ///
+    /// See [`SquaresError`]: the first number that is beyond its limit is named.
+    pub fn new(
+        region: LatticeRegion,
+        radii: Radii<'_>,
+        shape: &Shape,
+    ) -> Result<Self, SquaresError> {
+        for side in [region.width, region.height] {
+            if side < 1 {
+                return Err(SquaresError::Side { side });
+            }
+        }
+        let radii = RadiusTable::new(region, radii)?;
+        // Only then is at most one of a sample's images near a place.
+        let shorter = region.width.min(region.height);
+        if region.boundary == Boundary::Periodic && i64::from(shorter) <= 2 * radii.greatest() {
+            return Err(SquaresError::Period {
+                side: shorter,
+                radius: radii.greatest() as i32,
+            });
+        }
+
+        let shape = ShapeIndex::new(region, shape)?;
+        Ok(Self {
+            region,
+            radii,
+            shape,
+        })
+    }
+
+    /// Judges samples. At most `witnesses` conflicts and as many uncovered places are listed; the counts are complete.
+    ///
+    /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not
+    /// depend on the number of threads. Besides the samples and 16 bytes for each, memory holds what a tile of about 500 samples takes, for each thread.
+    ///
+    /// # Errors
+    ///
+    /// [`SquaresError::Outside`] for the first sample that does not lie in the domain, [`SquaresError::TooMany`], and
+    /// [`SquaresError::Cancelled`].
+    pub fn judge(
+        &self,
+        samples: &[[i32; 2]],
+        witnesses: usize,
+        control: Control<'_>,
+    ) -> Result<SquaresReport, SquaresError> {
+        let limit = u32::MAX as usize;
+        if samples.len() >= limit {
+            let count = samples.len();
+            return Err(SquaresError::TooMany { count, limit });
+        }
+        let outside = samples.iter().position(|&place| !self.contains(place));
+        if let Some(index) = outside {
+            let place = samples[index];
+            return Err(SquaresError::Outside { index, place });
+        }
+        search::search(self, samples, witnesses, control)
+    }
+
+    /// Returns whether a place is a lattice point of the domain.
+    #[must_use]
+    pub fn contains(&self, [x, y]: [i32; 2]) -> bool {
+        let [right, top] = self.last();
+        let (x, y) = (i64::from(x), i64::from(y));
+        (0..=right).contains(&x) && (0..=top).contains(&y) && self.shape.inside(x, y)
+    }
+
+    /// Returns the radius at a place of the region.
+    #[must_use]
+    pub fn radius_at(&self, [x, y]: [i32; 2]) -> i32 {
+        self.radii.at(x.into(), y.into()) as i32
+    }
+
+    /// Returns the largest coordinates of the region.
+    fn last(&self) -> [i64; 2] {
+        let beyond = i64::from(self.region.boundary == Boundary::Periodic);
+        [self.region.width, self.region.height].map(|side| i64::from(side) - beyond)
+    }
+}
+
+/// The lattice points from the lowest to the highest, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Span {
+    min: [i64; 2],
+    max: [i64; 2],
+}

@@ -1,0 +1,482 @@
+//! The search: tiles of the region, each cut into squares until every square is proven or has an uncovered place.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::findings::MAX_CONFLICTS;
+use crate::monitor::{Control, Monitor};
+use crate::region::Boundary;
+use crate::witness::Conflict;
+use crate::worst::Worst;
+
+use super::error::SquaresError;
+use super::radii::RadiusRange;
+use super::rule::is_near;
+use super::shape::Share;
+use super::{Span, SquaresJudge, SquaresReport, UncoveredPlace};
+
+/// About so many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
+const TILE_SAMPLES: usize = 512;
+
+/// The side of the largest tiles is two to this power, so that squared distances in a tile stay within 64 bits.
+const MAX_TILE_BITS: u32 = 28;
+
+/// So many tiles are fewer than the largest region has of the largest tiles.
+const MIN_TILES: usize = 81;
+
+/// Judges samples that lie in the domain.
+pub(super) fn search(
+    judge: &SquaresJudge,
+    samples: &[[i32; 2]],
+    witnesses: usize,
+    control: Control<'_>,
+) -> Result<SquaresReport, SquaresError> {
+    let cancelled = |_| SquaresError::Cancelled;
+    let monitor = Monitor::begin(control, samples.len() as u64).map_err(cancelled)?;
+    let tiles = Tiles::new(judge, samples);
+    let mut all = Findings::new(witnesses);
+
+    for row in 0..tiles.rows {
+        // Decided for whole rows, so that the report is the same on all threads.
+        let counts = all.conflicts < MAX_CONFLICTS;
+        let of_tile = |column: usize| {
+            let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);
+            search.counts_conflicts = counts;
+            search.run(&tiles);
+            monitor.advance(tiles.entries(column, row).len() as u64)?;
+            Ok(search.findings)
+        };
+        let columns = (0..tiles.columns).into_par_iter();
+        let found: Result<Vec<Findings>, _> = columns.map(of_tile).collect();
+        for findings in found.map_err(cancelled)? {
+            all.merge(findings, witnesses);
+        }
+    }
+
+    Ok(SquaresReport {
+        count: samples.len(),
+        conflicts: all.conflicts.min(MAX_CONFLICTS),
+        worst_conflicts: all.worst.into_sorted(),
+        uncovered: all.uncovered,
+        uncovered_places: all.places,
+        squares: all.squares,
+    })
+}
+
+/// What was found in some tiles.
+struct Findings {
+    conflicts: u64,
+    worst: Worst<Conflict>,
+    uncovered: u64,
+    places: Vec<UncoveredPlace>,
+    squares: u64,
+}
+
+impl Findings {
+    fn new(witnesses: usize) -> Self {
+        Self {
+            conflicts: 0,
+            worst: Worst::new(witnesses),
+            uncovered: 0,
+            places: Vec::new(),
+            squares: 0,
+        }
+    }
+
+    fn merge(&mut self, other: Self, witnesses: usize) {
+        self.conflicts += other.conflicts;
+        self.worst.merge(other.worst);
+        self.uncovered += other.uncovered;
+        self.places.extend(other.places);
+        self.places.truncate(witnesses);
+        self.squares += other.squares;
+    }
+}
+
+/// A sample of a tile.
+#[derive(Clone, Copy)]
+struct Entry {
+    place: [i32; 2],
+    index: u32,
+}
+
+/// The samples by tiles.
+struct Tiles {
+    bits: u32,
+    columns: usize,
+    rows: usize,
+    /// Where the samples of each tile start, and the end.
+    starts: Vec<usize>,
+    entries: Vec<Entry>,
+}
+
+impl Tiles {
+    fn new(judge: &SquaresJudge, samples: &[[i32; 2]]) -> Self {
+        let [right, top] = judge.last();
+        let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
+        let most = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
+        let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most as u64;
+        let bits = (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS);
+        let [columns, rows] = counts(bits).map(|count| count as usize);
+
+        let tile_of = |[x, y]: [i32; 2]| (y >> bits) as usize * columns + (x >> bits) as usize;
+        let mut starts = vec![0; columns * rows + 1];
+        for &place in samples {
+            starts[tile_of(place) + 1] += 1;
+        }
+        for tile in 0..columns * rows {
+            starts[tile + 1] += starts[tile];
+        }
+        let mut next = starts.clone();
+        let nowhere = Entry {
+            place: [0; 2],
+            index: 0,
+        };
+        let mut entries = vec![nowhere; samples.len()];
+        for (index, &place) in samples.iter().enumerate() {
+            let slot = &mut next[tile_of(place)];
+            let index = index as u32;
+            entries[*slot] = Entry { place, index };
+            *slot += 1;
+        }
+
+        Self {
+            bits,
+            columns,
+            rows,
+            starts,
+            entries,
+        }
+    }
+
+    fn entries(&self, column: usize, row: usize) -> &[Entry] {
+        let tile = row * self.columns + column;
+        &self.entries[self.starts[tile]..self.starts[tile + 1]]
+    }
+
+    /// Calls `visit` with the samples of all tiles that a rectangle meets.
+    fn in_tiles_of(&self, rectangle: &Span, mut visit: impl FnMut(&Entry)) {
+        let met = |axis: usize, count: usize| {
+            let first = rectangle.min[axis].max(0) >> self.bits;
+            let beyond = (rectangle.max[axis] >> self.bits) + 1;
+            first as usize..beyond.clamp(0, count as i64) as usize
+        };
+        for row in met(1, self.rows) {
+            for column in met(0, self.columns) {
+                self.entries(column, row).iter().for_each(&mut visit);
+            }
+        }
+    }
+}
+
+/// A sample near a tile, or an image of one.
+#[derive(Clone, Copy)]
+struct Near {
+    /// Its offset from the tile's lowest place.
+    x: i32,
+    y: i32,
+    radius: i32,
+    index: u32,
+}
+
+impl Near {
+    /// Returns the squared distances to the nearest and to the farthest place of a span that is given from the tile's
+    /// lowest place.
+    #[inline]
+    fn distances(&self, Span { min, max }: &Span) -> [i64; 2] {
+        let (left, right) = (i64::from(self.x) - min[0], max[0] - i64::from(self.x));
+        let (down, up) = (i64::from(self.y) - min[1], max[1] - i64::from(self.y));
+        // At most one of the two directions on an axis is outside, where its distance is negative.
+        let outside = [(-left).max(-right).max(0), (-down).max(-up).max(0)];
+        let across = [left.max(right), down.max(up)];
+        let squared = |[x, y]: [i64; 2]| x * x + y * y;
+        [squared(outside), squared(across)]
+    }
+
+    fn distance_squared(&self, other: &Self) -> i64 {
+        let (x, y) = (self.x - other.x, self.y - other.y);
+        i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y)
+    }
+}
+
+/// A square of a tile: its sides are 2^`bits`, and its coordinates, from the tile's lowest place, are multiples of that.
+#[derive(Clone, Copy)]
+struct Square {
+    x: i32,
+    y: i32,
+    bits: u32,
+}
+
+impl Square {
+    fn holds(&self, near: &Near) -> bool {
+        near.x >> self.bits == self.x >> self.bits && near.y >> self.bits == self.y >> self.bits
+    }
+
+    fn quarters(&self) -> [Self; 4] {
+        let (bits, half) = (self.bits - 1, 1 << (self.bits - 1));
+        let Self { x, y, .. } = *self;
+        [(x, y), (x + half, y), (x, y + half), (x + half, y + half)].map(|(x, y)| Self {
+            x,
+            y,
+            bits,
+        })
+    }
+}
+
+/// The samples that may be near a place of a square, a range of the lists. Those in the square itself come first.
+#[derive(Clone, Copy)]
+struct List {
+    first: usize,
+    /// Where those outside of the square begin.
+    outside: usize,
+    end: usize,
+}
+
+impl List {
+    const fn all(&self) -> Range<usize> {
+        self.first..self.end
+    }
+
+    const fn own(&self) -> Range<usize> {
+        self.first..self.outside
+    }
+}
+
+/// The search of a tile.
+struct TileSearch<'a> {
+    judge: &'a SquaresJudge,
+    /// The tile's lowest place, and the region's highest.
+    corner: [i64; 2],
+    last: [i64; 2],
+    bits: u32,
+    /// The lists of the squares that are being cut, one after another.
+    lists: Vec<Near>,
+    counts_conflicts: bool,
+    witnesses: usize,
+    findings: Findings,
+}
+
+impl<'a> TileSearch<'a> {
+    fn new(judge: &'a SquaresJudge, tiles: &Tiles, tile: [usize; 2], witnesses: usize) -> Self {
+        Self {
+            judge,
+            corner: tile.map(|index| (index as i64) << tiles.bits),
+            last: judge.last(),
+            bits: tiles.bits,
+            lists: Vec::new(),
+            counts_conflicts: true,
+            witnesses,
+            findings: Findings::new(witnesses),
+        }
+    }
+
+    fn run(&mut self, tiles: &Tiles) {
+        let tile = Square {
+            x: 0,
+            y: 0,
+            bits: self.bits,
+        };
+        let span = self.span(&tile);
+        if self.judge.shape.share(span, self.bits) == Share::Nothing {
+            return;
+        }
+        let near = self.gather(tiles, &tile, &span);
+        self.visit(&tile, Share::Some, near);
+    }
+
+    /// Returns the lattice points of a square that starts in the region.
+    fn span(&self, square: &Square) -> Span {
+        let offset = [square.x, square.y].map(i64::from);
+        let min = [0, 1].map(|axis| self.corner[axis] + offset[axis]);
+        let side = 1 << square.bits;
+        let max = [0, 1].map(|axis| (min[axis] + side - 1).min(self.last[axis]));
+        Span { min, max }
+    }
+
+    /// Lists the samples that may be near a place of the tile.
+    fn gather(&mut self, tiles: &Tiles, tile: &Square, span: &Span) -> List {
+        let Self { judge, corner, .. } = *self;
+        // No reach is larger than the larger radius, nor than twice the smaller one.
+        let greatest = judge.radii.range(*span, self.bits).greatest;
+        let reach = judge.radii.greatest().min(2 * greatest);
+        let wide = Span {
+            min: span.min.map(|value| value - reach),
+            max: span.max.map(|value| value + reach),
+        };
+        let [width, height] = [judge.region.width, judge.region.height].map(i64::from);
+        let images = match judge.region.boundary {
+            Boundary::Periodic => [-1, 0, 1].as_slice(),
+            Boundary::Bounded => &[0],
+        };
+
+        let mut others = Vec::new();
+        for (i, j) in images
+            .iter()
+            .flat_map(|i| images.iter().map(move |j| (i, j)))
+        {
+            let shift = [i * width, j * height];
+            let original = Span {
+                min: [0, 1].map(|axis| wide.min[axis] - shift[axis]),
+                max: [0, 1].map(|axis| wide.max[axis] - shift[axis]),
+            };
+            tiles.in_tiles_of(&original, |entry| {
+                let place = [0, 1].map(|axis| i64::from(entry.place[axis]) + shift[axis]);
+                // A tile that the rectangle meets may reach far beyond it, where offsets would not fit.
+                if (0..2).any(|axis| place[axis] < wide.min[axis] || place[axis] > wide.max[axis]) {
+                    return;
+                }
+                let [x, y] = [0, 1].map(|axis| (place[axis] - corner[axis]) as i32);
+                let (radius, index) = (judge.radius_at(entry.place), entry.index);
+                let near = Near {
+                    x,
+                    y,
+                    radius,
+                    index,
+                };
+                let list = if tile.holds(&near) {
+                    &mut self.lists
+                } else {
+                    &mut others
+                };
+                list.push(near);
+            });
+        }
+
+        let outside = self.lists.len();
+        self.lists.append(&mut others);
+        List {
+            first: 0,
+            outside,
+            end: self.lists.len(),
+        }
+    }
+
+    /// Looks for uncovered places and conflicts in a square, given the samples that may be near a place of a larger one.
+    /// Returns whether it has an uncovered place.
+    fn visit(&mut self, square: &Square, around: Share, near: List) -> bool {
+        let span = self.span(square);
+        // A square may begin beyond the region's border.
+        if (0..2).any(|axis| span.min[axis] > span.max[axis]) {
+            return false;
+        }
+        let share = match around {
+            Share::Everything => Share::Everything,
+            Share::Some | Share::Nothing => self.judge.shape.share(span, square.bits),
+        };
+        // No sample lies outside of the domain, so that there is no conflict to find either.
+        if share == Share::Nothing {
+            return false;
+        }
+        self.findings.squares += 1;
+        let range = self.judge.radii.range(span, square.bits);
+        let Some(list) = self.list(square, &span, range, near) else {
+            return false;
+        };
+
+        let is_hole = list.all().is_empty() && share == Share::Everything;
+        if is_hole || square.bits == 0 {
+            self.report_uncovered(&span);
+            self.lists.truncate(list.first);
+            return true;
+        }
+        let mut found = false;
+        for quarter in square.quarters() {
+            // Along the rim of a hole are thousands of uncovered places: in a square that one sample could cover, the first
+            // one is enough.
+            if found && 1 << square.bits <= range.least {
+                let own = self.list_own(&quarter, list);
+                self.find_conflicts(own, list);
+            } else {
+                found |= self.visit(&quarter, share, list);
+            }
+        }
+        self.lists.truncate(list.first);
+        found
+    }
+
+    /// Lists the samples that may be near a place of a square. If one is near all of its places, this returns `None`, and
+    /// the conflicts of the square's own samples are found.
+    fn list(
+        &mut self,
+        square: &Square,
+        span: &Span,
+        range: RadiusRange,
+        near: List,
+    ) -> Option<List> {
+        let own = self.list_own(square, near);
+        let offset = Span {
+            min: [0, 1].map(|axis| span.min[axis] - self.corner[axis]),
+            max: [0, 1].map(|axis| span.max[axis] - self.corner[axis]),
+        };
+        for index in near.all() {
+            let sample = self.lists[index];
+            let radius = i64::from(sample.radius);
+            let [nearest, farthest] = sample.distances(&offset);
+            if is_near(farthest, radius, range.least) {
+                self.find_conflicts(own, near);
+                return None;
+            }
+            let is_own = index < near.outside && square.holds(&sample);
+            if !is_own && is_near(nearest, radius, range.greatest) {
+                self.lists.push(sample);
+            }
+        }
+
+        Some(List {
+            first: own.start,
+            outside: own.end,
+            end: self.lists.len(),
+        })
+    }
+
+    /// Lists the samples in a square, given those of a larger one.
+    fn list_own(&mut self, square: &Square, near: List) -> Range<usize> {
+        let first = self.lists.len();
+        for index in near.own() {
+            let sample = self.lists[index];
+            if square.holds(&sample) {
+                self.lists.push(sample);
+            }
+        }
+        first..self.lists.len()
+    }
+
+    /// Finds the conflicts of the samples that were listed last with others that are listed, and lists the former no longer.
+    fn find_conflicts(&mut self, own: Range<usize>, near: List) {
+        for index in own.clone() {
+            let one = self.lists[index];
+            for index in near.all() {
+                let other = self.lists[index];
+                // Of a pair each sample finds the other, and the first one counts.
+                if one.index >= other.index || !self.counts_conflicts {
+                    continue;
+                }
+                let squared = one.distance_squared(&other);
+                if is_near(squared, one.radius.into(), other.radius.into()) {
+                    self.report_conflict(one.index, other.index, squared);
+                }
+            }
+        }
+        self.lists.truncate(own.start);
+    }
+
+    fn report_conflict(&mut self, first: u32, second: u32, squared: i64) {
+        self.findings.conflicts += 1;
+        self.counts_conflicts = self.findings.conflicts < MAX_CONFLICTS;
+        self.findings.worst.push(Conflict {
+            first: first as usize,
+            second: second as usize,
+            distance: (squared as f64).sqrt(),
+        });
+    }
+
+    fn report_uncovered(&mut self, Span { min, max }: &Span) {
+        self.findings.uncovered += 1;
+        if self.findings.places.len() < self.witnesses {
+            let place = [0, 1].map(|axis| i64::midpoint(min[axis], max[axis]) as i32);
+            let radius = self.judge.radius_at(place);
+            self.findings.places.push(UncoveredPlace { place, radius });
+        }
+    }
+}
