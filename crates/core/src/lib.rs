@@ -43,6 +43,7 @@ mod run;
 mod samples;
 mod stage;
 pub mod stages;
+mod varying;
 mod whole_sets;
 mod words;
 
@@ -90,4 +91,7 @@ pub use reference::{reference_recorded, reference_sample};
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
 pub use stage::Stage;
+pub use varying::{
+    FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField, Shape, ShapeError, varying_sample,
+};
 pub use words::grouped;

@@ -32,6 +32,8 @@ pub enum Stream {
     Nested = 12,
     /// The place of a sample among those of its level.
     Sequence = 13,
+    /// Whether a dart stays where the radius is larger than the side of its base cell.
+    Thin = 14,
 }
 
 /// A 64-bit key from which draws and further keys are derived.

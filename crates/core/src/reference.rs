@@ -7,7 +7,7 @@ use crate::progress::Observer;
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::stage::Stage;
-use crate::stages::darts::DartProcess;
+use crate::stages::darts::{DartProcess, Ground};
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
 ///
@@ -32,7 +32,16 @@ pub fn reference_recorded<T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Vec<Point>, SampleError> {
-    let mut process = DartProcess::everywhere(Key::from_seed(seed), domain);
+    let process = DartProcess::everywhere(Key::from_seed(seed), domain);
+    finished(process, observer, recorder)
+}
+
+/// Returns the samples of a process in the order of their arrival, which is that of the ids in the events.
+pub(crate) fn finished<G: Ground, T: Recorder>(
+    mut process: DartProcess<G>,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Vec<Point>, SampleError> {
     let mut samples = Vec::new();
     let mut throw = 0;
 

@@ -1,6 +1,7 @@
 //! The stages as functions over plain data, one file each, in the paper's order. Engines call them.
 
 pub mod blocks;
+pub(crate) mod cells;
 pub mod darts;
 pub mod detect;
 pub mod disks;

@@ -124,7 +124,7 @@ impl LevelRegion {
             let farther = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
                 pixel.is_due = true;
-                let cell = self.grid.cell_at(pixel.min);
+                let cell = self.grid.layout().cell_at(pixel.min);
                 self.flags.has(cell, flag::CHANGED) || pixel.sight > farther
             });
         }
@@ -140,7 +140,7 @@ impl LevelRegion {
             let open = some.par_chunks(TURN).map(|cells| {
                 let mut around = Gathered::default();
                 for &cell in cells {
-                    let rect = self.grid.cell_rect(cell as usize);
+                    let rect = self.grid.layout().cell_rect(cell as usize);
                     let (min, max) = (rect.min, rect.max);
                     let across = min.x < inside.max.x && inside.min.x < max.x;
                     if across && min.y < inside.max.y && inside.min.y < max.y {
@@ -236,7 +236,9 @@ impl LevelRegion {
                 let is_far = pixel.sight > f64::from(farthest);
                 let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
                 let edge = self.frame.inside(sight + radius.units);
-                let doubtful = self.flags.has(self.grid.cell_at(pixel.min), flag::DOUBTFUL);
+                let doubtful = self
+                    .flags
+                    .has(self.grid.layout().cell_at(pixel.min), flag::DOUBTFUL);
                 let is_known = edge.contains(centre)
                     && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));

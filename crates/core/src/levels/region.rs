@@ -47,7 +47,7 @@ impl CellFlags {
         flag: u8,
         mut first: impl FnMut(usize),
     ) {
-        grid.any_range(from, reach, |range, _| {
+        grid.layout().any_range(from, reach, |range, _| {
             for cell in range {
                 if self.0[cell] & flag == 0 {
                     self.0[cell] |= flag;
@@ -141,7 +141,7 @@ impl LevelRegion {
     /// Begins a level: takes over what is known from the level before.
     pub fn begin(&mut self, frame: LevelFrame, radius: Radius) {
         self.grid.reset(frame.rect, frame.wraps, radius);
-        self.flags.reset(self.grid.cell_count());
+        self.flags.reset(self.grid.layout().count());
         self.dirty.clear();
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             let fits = self.grid.insert(sample.at);
@@ -175,9 +175,9 @@ impl LevelRegion {
     /// Adds an unknown.
     pub fn doubt(&mut self, unknown: UnknownDisk) {
         if self.unknown_in.is_empty() {
-            self.unknown_in.resize(self.grid.cell_count(), NONE);
+            self.unknown_in.resize(self.grid.layout().count(), NONE);
         }
-        let cell = self.grid.cell_at(unknown.at);
+        let cell = self.grid.layout().cell_at(unknown.at);
         self.unknown_next.push(self.unknown_in[cell]);
         self.unknown_in[cell] = self.unknown.len() as u32;
         self.largest_unknown = self.largest_unknown.max(unknown.radius);
@@ -198,7 +198,7 @@ impl LevelRegion {
             let far = i64::from(radius) + i64::from(unknown.radius);
             i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y) <= far * far
         };
-        self.grid.any_range(at, reach, |range, _| {
+        self.grid.layout().any_range(at, reach, |range, _| {
             self.unknown_in[range].iter().any(|&first| {
                 let mut next = first;
                 while let Some(unknown) = self.unknown.get(next as usize) {
@@ -235,7 +235,11 @@ impl LevelRegion {
             let safe = safe.unwrap_or_default();
             let clip = &variants[block.symmetry as usize][level];
             clip.clip(block.origin, &part, |p| {
-                if safe.contains(p) && !self.flags.has(self.grid.cell_at(p), flag::CONTESTED) {
+                if safe.contains(p)
+                    && !self
+                        .flags
+                        .has(self.grid.layout().cell_at(p), flag::CONTESTED)
+                {
                     self.keep(p, false);
                 } else {
                     claimants.push(Claimant::new(block, index, p, &self.frame));

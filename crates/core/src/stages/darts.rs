@@ -1,6 +1,7 @@
 //! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler; uniform insertion, which is the same
-//! process restricted to the gaps; and the pattern of nested levels, which is the same process at one radius after
-//! another. The result does not depend on the order in which cells are visited.
+//! process restricted to the gaps; the pattern of nested levels, which is the same process at one radius after
+//! another; and sets whose radius varies, which it makes on another [`Ground`]. The result does not depend on the order in which
+//! cells are visited.
 //!
 //! A level works on active cells of one side. In a throw each active cell draws a Poisson number of
 //! darts with uniform positions and random ranks; over all cells that is a uniform process in
@@ -8,6 +9,8 @@
 //! level's throws every active cell is cut in four, and the quarters that no single sample covers
 //! are the active cells of the next level. Cells of one unit hold one point and throw exactly it,
 //! so the process ends with no lattice point of the active cells uncovered.
+
+use glam::IVec2;
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
@@ -48,9 +51,97 @@ pub const fn throws(level: u32) -> u32 {
 /// The side of the cells at which uniform insertion starts: most gaps are smaller than a radius.
 pub const GAP_SIDE: i32 = R / 2;
 
-struct Dart {
+/// What becomes of a dart before samples are asked.
+pub enum Landing<P> {
+    /// It does not exist, since it falls outside of the domain.
+    Outside,
+    /// It does not exist, since fewer darts fall where the radius is large.
+    Thinned,
+    /// It falls on a place of the domain.
+    Inside(P),
+}
+
+/// What a process throws its darts on: a domain, how far samples reach in it, and the samples so far.
+pub trait Ground {
+    /// An active cell.
+    type Cell: Copy;
+    /// What is known of the place of a dart.
+    type Place: Copy;
+    /// A sample near a cell.
+    type Near;
+
+    /// Returns the square of an active cell of a level.
+    fn square(&self, cell: &Self::Cell, level: u32) -> Cell;
+
+    /// Returns where a dart of a cell falls. `coin` is the random word that decides about thinning.
+    fn landing(
+        &self,
+        cell: &Self::Cell,
+        at: Point,
+        coin: impl FnOnce() -> u32,
+    ) -> Landing<Self::Place>;
+
+    /// Returns whether a sample covers a place.
+    fn covers(&self, at: Point, place: Self::Place) -> bool;
+
+    /// Adds a sample; returns `false` when it does not fit, which only happens in a set that is not conflict-free.
+    #[must_use]
+    fn insert(&mut self, at: Point, place: Self::Place) -> bool;
+
+    /// Appends to `out` the quarters of a cell of a level that hold places of the domain and are not covered by a single
+    /// sample. `near` is a buffer.
+    fn split(
+        &self,
+        cell: &Self::Cell,
+        level: u32,
+        near: &mut Vec<Self::Near>,
+        out: &mut Vec<Self::Cell>,
+    );
+}
+
+/// One radius everywhere in a rectangle.
+impl Ground for DiskGrid {
+    type Cell = Point;
+    type Place = ();
+    type Near = IVec2;
+
+    #[inline]
+    fn square(&self, &min: &Point, level: u32) -> Cell {
+        let bits = self.radius().bits;
+        let side = 1 << (bits - level.min(bits));
+        Cell { min, side }
+    }
+
+    #[inline]
+    fn landing(&self, _: &Point, at: Point, _: impl FnOnce() -> u32) -> Landing<()> {
+        if self.rect().contains(at) {
+            Landing::Inside(())
+        } else {
+            Landing::Outside
+        }
+    }
+
+    #[inline]
+    fn covers(&self, at: Point, (): ()) -> bool {
+        Self::covers(self, at)
+    }
+
+    #[inline]
+    fn insert(&mut self, at: Point, (): ()) -> bool {
+        Self::insert(self, at)
+    }
+
+    #[inline]
+    fn split(&self, cell: &Point, level: u32, near: &mut Vec<IVec2>, out: &mut Vec<Point>) {
+        self.uncovered_quarters(self.square(cell, level), near, out);
+    }
+}
+
+/// A dart to be examined by rank.
+struct Dart<P> {
     rank: u32,
     point: Point,
+    place: P,
 }
 
 /// How darts are drawn from the key of their cell.
@@ -60,16 +151,18 @@ pub(crate) enum DartDraws {
     One,
     /// Two draws for a dart: a word for each coordinate, and the rank.
     Two,
+    /// One draw in cells of at most 2^16 units, two in wider ones.
+    Fitting,
 }
 
 /// A dart process in progress.
-pub struct DartProcess {
+pub struct DartProcess<G: Ground = DiskGrid> {
     key: Key,
     draws: DartDraws,
     level: u32,
     throw: u32,
-    disks: DiskGrid,
-    active: Vec<Point>,
+    ground: G,
+    active: Vec<G::Cell>,
 }
 
 impl DartProcess {
@@ -83,7 +176,7 @@ impl DartProcess {
             level: 0,
             throw: 0,
             active: cells.map(|cell| cell.min).collect(),
-            disks: DiskGrid::new(domain),
+            ground: DiskGrid::new(domain),
         }
     }
 
@@ -98,7 +191,7 @@ impl DartProcess {
             level: 0,
             throw: 0,
             active: active.map(|cell| cell.min).collect(),
-            disks,
+            ground: disks,
         }
     }
 
@@ -111,7 +204,21 @@ impl DartProcess {
             draws: DartDraws::One,
             level: 1,
             throw: 0,
-            disks,
+            ground: disks,
+            active,
+        }
+    }
+}
+
+impl<G: Ground> DartProcess<G> {
+    /// Returns the process that throws darts on a ground from its cells on, until they hold no uncovered place.
+    pub(crate) fn on(ground: G, key: Key, active: Vec<G::Cell>) -> Self {
+        Self {
+            key,
+            draws: DartDraws::Fitting,
+            level: 0,
+            throw: 0,
+            ground,
             active,
         }
     }
@@ -125,13 +232,8 @@ impl DartProcess {
     /// Returns the active cells of the level to come.
     #[must_use]
     pub fn active_cells(&self) -> impl ExactSizeIterator<Item = Cell> {
-        let side = self.side();
-        self.active.iter().map(move |&min| Cell { min, side })
-    }
-
-    fn side(&self) -> i32 {
-        let bits = self.disks.radius().bits;
-        1 << (bits - self.level.min(bits))
+        let square = |cell| self.ground.square(cell, self.level);
+        self.active.iter().map(square)
     }
 
     /// Makes one throw, and cuts the cells after the level's last, and returns the new samples in
@@ -161,7 +263,7 @@ impl DartProcess {
         };
         let mut accepted = Vec::new();
         for dart in darts {
-            let covered = self.disks.covers(dart.point);
+            let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
                 ranked: true,
@@ -169,7 +271,7 @@ impl DartProcess {
             });
             if !covered {
                 // A grid cell of a conflict-free set never fills up.
-                let fits = self.disks.insert(dart.point);
+                let fits = self.ground.insert(dart.point, dart.place);
                 debug_assert!(fits, "the set is conflict-free");
                 recorder.record(RunEvent::Insert {
                     sample: first + accepted.len() as u32,
@@ -192,22 +294,32 @@ impl DartProcess {
         &self,
         meter: &mut Meter<'_>,
         recorder: &mut T,
-    ) -> Result<Vec<Dart>, SampleError> {
+    ) -> Result<Vec<Dart<G::Place>>, SampleError> {
         let key = throw_key(self.key, self.level, self.throw);
-        let side = self.side();
         let mut darts = Vec::new();
-        for &min in &self.active {
-            for (rank, point) in cell_darts(key, Cell { min, side }, self.draws) {
-                let inside = self.disks.rect().contains(point);
-                let covered = inside && self.disks.covers(point);
+        for cell in &self.active {
+            let square = self.ground.square(cell, self.level);
+            for (index, (rank, point)) in cell_darts(key, square, self.draws).enumerate() {
+                let coin = || {
+                    let cell = key.derive_at(square.min.x, square.min.y);
+                    cell.draw(Stream::Thin, index as u32)[0]
+                };
+                let (inside, covered) = match self.ground.landing(cell, point, coin) {
+                    Landing::Outside => (false, false),
+                    Landing::Thinned => continue,
+                    Landing::Inside(place) => {
+                        let covered = self.ground.covers(point, place);
+                        if !covered {
+                            darts.push(Dart { rank, point, place });
+                        }
+                        (true, covered)
+                    }
+                };
                 recorder.record(RunEvent::Dart {
                     point,
                     ranked: false,
                     verdict: verdict(inside, covered),
                 });
-                if inside && !covered {
-                    darts.push(Dart { rank, point });
-                }
             }
             meter.tick()?;
         }
@@ -220,19 +332,19 @@ impl DartProcess {
         meter: &mut Meter<'_>,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
-        let side = self.side();
+        let level = self.level;
         self.level += 1;
         self.throw = 0;
-        if side == 1 {
-            self.active.clear();
-            return Ok(());
-        }
         let mut next = Vec::with_capacity(self.active.len());
         let mut near = Vec::with_capacity(32);
-        for &min in &self.active {
+        for cell in &self.active {
+            let Cell { min, side } = self.ground.square(cell, level);
+            // It threw its one point.
+            if side == 1 {
+                continue;
+            }
             let before = next.len();
-            self.disks
-                .uncovered_quarters(Cell { min, side }, &mut near, &mut next);
+            self.ground.split(cell, level, &mut near, &mut next);
             recorder.record(RunEvent::Cut {
                 cell: min,
                 side,
@@ -271,6 +383,11 @@ pub(crate) fn cell_darts(
 ) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
     let shift = 16 - side.ilog2().min(16);
+    let draws = match draws {
+        DartDraws::Fitting if side > 1 << 16 => DartDraws::Two,
+        DartDraws::Fitting | DartDraws::One => DartDraws::One,
+        DartDraws::Two => DartDraws::Two,
+    };
     let cell = key.derive_at(min.x, min.y);
     // A cell of one point throws exactly it, so that the process ends.
     let count = if side == 1 {
@@ -281,7 +398,7 @@ pub(crate) fn cell_darts(
 
     (0..count).map(move |index| {
         let (rank, right, up) = match draws {
-            DartDraws::One => {
+            DartDraws::One | DartDraws::Fitting => {
                 let [position, rank] = cell.draw(Stream::Dart, index);
                 let (right, up) = (position >> 16, position & 0xffff);
                 (rank, right >> shift, up >> shift)

@@ -2,12 +2,11 @@
 //! answers coverage queries for the dart process, for nested levels and for the check of patterns, in a rectangle of the
 //! plane or in a periodic domain. Samples have no ids here; for those see [`crate::SampleGrid`].
 
-use std::ops::Range;
-
 use glam::IVec2;
 
 use crate::lattice::{Domain, Point, Rect};
 use crate::radius::Radius;
+use crate::stages::cells::CellGrid;
 
 /// Samples in one cell. Of four points of a square some three form an angle of at least 90 degrees; were all farther
 /// apart than its side, two would be farther apart than its diagonal. A cell's side is at most the radius.
@@ -19,11 +18,8 @@ const EMPTY: Point = Point::new(i32::MIN, i32::MIN);
 /// A conflict-free set of samples of one radius that grows.
 #[derive(Clone, Default)]
 pub struct DiskGrid {
-    /// The places that it holds. If the plane wraps, this is the domain.
-    rect: Rect,
-    wraps: bool,
+    grid: CellGrid,
     radius: Radius,
-    columns: usize,
     cells: Vec<[Point; SLOTS]>,
 }
 
@@ -38,7 +34,7 @@ pub struct Cell {
 
 impl Cell {
     /// Returns the cell's quarters, row by row.
-    fn quarters(self) -> [Self; 4] {
+    pub(crate) fn quarters(self) -> [Self; 4] {
         let Self { min, side } = self;
         let half = side / 2;
         [(0, 0), (half, 0), (0, half), (half, half)].map(|(right, up)| Self {
@@ -59,19 +55,20 @@ impl DiskGrid {
 
     /// Empties the grid and sets what it holds; if `wraps`, opposite sides of `rect` are joined.
     pub(crate) fn reset(&mut self, rect: Rect, wraps: bool, radius: Radius) {
-        self.rect = rect;
-        self.wraps = wraps;
+        self.grid = CellGrid::new(rect, wraps, radius.bits);
         self.radius = radius;
-        let cells = |side: i32| ((side - 1) >> radius.bits) as usize + 1;
-        self.columns = cells(rect.width());
         self.cells.clear();
-        let count = self.columns * cells(rect.height());
-        self.cells.resize(count, [EMPTY; SLOTS]);
+        self.cells.resize(self.grid.count(), [EMPTY; SLOTS]);
+    }
+
+    /// Returns the cells without what they hold.
+    pub(crate) const fn layout(&self) -> &CellGrid {
+        &self.grid
     }
 
     /// Returns the places that the grid holds.
     pub(crate) const fn rect(&self) -> &Rect {
-        &self.rect
+        self.grid.rect()
     }
 
     /// Returns the radius of the samples.
@@ -79,87 +76,19 @@ impl DiskGrid {
         self.radius
     }
 
-    /// Returns how many cells there are.
-    pub(crate) const fn cell_count(&self) -> usize {
-        self.cells.len()
-    }
-
-    /// Returns the index of the cell of a place in the rectangle.
-    #[inline]
-    pub(crate) const fn cell_at(&self, p: Point) -> usize {
-        let column = (p.x - self.rect.min.x) >> self.radius.bits;
-        let row = (p.y - self.rect.min.y) >> self.radius.bits;
-        row as usize * self.columns + column as usize
-    }
-
-    /// Returns the places of a cell.
-    pub(crate) fn cell_rect(&self, cell: usize) -> Rect {
-        let (column, row) = ((cell % self.columns) as i32, (cell / self.columns) as i32);
-        let Rect { min, max } = self.rect;
-        let side = self.radius.side();
-        let first = Point::new(min.x + column * side, min.y + row * side);
-
-        // A rectangle may end less than a cell before the end of the integers.
-        let end = |from: i32, max: i32| from + (max - from).min(side);
-        Rect {
-            min: first,
-            max: Point::new(end(first.x, max.x), end(first.y, max.y)),
-        }
-    }
-
     /// Adds a sample, which must lie in the rectangle; returns `false`, and adds nothing, when its cell is full, which
     /// only happens in a set that is not conflict-free.
     #[inline]
     #[must_use]
     pub fn insert(&mut self, p: Point) -> bool {
-        let cell = self.cell_at(p);
+        let cell = self.grid.cell_at(p);
         let free = self.cells[cell].iter_mut().find(|slot| **slot == EMPTY);
         free.map(|slot| *slot = p).is_some()
     }
 
     /// Returns whether a sample lies at `p`, which must lie in the rectangle.
     pub(crate) fn holds(&self, p: Point) -> bool {
-        self.cells[self.cell_at(p)].contains(&p)
-    }
-
-    /// Calls `visit` with ranges of cells, and how far they are shifted, that together hold all places at most `reach`
-    /// from `from` on both axes, until it returns `true`; returns whether it did.
-    #[inline]
-    pub(crate) fn any_range(
-        &self,
-        from: Point,
-        reach: i32,
-        mut visit: impl FnMut(Range<usize>, IVec2) -> bool,
-    ) -> bool {
-        let Rect { min, max } = self.rect;
-        let bits = self.radius.bits;
-        let cell = |at: i32, first: i32| ((at - first) >> bits) as usize;
-        let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
-        let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
-        // Away from the border, which is nearly always, nothing wraps and nothing is cut off.
-        if left >= min.x && bottom >= min.y && right < max.x && top < max.y {
-            let (first, last) = (cell(left, min.x), cell(right, min.x));
-            return (cell(bottom, min.y)..=cell(top, min.y)).any(|row| {
-                let start = row * self.columns;
-                visit(start + first..start + last + 1, IVec2::ZERO)
-            });
-        }
-
-        let rows = axis_spans(from.y, reach, min.y..max.y, self.wraps);
-        let columns = axis_spans(from.x, reach, min.x..max.x, self.wraps);
-        for row_span in rows.iter().filter(|span| span.first <= span.last) {
-            for row in cell(row_span.first, min.y)..=cell(row_span.last, min.y) {
-                let start = row * self.columns;
-                for span in columns.iter().filter(|span| span.first <= span.last) {
-                    let (first, last) = (cell(span.first, min.x), cell(span.last, min.x));
-                    let shift = IVec2::new(span.shift, row_span.shift);
-                    if visit(start + first..start + last + 1, shift) {
-                        return true;
-                    }
-                }
-            }
-        }
-        false
+        self.cells[self.grid.cell_at(p)].contains(&p)
     }
 
     /// Calls `visit` with the offset from `from` of the samples at most `reach` away on both axes, and of some farther
@@ -171,7 +100,7 @@ impl DiskGrid {
         reach: i32,
         mut visit: impl FnMut(IVec2) -> bool,
     ) -> bool {
-        self.any_range(from, reach, |range, shift| {
+        self.grid.any_range(from, reach, |range, shift| {
             // A domain has at most 2^31 units, and a place near it lies at most a few radii outside.
             let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
             self.cells[range].iter().any(|cell| {
@@ -187,7 +116,7 @@ impl DiskGrid {
     pub fn covers(&self, point: Point) -> bool {
         let Radius { units, .. } = self.radius;
         // The point's own cell nearly always answers when it holds a sample.
-        let own = &self.cells[self.cell_at(point)];
+        let own = &self.cells[self.grid.cell_at(point)];
         let mut held = own.iter().take_while(|slot| slot.x != EMPTY.x);
         held.any(|p| self.radius.covers(*p - point))
             || self.any_near(point, units, |offset| self.radius.covers(offset))
@@ -217,7 +146,7 @@ impl DiskGrid {
         });
 
         for quarter in cell.quarters() {
-            if !self.rect.contains(quarter.min) {
+            if !self.rect().contains(quarter.min) {
                 continue;
             }
             let extent = self.extent(quarter);
@@ -249,7 +178,7 @@ impl DiskGrid {
     #[must_use]
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
         let radius = self.radius.with_slack(slack);
-        let mut stack: Vec<Cell> = tiling_cells(&self.rect, radius.side() / 2).collect();
+        let mut stack: Vec<Cell> = tiling_cells(self.rect(), radius.side() / 2).collect();
         while let Some(cell) = stack.pop() {
             if self.covers_cell_within(cell, &radius) {
                 continue;
@@ -258,14 +187,14 @@ impl DiskGrid {
                 return Some(cell.min);
             }
             let quarters = cell.quarters().into_iter();
-            stack.extend(quarters.filter(|quarter| self.rect.contains(quarter.min)));
+            stack.extend(quarters.filter(|quarter| self.rect().contains(quarter.min)));
         }
         None
     }
 
     /// Returns the offset of a cell's highest place in the rectangle from its lowest.
     fn extent(&self, cell: Cell) -> IVec2 {
-        IVec2::splat(cell.side).min(self.rect.max - cell.min) - 1
+        IVec2::splat(cell.side).min(self.rect().max - cell.min) - 1
     }
 }
 
@@ -287,55 +216,6 @@ pub(crate) fn tiling_cells(rect: &Rect, side: i32) -> impl Iterator<Item = Cell>
 #[inline]
 pub(crate) fn farthest(offset: IVec2, extent: IVec2) -> IVec2 {
     offset.abs().max((offset - extent).abs())
-}
-
-/// Coordinates on an axis, and how far they are shifted. An empty span has its last before its first.
-#[derive(Clone, Copy)]
-struct AxisSpan {
-    first: i32,
-    last: i32,
-    shift: i32,
-}
-
-/// Returns the spans of coordinates of `held` that lie at most `reach` from `from` once they are shifted.
-#[inline]
-fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan; 3] {
-    const NOTHING: AxisSpan = AxisSpan {
-        first: 0,
-        last: -1,
-        shift: 0,
-    };
-    let (min, max) = (i64::from(held.start), i64::from(held.end));
-    let (low, high) = (
-        i64::from(from) - i64::from(reach),
-        i64::from(from) + i64::from(reach),
-    );
-    let last = max - 1;
-    let here = AxisSpan {
-        first: low.clamp(min, max) as i32,
-        last: high.clamp(min - 1, last) as i32,
-        shift: 0,
-    };
-    if !wraps {
-        return [here, NOTHING, NOTHING];
-    }
-
-    let side = max - min;
-    let below = AxisSpan {
-        first: (low + side).max(min) as i32,
-        last: last as i32,
-        shift: -side as i32,
-    };
-    let above = AxisSpan {
-        first: min as i32,
-        last: (high - side).min(last) as i32,
-        shift: side as i32,
-    };
-    [
-        here,
-        if low < min { below } else { NOTHING },
-        if high > last { above } else { NOTHING },
-    ]
 }
 
 #[cfg(test)]

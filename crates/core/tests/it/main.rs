@@ -7,3 +7,4 @@ mod definition;
 mod exact;
 mod extremes;
 mod levels;
+mod varying;

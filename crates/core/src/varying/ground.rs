@@ -1,0 +1,256 @@
+//! What the process of darts needs to know where the radius varies: which darts exist, which of them have an earlier sample
+//! near them, and which cells a sample is near as a whole.
+
+use glam::IVec2;
+
+use super::field::RadiusField;
+use super::octaves::{Octaves, Sight};
+use super::quadtree::VaryingCell;
+use super::rule::is_near;
+use super::shape::{Class, Shape};
+use crate::lattice::Point;
+use crate::stages::darts::{Ground, Landing};
+use crate::stages::disks::{Cell, farthest};
+
+/// A field, a shape, and the samples so far.
+pub(super) struct VaryingGround<'a> {
+    field: &'a RadiusField,
+    shape: &'a Shape,
+    samples: Octaves,
+}
+
+/// What is known of the place of a dart.
+#[derive(Clone, Copy)]
+pub(super) struct DartPlace {
+    radius: i32,
+    sight: Sight,
+}
+
+/// A sample near a cell: its offset from the cell's lowest point, and its radius.
+#[derive(Clone, Copy)]
+pub(super) struct NearDisk {
+    offset: IVec2,
+    radius: i32,
+}
+
+impl<'a> VaryingGround<'a> {
+    pub fn new(field: &'a RadiusField, shape: &'a Shape) -> Self {
+        Self {
+            field,
+            shape,
+            samples: Octaves::new(field),
+        }
+    }
+
+    /// Returns lower bounds of the radii in a cell's quarters, and an upper bound of all.
+    fn bounds(&self, cell: Cell) -> ([i32; 4], i32) {
+        let Some([a, b, c, d]) = self.field.corners(cell) else {
+            let range = self.field.range(cell);
+            return ([range.least; 4], range.greatest);
+        };
+        // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii are
+        // not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
+        let [ab, ac, bd, cd] = [a + b, a + c, b + d, c + d].map(|sum| sum / 2);
+        let middle = (a + b + c + d) / 4;
+        let quarters = [[a, ab, ac], [b, ab, bd], [c, ac, cd], [d, bd, cd]];
+        let least = quarters.map(|radii| radii.into_iter().fold(middle, i32::min));
+        (least, a.max(b).max(c).max(d))
+    }
+}
+
+impl Ground for VaryingGround<'_> {
+    type Cell = VaryingCell;
+    type Place = DartPlace;
+    type Near = NearDisk;
+
+    fn square(&self, cell: &VaryingCell, _: u32) -> Cell {
+        cell.square()
+    }
+
+    fn landing(
+        &self,
+        cell: &VaryingCell,
+        at: Point,
+        coin: impl FnOnce() -> u32,
+    ) -> Landing<DartPlace> {
+        let rect = self.field.domain().rect();
+        if !rect.contains(at) || cell.class == Class::Mixed && !self.shape.inside(at) {
+            return Landing::Outside;
+        }
+
+        // A cell throws as many darts as a radius of its base cell's side asks for: where the radius R is larger, a share of
+        // side^2 / R^2 of them stays. So the intensity depends on R only. Without this, sets are half again as dense on one side of a place
+        // where R passes a power of two as on the other. A cell of one point is the last to throw, and throws exactly that point.
+        let radius = self.field.radius_at(at);
+        let base_side = 1_i64 << cell.base_bits;
+        if cell.bits > 0 && i64::from(radius) > base_side {
+            let coin = i64::from(coin() >> 16);
+            let area = i64::from(radius) * i64::from(radius);
+            // Both sides are below 2^54.
+            if coin * (area >> 4) >= (base_side * base_side) << 12 {
+                return Landing::Thinned;
+            }
+        }
+        let sight = cell.sight;
+        Landing::Inside(DartPlace { radius, sight })
+    }
+
+    fn covers(&self, at: Point, DartPlace { radius, sight }: DartPlace) -> bool {
+        self.samples.covers(at, radius, sight)
+    }
+
+    fn insert(&mut self, at: Point, place: DartPlace) -> bool {
+        self.samples.insert(at, place.radius)
+    }
+
+    fn split(
+        &self,
+        cell: &VaryingCell,
+        _: u32,
+        near: &mut Vec<NearDisk>,
+        out: &mut Vec<VaryingCell>,
+    ) {
+        let square = cell.square();
+        let half = square.side / 2;
+        let middle = Point::new(square.min.x + half, square.min.y + half);
+        let (least, greatest) = self.bounds(square);
+        near.clear();
+        // A sample that is near all places of a quarter is near its corner beside the middle, too, less than 2 units from that.
+        self.samples
+            .any_near(middle, greatest, 2, cell.sight, |offset, radius| {
+                // A reach is at most the mean of both radii, and at most twice the smaller one.
+                let mean = (radius + greatest + 1) / 2;
+                let limit = i64::from(mean.min(2 * radius.min(greatest)) + 2);
+                if offset.as_i64vec2().length_squared() <= limit * limit {
+                    let offset = offset + half;
+                    near.push(NearDisk { offset, radius });
+                }
+                false
+            });
+
+        let rect = self.field.domain().rect();
+        for (quarter, least) in square.quarters().into_iter().zip(least) {
+            if !rect.contains(quarter.min) {
+                continue;
+            }
+            let corner = quarter.min - square.min;
+            let covered = near.iter().any(|disk| {
+                let across = farthest(disk.offset - corner, IVec2::splat(half - 1));
+                is_near(across.as_i64vec2().length_squared(), disk.radius, least)
+            });
+            if covered {
+                continue;
+            }
+            let class = match cell.class {
+                Class::Inside => Class::Inside,
+                Class::Mixed | Class::Outside => self.shape.class(quarter),
+            };
+            if class != Class::Outside {
+                out.push(VaryingCell {
+                    min: quarter.min,
+                    bits: cell.bits - 1,
+                    class,
+                    ..*cell
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::{Boundary, Domain, R};
+    use crate::progress::Unobserved;
+    use crate::random::Key;
+    use crate::record::Unrecorded;
+    use crate::reference::finished;
+    use crate::stages::darts::DartProcess;
+    use crate::varying::quadtree::base_cells;
+
+    /// The same ground on which all darts stay.
+    struct Unthinned<'a>(VaryingGround<'a>);
+
+    impl Ground for Unthinned<'_> {
+        type Cell = VaryingCell;
+        type Place = DartPlace;
+        type Near = NearDisk;
+
+        fn square(&self, cell: &VaryingCell, level: u32) -> Cell {
+            self.0.square(cell, level)
+        }
+
+        fn landing(
+            &self,
+            cell: &VaryingCell,
+            at: Point,
+            _: impl FnOnce() -> u32,
+        ) -> Landing<DartPlace> {
+            self.0.landing(cell, at, || 0)
+        }
+
+        fn covers(&self, at: Point, place: DartPlace) -> bool {
+            self.0.covers(at, place)
+        }
+
+        fn insert(&mut self, at: Point, place: DartPlace) -> bool {
+            self.0.insert(at, place)
+        }
+
+        fn split(
+            &self,
+            cell: &VaryingCell,
+            level: u32,
+            near: &mut Vec<NearDisk>,
+            out: &mut Vec<VaryingCell>,
+        ) {
+            self.0.split(cell, level, near, out);
+        }
+    }
+
+    /// A field that grows to the right by 3 in 100 of the way, and is 2 R at 10 R from the left, where cells of side 2 R begin.
+    fn ramp() -> RadiusField {
+        let domain = Domain::from_units(20 * R, 1_500 * R, Boundary::Bounded);
+        let [columns, rows] = RadiusField::node_counts(&domain, 15).unwrap();
+        let node = |index: usize| 2 * R + ((index % columns) as i32 - 10) * (R * 3 / 100);
+        let nodes: Vec<i32> = (0..columns * rows).map(node).collect();
+        RadiusField::from_nodes(domain, 15, &nodes).unwrap()
+    }
+
+    /// Returns N R^2 of the places whose radius is from 1.97 to 2, and of those from 2 to 2.03, in several sets on grounds
+    /// that `ground` makes.
+    fn densities<'a, G: Ground<Cell = VaryingCell>>(
+        field: &'a RadiusField,
+        shape: &'a Shape,
+        ground: impl Fn(VaryingGround<'a>) -> G,
+    ) -> [f64; 2] {
+        let mut counts = [0; 2];
+        let sets = 1..=4;
+        for seed in sets.clone() {
+            let ground = ground(VaryingGround::new(field, shape));
+            let process = DartProcess::on(ground, Key::from_seed(seed), base_cells(field, shape));
+            let samples = finished(process, &mut Unobserved, &mut Unrecorded).unwrap();
+            for (count, column) in counts.iter_mut().zip([9, 10]) {
+                *count += samples.iter().filter(|p| p.x >> 15 == column).count();
+            }
+        }
+
+        let area = f64::from(field.domain().height() / R) * sets.count() as f64;
+        [0, 1].map(|index| {
+            let radius = 1.985 + 0.03 * index as f64;
+            counts[index] as f64 * radius * radius / area
+        })
+    }
+
+    #[test]
+    fn without_thinning_a_stripe_appears_where_the_radius_passes_a_power_of_two() {
+        let (field, shape) = (ramp(), Shape::rectangle());
+        let thinned = densities(&field, &shape, |ground| ground);
+        assert!(
+            thinned.iter().all(|density| (0.65..0.75).contains(density)),
+            "{thinned:?}"
+        );
+        let stripe = densities(&field, &shape, Unthinned);
+        assert!(stripe[0] > 0.8 && stripe[1] < 0.6, "{stripe:?}");
+    }
+}

@@ -1,0 +1,139 @@
+//! The samples so far, in a grid for each octave of radii. Samples of radii from S to 2S are more than S apart, so that a
+//! cell of side S holds three at most.
+
+use glam::IVec2;
+
+use super::field::RadiusField;
+use super::rule::{is_near, reach};
+use crate::lattice::Point;
+use crate::stages::cells::CellGrid;
+
+/// Samples of a cell: see the argument of [`crate::stages::disks`].
+const SLOTS: usize = 3;
+
+/// A sample and its radius; without a sample the radius is 0.
+#[derive(Clone, Copy)]
+struct Disk {
+    at: Point,
+    radius: i32,
+}
+
+const EMPTY: Disk = Disk {
+    at: Point::new(0, 0),
+    radius: 0,
+};
+
+/// The samples that can be near a place: those of some octaves, and none larger than a radius.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sight {
+    /// The binary logarithms of the first and of the last octave.
+    pub octaves: [u8; 2],
+    /// The largest radius.
+    pub largest: i32,
+}
+
+/// The samples of an octave.
+struct Octave {
+    grid: CellGrid,
+    /// Which of the listed cells each cell is. Most cells of most octaves stay empty: they are the first, which is.
+    index: Vec<u32>,
+    cells: Vec<[Disk; SLOTS]>,
+}
+
+/// A conflict-free set of samples of many radii that grows.
+pub(super) struct Octaves {
+    /// The binary logarithm of the first octave.
+    first: u8,
+    octaves: Vec<Octave>,
+}
+
+/// Returns the binary logarithm of a radius, rounded down.
+pub(super) const fn octave_of(radius: i32) -> u8 {
+    radius.ilog2() as u8
+}
+
+impl Octaves {
+    pub fn new(field: &RadiusField) -> Self {
+        let (domain, range) = (field.domain(), field.whole());
+        let octave = |bits: u8| {
+            let grid = CellGrid::new(domain.rect(), domain.is_periodic(), bits.into());
+            Octave {
+                index: vec![0; grid.count()],
+                grid,
+                cells: vec![[EMPTY; SLOTS]],
+            }
+        };
+        let first = octave_of(range.least);
+        Self {
+            first,
+            octaves: (first..=octave_of(range.greatest)).map(octave).collect(),
+        }
+    }
+
+    /// Adds a sample of the domain; returns `false`, and adds nothing, when its cell is full, which happens only in a
+    /// set that is not conflict-free.
+    pub fn insert(&mut self, at: Point, radius: i32) -> bool {
+        let octave = &mut self.octaves[usize::from(octave_of(radius) - self.first)];
+        let listed = &mut octave.index[octave.grid.cell_at(at)];
+        if *listed == 0 {
+            *listed = octave.cells.len() as u32;
+            octave.cells.push([EMPTY; SLOTS]);
+        }
+        let cell = &mut octave.cells[*listed as usize];
+        let free = cell.iter_mut().find(|disk| disk.radius == 0);
+        free.map(|disk| *disk = Disk { at, radius }).is_some()
+    }
+
+    /// Calls `visit` with the offset and the radius of all samples in sight that are near a place of this radius at most
+    /// `slack` units from `from` on both axes, and of some others, until it returns `true`; returns whether it did.
+    #[inline]
+    pub fn any_near(
+        &self,
+        from: Point,
+        radius: i32,
+        slack: i32,
+        sight: Sight,
+        mut visit: impl FnMut(IVec2, i32) -> bool,
+    ) -> bool {
+        let [first, last] = sight.octaves.map(|bits| usize::from(bits - self.first));
+        self.octaves[first..=last]
+            .iter()
+            .enumerate()
+            .any(|(octave, held)| {
+                // Until its first sample an octave is not looked through.
+                if held.cells.len() == 1 {
+                    return false;
+                }
+                let end = 2 << (octave + first + usize::from(self.first));
+                let reach = reach(sight.largest.min(end - 1), radius) + slack;
+                held.grid.any_range(from, reach, |range, shift| {
+                    let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
+                    held.index[range].iter().any(|&listed| {
+                        let disks = held.cells[listed as usize].iter();
+                        let mut disks = disks.take_while(|disk| disk.radius > 0);
+                        disks.any(|disk| {
+                            let at =
+                                IVec2::new(disk.at.x.wrapping_add(x), disk.at.y.wrapping_add(y));
+                            visit(at, disk.radius)
+                        })
+                    })
+                })
+            })
+    }
+
+    /// Returns whether a sample in sight is near a place of this radius, which lies in the domain.
+    #[inline]
+    pub fn covers(&self, place: Point, radius: i32, sight: Sight) -> bool {
+        // A sample in the place's own cell nearly always answers. It is near wherever the radii do not differ much.
+        let own = &self.octaves[usize::from(octave_of(radius) - self.first)];
+        let listed = own.index[own.grid.cell_at(place)];
+        let mut disks = own.cells[listed as usize]
+            .iter()
+            .take_while(|disk| disk.radius > 0);
+        let near = |offset: IVec2, other: i32| {
+            is_near(offset.as_i64vec2().length_squared(), other, radius)
+        };
+        disks.any(|disk| near(disk.at - place, disk.radius))
+            || self.any_near(place, radius, 0, sight, near)
+    }
+}
