@@ -14,4 +14,5 @@ mod packages;
 mod page;
 mod properties;
 mod support;
+mod varying;
 mod words;

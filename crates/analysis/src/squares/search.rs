@@ -334,11 +334,9 @@ impl<'a> TileSearch<'a> {
                     radius,
                     index,
                 };
-                let list = if tile.holds(&near) {
-                    &mut self.lists
-                } else {
-                    &mut others
-                };
+                // A tile may reach beyond the region, where images lie in it.
+                let is_own = (i, j) == (&0, &0) && tile.holds(&near);
+                let list = if is_own { &mut self.lists } else { &mut others };
                 list.push(near);
             });
         }

@@ -154,24 +154,23 @@ fn cases() -> impl Strategy<Value = Case> {
         let mut random = Random::new(seed);
         let mut below = |count: i32| (random.uniform() * f64::from(count)) as i32;
         // A periodic region needs more than two of the largest radius.
-        let [columns, rows] = [columns, rows].map(|count| count + 3 * i32::from(periodic));
-        let boundary = if periodic {
-            Boundary::Periodic
+        // Most sides are no multiples of the tiles'.
+        let pitch_bits = 1 + below(3) as u32;
+        let (parts, extra) = (8 >> pitch_bits, below(8 >> pitch_bits));
+        let [columns, rows] =
+            [columns, rows].map(|count| (count + 3 * i32::from(periodic)) * parts + extra);
+        let (boundary, cut) = if periodic {
+            (Boundary::Periodic, [0, 0])
         } else {
-            Boundary::Bounded
+            (
+                Boundary::Bounded,
+                [right, top].map(|cut| cut >> (4 - pitch_bits)),
+            )
         };
-        let region = if periodic {
-            LatticeRegion {
-                width: 8 * columns,
-                height: 8 * rows,
-                boundary,
-            }
-        } else {
-            LatticeRegion {
-                width: 8 * columns - right,
-                height: 8 * rows - top,
-                boundary,
-            }
+        let region = LatticeRegion {
+            width: (columns << pitch_bits) - cut[0],
+            height: (rows << pitch_bits) - cut[1],
+            boundary,
         };
         let shape = match kind {
             0 | 1 => Shape::Rectangle,
@@ -197,7 +196,7 @@ fn cases() -> impl Strategy<Value = Case> {
             .collect();
         Case {
             region,
-            pitch_bits: 3,
+            pitch_bits,
             columns,
             nodes,
             shape,
