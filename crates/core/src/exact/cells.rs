@@ -1,4 +1,5 @@
-//! Numbers of things by place, in cells of side R that lie behind one another in memory. Whoever asks knows the places.
+//! Numbers of things with their places, in cells of side R that lie behind one another in memory. Darts arrive all over the
+//! domain, so that a look at a place must touch little memory.
 
 use crate::lattice::{Point, R, Rect};
 
@@ -11,9 +12,18 @@ const FREE: u32 = u32::MAX;
 /// Part of a cell: its first one, or more of a crowded one.
 #[derive(Clone, Copy, Debug)]
 struct CellPart {
+    places: [Point; SLOTS],
     numbers: [u32; SLOTS],
     /// The index of the next part; 0, which is a cell's first, if there is none.
     next: u32,
+}
+
+impl CellPart {
+    const EMPTY: Self = Self {
+        places: [Point::new(0, 0); SLOTS],
+        numbers: [FREE; SLOTS],
+        next: 0,
+    };
 }
 
 /// Numbers by cell, row by row, from place (0, 0) on.
@@ -29,11 +39,8 @@ impl NumberCells {
         let cells = |end: i32| ((end - 1) / R + 1) as usize;
         self.columns = cells(end.x);
         self.parts.clear();
-        let empty = CellPart {
-            numbers: [FREE; SLOTS],
-            next: 0,
-        };
-        self.parts.resize(self.columns * cells(end.y), empty);
+        self.parts
+            .resize(self.columns * cells(end.y), CellPart::EMPTY);
     }
 
     fn index(&self, place: Point) -> usize {
@@ -45,9 +52,13 @@ impl NumberCells {
     pub(crate) fn add(&mut self, place: Point, number: u32) {
         let mut part = self.index(place);
         loop {
-            let CellPart { numbers, next } = &mut self.parts[part];
-            if let Some(free) = numbers.iter_mut().find(|number| **number == FREE) {
-                *free = number;
+            let CellPart {
+                places,
+                numbers,
+                next,
+            } = &mut self.parts[part];
+            if let Some(slot) = numbers.iter().position(|&held| held == FREE) {
+                (places[slot], numbers[slot]) = (place, number);
                 return;
             }
             part = match *next {
@@ -61,10 +72,7 @@ impl NumberCells {
     fn append(&mut self, part: usize) -> usize {
         let appended = self.parts.len();
         self.parts[part].next = appended as u32;
-        self.parts.push(CellPart {
-            numbers: [FREE; SLOTS],
-            next: 0,
-        });
+        self.parts.push(CellPart::EMPTY);
         appended
     }
 
@@ -72,8 +80,8 @@ impl NumberCells {
     pub(crate) fn remove(&mut self, place: Point, number: u32) {
         let mut part = self.index(place);
         loop {
-            let CellPart { numbers, next } = &mut self.parts[part];
-            if let Some(slot) = numbers.iter_mut().find(|other| **other == number) {
+            let CellPart { numbers, next, .. } = &mut self.parts[part];
+            if let Some(slot) = numbers.iter_mut().find(|held| **held == number) {
                 *slot = FREE;
                 return;
             }
@@ -82,10 +90,10 @@ impl NumberCells {
         }
     }
 
-    /// Calls `visit` with the numbers in all cells that a rectangle touches, until it returns `true`; returns whether it
+    /// Calls `visit` with the numbers, and their places, in all cells that a rectangle touches, until it returns `true`; returns whether it
     /// did.
     #[inline]
-    pub(crate) fn any_in(&self, rect: &Rect, mut visit: impl FnMut(u32) -> bool) -> bool {
+    pub(crate) fn any_in(&self, rect: &Rect, mut visit: impl FnMut(u32, Point) -> bool) -> bool {
         let columns = (rect.min.x / R) as usize..=((rect.max.x - 1) / R) as usize;
         for row in (rect.min.y / R) as usize..=((rect.max.y - 1) / R) as usize {
             let start = row * self.columns;
@@ -93,8 +101,8 @@ impl NumberCells {
             for first in parts {
                 let mut part = first;
                 loop {
-                    for &number in &part.numbers {
-                        if number != FREE && visit(number) {
+                    for (&number, &place) in part.numbers.iter().zip(&part.places) {
+                        if number != FREE && visit(number, place) {
                             return true;
                         }
                     }

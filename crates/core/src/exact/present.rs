@@ -9,6 +9,7 @@ use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
+use crate::stages::disks::farthest;
 
 /// What is known of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +150,7 @@ impl<'a> PresentSamples<'a> {
     /// Calls `visit` with the samples of a cell that are not lost.
     pub(crate) fn in_cell(&self, column: i32, row: i32, mut visit: impl FnMut(&ArrivedSample)) {
         self.cells
-            .any_in(&single(Point::new(column * R, row * R)), |id| {
+            .any_in(&single(Point::new(column * R, row * R)), |id, _| {
                 visit(self.get(id));
                 false
             });
@@ -239,10 +240,13 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn presence(&self, dart: &PlacedDart, tile: u32) -> Presence {
         let place = self.on_ground(tile, dart.place);
         let mut is_doubtful = false;
-        let is_lost = self.any_near(&single(place), |sample, _, offset| {
-            let is_met = covers_offset(offset) && self.order(sample, dart).is_lt();
-            is_doubtful |= is_met && sample.presence == Presence::Doubtful;
-            is_met && sample.presence == Presence::Certain
+        let is_lost = self.any_near(&single(place), |id, offset| {
+            covers_offset(offset) && {
+                let sample = self.get(id);
+                let is_met = self.order(sample, dart).is_lt();
+                is_doubtful |= is_met && sample.presence == Presence::Doubtful;
+                is_met && sample.presence == Presence::Certain
+            }
         });
 
         if is_lost {
@@ -275,7 +279,7 @@ impl<'a> PresentSamples<'a> {
             max: Point::new(place.x + R + 1, place.y + R + 1),
         };
         self.ground.any_part(&around, |part, moved| {
-            self.zone_cells.any_in(part, |index| {
+            self.zone_cells.any_in(part, |index, _| {
                 let Zone { rect, from } = self.zones[index as usize];
                 let offset = place - rect.min - moved;
                 from <= arrival && covers_offset(offset - nearest(offset, &rect))
@@ -287,9 +291,9 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn add_zone(&mut self, rect: Rect, from: Arrival, mut visit: impl FnMut(u32)) {
         self.zone_cells.add(rect.min, self.zones.len() as u32);
         self.zones.push(Zone { rect, from });
-        self.any_near(&rect, |sample, id, offset| {
+        self.any_near(&rect, |id, offset| {
             let is_met = covers_offset(offset - nearest(offset, &rect));
-            if is_met && from <= self.arrival(sample) {
+            if is_met && from <= self.arrival(self.get(id)) {
                 visit(id);
             }
             false
@@ -307,39 +311,33 @@ impl<'a> PresentSamples<'a> {
     /// Returns whether a dart is present already.
     pub(crate) fn has(&self, dart: &PlacedDart, tile: u32) -> bool {
         let place = self.on_ground(tile, dart.place);
-        self.cells.any_in(&single(place), |id| {
-            let sample = self.get(id);
-            sample.place == place && self.order(sample, dart).is_eq()
+        self.cells.any_in(&single(place), |id, at| {
+            at == place && self.order(self.get(id), dart).is_eq()
         })
     }
 
     /// Calls `visit` with the ids of the samples that are present, later than `dart`, and covered by it.
     pub(crate) fn later(&self, dart: &PlacedDart, tile: u32, mut visit: impl FnMut(u32)) {
         let place = self.on_ground(tile, dart.place);
-        self.any_near(&single(place), |sample, id, offset| {
-            if covers_offset(offset) && self.order(sample, dart).is_gt() {
+        self.any_near(&single(place), |id, offset| {
+            if covers_offset(offset) && self.order(self.get(id), dart).is_gt() {
                 visit(id);
             }
             false
         });
     }
 
-    /// Calls `visit` with the samples in cells within R of a rectangle, their ids, and their offsets from its lowest place,
-    /// until it returns `true`; returns whether it did. Lost ones are left out.
+    /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place, until it returns `true`; returns whether it did. Lost ones are left out.
     #[inline]
-    fn any_near(
-        &self,
-        rect: &Rect,
-        mut visit: impl FnMut(&ArrivedSample, u32, IVec2) -> bool,
-    ) -> bool {
+    fn any_near(&self, rect: &Rect, mut visit: impl FnMut(u32, IVec2) -> bool) -> bool {
         let around = Rect {
             min: Point::new(rect.min.x - R, rect.min.y - R),
             max: Point::new(rect.max.x + R, rect.max.y + R),
         };
         self.ground.any_part(&around, |part, moved| {
-            self.cells.any_in(part, |id| {
-                let sample = self.get(id);
-                visit(sample, id, sample.place - rect.min + moved)
+            let from = IVec2::new(rect.min.x, rect.min.y) - moved;
+            self.cells.any_in(part, |id, place| {
+                visit(id, IVec2::new(place.x, place.y) - from)
             })
         })
     }
@@ -376,28 +374,40 @@ impl SamplesBefore<'_, '_> {
     /// Returns whether one of them that is certain covers a place of a tile in the domain.
     pub(crate) fn covers(&self, tile: u32, place: Point) -> bool {
         let place = self.all.on_ground(tile, place);
-        self.all.any_near(&single(place), |sample, _, offset| {
-            covers_offset(offset)
-                && sample.presence == Presence::Certain
-                && self.all.arrival(sample) < self.end
+        self.all.any_near(&single(place), |id, offset| {
+            covers_offset(offset) && {
+                let sample = self.all.get(id);
+                sample.presence == Presence::Certain && self.all.arrival(sample) < self.end
+            }
         })
     }
 
-    /// Puts those into `near` that may cover a part of a tile's rectangle in the domain.
-    pub(crate) fn near_rect(&self, tile: u32, rect: &Rect, near: &mut SamplesNear) {
+    /// Returns whether one that is certain covers a tile's rectangle of the domain. If not, those that may cover a part of it
+    /// are put into `near`.
+    pub(crate) fn near_rect(&self, tile: u32, rect: &Rect, near: &mut SamplesNear) -> bool {
         near.certain.clear();
         near.doubtful.clear();
         let rect = self.all.rect_on_ground(tile, rect);
-        self.all.any_near(&rect, |sample, _, offset| {
-            let may_cover = covers_offset(offset - nearest(offset, &rect));
-            if may_cover && self.all.arrival(sample) < self.end {
-                match sample.presence {
-                    Presence::Certain => near.certain.push(offset),
-                    Presence::Doubtful => near.doubtful.push(offset),
-                    Presence::Lost => {}
-                }
+        let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
+        self.all.any_near(&rect, |id, offset| {
+            if !covers_offset(offset - nearest(offset, &rect)) {
+                return false;
             }
-            false
-        });
+            let sample = self.all.get(id);
+            if self.all.arrival(sample) >= self.end {
+                return false;
+            }
+            match sample.presence {
+                Presence::Certain => {
+                    near.certain.push(offset);
+                    covers_offset(farthest(offset, extent))
+                }
+                Presence::Doubtful => {
+                    near.doubtful.push(offset);
+                    false
+                }
+                Presence::Lost => false,
+            }
+        })
     }
 }

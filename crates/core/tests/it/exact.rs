@@ -139,7 +139,7 @@ fn check_threads(parameters: &Parameters, counts: &[usize]) {
 
 #[test]
 fn all_threads_make_what_one_makes() {
-    for index in 0..tilescope_tests::cases(60) {
+    for index in 0..tilescope_tests::cases(24) {
         check_threads(&hostile(index), &[1, 2, 3, 7]);
     }
     // Several windows, several bands.
@@ -173,7 +173,7 @@ fn windows_show_what_the_whole_has() {
         height: 121.0,
         ..hostile(index)
     };
-    for index in 0..tilescope_tests::cases(80) {
+    for index in 0..tilescope_tests::cases(40) {
         let parameters = if index % 4 == 0 {
             large(index)
         } else {
