@@ -10,12 +10,13 @@ use tilescope_core::{Parameter, Pattern};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
 use tilescope_live::{
-    Course, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers, numbers_named,
+    Course, CourseError, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers,
+    numbers_named,
 };
 use tilescope_sets::GivenDomain;
 
 use crate::make::ask_for_whole;
-use crate::nested::{NOT_REFERENCE, ask_for_levels};
+use crate::nested::{NEEDS_KDRT, ask_for_levels};
 use crate::parameters::{RunArguments, set_of_file};
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{Stopwatch, bar};
@@ -30,7 +31,8 @@ pub struct CurveArguments {
     run: RunArguments,
     #[command(flatten)]
     nested: NestedArguments,
-    /// KDRT, or the reference sampler, which uses only radius or count, sides, boundary and seed
+    /// KDRT, or the reference sampler, which uses only radius or count, sides, boundary and seed. Exact tiling has no events
+    /// yet and is refused
     #[arg(long, value_enum, default_value = "kdrt")]
     method: SamplingMethod,
     /// The run of a saved session instead of one that the arguments describe
@@ -134,9 +136,13 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
         return Ok(Course::of_recording(&recording));
     }
 
+    // Before any other fault: none of the others could be mended.
+    if arguments.method == SamplingMethod::Exact {
+        return Err(no_events());
+    }
     let recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request() {
-        ensure!(arguments.method == SamplingMethod::Kdrt, "{NOT_REFERENCE}");
+        ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);
     }
@@ -153,7 +159,12 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             ask_for_whole(Making::Reference, &recipe.parameters)?;
             Ok(Course::of_reference(&recipe, &mut watch)?)
         }
+        SamplingMethod::Exact => Err(no_events()),
     }
+}
+
+fn no_events() -> anyhow::Error {
+    anyhow::Error::from(CourseError::NoEvents).context("--method exact")
 }
 
 /// Makes the run of a saved session, and checks that it is the same run.

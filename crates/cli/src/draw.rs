@@ -10,6 +10,7 @@ use tilescope_figures::{
     FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene, to_png_controlled,
 };
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
+use tilescope_sets::NOT_OF_EXACT;
 
 use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
@@ -45,7 +46,7 @@ pub struct DrawArguments {
 
 const EXAMPLES: &str = "\
 Disks need a radius: from the certificate, or --radius. Blocks are drawn when the certificate states
-the parameters of a KDRT run; samples have their block's colour when the file states their origin
+the parameters of KDRT or of exact tiling; samples have their block's colour when the file states their origin
 (.ply and .json do).
 
 Examples:
@@ -187,12 +188,20 @@ fn window(given: Option<&[f64]>, region: &Region, origin: [f64; 2]) -> Result<Op
     Ok(Some(Rect::new([left, bottom], [right, top])))
 }
 
-/// Returns the building blocks of the KDRT run that a certificate describes, if it describes one.
+/// Returns the building blocks of the tiling that a certificate describes, if it describes one.
 fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
-    if certificate.method != "kdrt" {
-        return None;
-    }
     let mut value = serde_json::to_value(&certificate.parameters).ok()?;
+    match certificate.method.as_str() {
+        "kdrt" => {}
+        // It states only what it uses, and blocks do not depend on the rest.
+        "exact" => {
+            let defaults = serde_json::to_value(Parameters::default()).ok()?;
+            for name in NOT_OF_EXACT {
+                value[name] = defaults[name].clone();
+            }
+        }
+        _ => return None,
+    }
     // A pattern from a file does not parse as a pattern's description; blocks do not depend on it.
     value["pattern"] = serde_json::json!(PatternSpec::default());
     let parameters: Parameters = serde_json::from_value(value).ok()?;

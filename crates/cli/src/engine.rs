@@ -77,6 +77,15 @@ impl EngineArguments {
         self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
+    /// Refuses a GPU, by its options, for another method than KDRT.
+    pub fn check_on_cpu(&self, method: &str) -> Result<()> {
+        ensure!(
+            !self.wants_gpu(),
+            "--engine gpu and --gpu-adapter are for KDRT: {method} runs on the CPU"
+        );
+        Ok(())
+    }
+
     /// Returns the engine for a set of about `expected` samples. Opens a GPU only if the arguments ask for one or the set is
     /// large.
     ///

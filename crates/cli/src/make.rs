@@ -1,4 +1,4 @@
-//! Makes sets in memory, by either method and any engine; verifies and saves them.
+//! Makes sets in memory, by every method and any engine; verifies and saves them.
 
 use std::error::Error;
 use std::path::Path;
@@ -121,6 +121,16 @@ pub fn reference(recipe: &Recipe) -> Result<Worked> {
 
     let mut watch = Stopwatch::start();
     let made = recipe.reference(&mut watch)?;
+    let work = Work::on_cpu(&mut watch);
+    Ok(Worked { made, work })
+}
+
+/// Makes a set by exact tiling.
+pub fn exact(recipe: &Recipe) -> Result<Worked> {
+    ask_for_whole(Making::Exact, &recipe.parameters)?;
+
+    let mut watch = Stopwatch::start();
+    let made = recipe.exact(&mut watch)?;
     let work = Work::on_cpu(&mut watch);
     Ok(Worked { made, work })
 }

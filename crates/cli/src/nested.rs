@@ -9,13 +9,13 @@ use crate::output::Work;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 
-/// Why the reference sampler is refused.
-pub const NOT_REFERENCE: &str =
-    "--levels needs randomized tiling: the reference sampler makes one set";
+/// Why the other methods are refused.
+pub const NEEDS_KDRT: &str =
+    "--levels needs --method kdrt: exact tiling and the reference sampler make one set";
 
 /// Makes a set of nested levels.
 pub fn make(arguments: &SampleArguments, nested: NestedRequest) -> Result<Worked> {
-    ensure!(arguments.method == SamplingMethod::Kdrt, "{NOT_REFERENCE}");
+    ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
     ensure!(
         !arguments.engine.wants_gpu(),
         "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"

@@ -170,7 +170,7 @@ impl Outcome {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
         }
 
-        let stages = stage_table(facts.summary.as_ref(), &self.work.seconds);
+        let stages = stage_table(facts, &self.work.seconds);
         let count = self.count;
         let verdict = match &judged.report {
             Some(report) => verdict_text(report, &judged.levels),
@@ -229,14 +229,17 @@ pub fn region_text(region: &Region) -> String {
 }
 
 /// Returns a table with a row for each stage: its time and its effect.
-fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> String {
+fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     let mut out = String::new();
     let mut rest = 0.0;
+    let summary = facts.summary.as_ref();
+    // The reference sampler and exact tiling end in many levels that fill a handful of slivers.
+    let adds_up = summary.is_none() || facts.method == "exact";
+
     // Algorithm 4 as printed has no separate iteration 1.
     let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
     for &(stage, time) in seconds {
-        // The reference sampler ends in many levels that fill a handful of slivers.
-        if matches!(stage, Stage::Iterate(_)) && summary.is_none() {
+        if matches!(stage, Stage::Iterate(_)) && adds_up {
             rest += time;
             continue;
         }
@@ -245,7 +248,10 @@ fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> String {
         let _ = writeln!(out, "  {name:<12} {:>9.1} ms   {did}", time * 1e3);
     }
     if rest > 0.0 {
-        let _ = writeln!(out, "  {:<12} {:>9.1} ms", "throw darts", rest * 1e3);
+        let inserted = |s: &Summary| s.inserted.iter().skip(1).sum::<usize>();
+        let did = summary.map(|summary| format!("   {} inserted", inserted(summary)));
+        let did = did.unwrap_or_default();
+        let _ = writeln!(out, "  {:<12} {:>9.1} ms{did}", "throw darts", rest * 1e3);
     }
     out
 }

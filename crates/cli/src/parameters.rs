@@ -6,12 +6,17 @@ use std::sync::LazyLock;
 
 use anyhow::{Result, bail};
 use clap::error::ErrorKind;
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use serde_json::json;
 use tilescope_core::combine::file::Set;
-use tilescope_core::{MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, radius_estimate};
+use tilescope_core::{
+    MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, PatternSpec, radius_estimate,
+};
 use tilescope_formats::Hint;
-use tilescope_sets::{GivenDomain, GivenPattern, Recipe, Settled, named_by_content};
+use tilescope_sets::{
+    GivenDomain, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern, named_by_content,
+};
 
 use crate::options::words;
 use crate::paths::InFile;
@@ -25,6 +30,8 @@ pub struct RunArguments {
     pub count: Option<u64>,
     pub pattern: Option<PathBuf>,
     pattern_radius: Option<f64>,
+    /// The parameters that were typed, by their options.
+    pub typed: Vec<Parameter>,
 }
 
 /// The options that say how large the samples' disks are: one of them must be given.
@@ -63,8 +70,12 @@ impl FromArgMatches for RunArguments {
             let taken = take(&mut asked, parameter, matches);
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
         }
+        let is_typed = |parameter: &Parameter| {
+            matches.value_source(parameter.key()) == Some(ValueSource::CommandLine)
+        };
         Ok(Self {
             asked,
+            typed: Parameter::all().filter(is_typed).collect(),
             count: matches.get_one("count").copied(),
             pattern: matches.get_one("pattern").cloned(),
             pattern_radius: matches.get_one("pattern-radius").copied(),
@@ -165,6 +176,25 @@ impl RunArguments {
             count: self.count,
             ..Recipe::from(parameters)
         })
+    }
+
+    /// Returns the pattern of exact tiling, and refuses by their names the options that it has no use for.
+    pub fn exact_pattern(&self, parameters: &Parameters) -> Result<PatternSpec> {
+        let unused = |parameter: &&Parameter| NOT_OF_EXACT.contains(&parameter.key());
+        if let Some(parameter) = self.typed.iter().find(unused) {
+            bail!(
+                "--{} is for KDRT: exact tiling keeps whatever arrived first; leave it out",
+                parameter.key()
+            );
+        }
+        if self.pattern.is_some() {
+            bail!(
+                "--pattern is for KDRT: a set from a file does not say in which order its samples arrived; leave it out, or choose --pattern-side and --pattern-seed"
+            );
+        }
+
+        let samples = self.expected(parameters)?;
+        Ok(exact_pattern(parameters, &self.typed, samples))
     }
 
     /// Returns the expected number of samples.

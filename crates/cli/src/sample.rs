@@ -1,8 +1,9 @@
 //! `tilescope sample`: from arguments to a verified, saved set.
 
-use anyhow::{Result, ensure};
-use tilescope_core::Parameters;
+use anyhow::Result;
+use tilescope_core::{Parameters, grouped};
 use tilescope_formats::positions_digest;
+use tilescope_sets::EXACT_PAYS_FROM;
 
 use crate::make::{self, Worked};
 use crate::output::{self, Judged, Outcome};
@@ -31,30 +32,35 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 }
 
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
-    let recipe = arguments.run.recipe()?;
+    let mut recipe = arguments.run.recipe()?;
     let expected = arguments.run.expected(&recipe.parameters)?;
     let streams = arguments.streams(expected)?;
 
-    let worked = if arguments.method == SamplingMethod::Reference {
-        ensure!(
-            !arguments.engine.wants_gpu(),
-            "--engine gpu and --gpu-adapter are for KDRT: the reference sampler runs on the CPU"
-        );
-        make::reference(&recipe)?
-    } else {
-        let variant = recipe.parameters.variant;
-        let backend = arguments.engine.choose(variant, expected)?;
-        let mut watch = Stopwatch::start();
-        let run = arguments.run.settle(recipe.clone(), !streams, &mut watch)?;
-        if streams {
-            let passed = stream::pass(arguments, &run, &backend, watch);
-            let outcome = match &arguments.out {
-                Some(path) => passed.in_file(path)?,
-                None => passed?,
-            };
-            return Ok(with_remark(arguments, &run.parameters, outcome));
+    let worked = match arguments.method {
+        SamplingMethod::Reference => {
+            arguments.engine.check_on_cpu("the reference sampler")?;
+            make::reference(&recipe)?
         }
-        make::whole(&run, &backend, watch)?
+        SamplingMethod::Exact => {
+            arguments.engine.check_on_cpu("exact tiling")?;
+            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
+            make::exact(&recipe)?
+        }
+        SamplingMethod::Kdrt => {
+            let variant = recipe.parameters.variant;
+            let backend = arguments.engine.choose(variant, expected)?;
+            let mut watch = Stopwatch::start();
+            let run = arguments.run.settle(recipe.clone(), !streams, &mut watch)?;
+            if streams {
+                let passed = stream::pass(arguments, &run, &backend, watch);
+                let outcome = match &arguments.out {
+                    Some(path) => passed.in_file(path)?,
+                    None => passed?,
+                };
+                return Ok(with_remarks(arguments, &run.parameters, outcome));
+            }
+            make::whole(&run, &backend, watch)?
+        }
     };
 
     let parameters = Parameters {
@@ -62,7 +68,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         ..recipe.parameters
     };
     let outcome = finish(arguments, worked)?;
-    Ok(with_remark(arguments, &parameters, outcome))
+    Ok(with_remarks(arguments, &parameters, outcome))
 }
 
 /// Verifies a set and saves it, as the arguments ask.
@@ -82,19 +88,31 @@ fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
     Ok(outcome.with_digest(digest))
 }
 
-/// Adds a remark on a pattern that repeats within blocks.
-fn with_remark(
+/// Adds remarks: on a pattern that repeats within blocks, and on a set for which exact tiling does not pay.
+fn with_remarks(
     arguments: &SampleArguments,
     parameters: &Parameters,
     mut outcome: Outcome,
 ) -> Outcome {
-    let is_tiled = arguments.method == SamplingMethod::Kdrt && arguments.run.pattern.is_none();
-    if let Some(side) = parameters.side_without_repeats().filter(|_| is_tiled) {
+    let has_own_pattern = match arguments.method {
+        SamplingMethod::Kdrt => arguments.run.pattern.is_none(),
+        SamplingMethod::Exact => true,
+        SamplingMethod::Reference => false,
+    };
+    if let Some(side) = (parameters.side_without_repeats()).filter(|_| has_own_pattern) {
         let own = parameters.pattern.side;
         let remark = format!(
             "the pattern of {own} r repeats within the largest blocks, which shows in spectra; --pattern-side {side} would avoid that"
         );
         outcome.warnings.insert(0, remark);
+    }
+
+    if arguments.method == SamplingMethod::Exact && (outcome.count as f64) < EXACT_PAYS_FROM {
+        let remark = format!(
+            "note: below about {} samples --method reference takes less time: it has the same law and makes no pattern",
+            grouped(EXACT_PAYS_FROM as u64)
+        );
+        outcome.warnings.push(remark);
     }
     outcome
 }

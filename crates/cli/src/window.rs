@@ -26,7 +26,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     ensure!(
         arguments.method == SamplingMethod::Kdrt
             && arguments.engine.makes_windows(arguments.run.asked.variant),
-        "--window needs the parallel engine: the others, also the GPU's, make whole sets"
+        "--window needs the parallel engine of KDRT: the others, also the GPU's, make whole sets"
     );
     let mut watch = Stopwatch::start();
     let recipe = arguments.run.recipe()?;

@@ -26,6 +26,8 @@ pub enum Making {
     Sequential,
     /// By [`crate::NestedRequest::make`].
     Levels,
+    /// By [`crate::exact_sample`].
+    Exact,
     /// By [`crate::reference_sample`].
     Reference,
 }
@@ -39,6 +41,7 @@ impl Making {
             Self::Sweep => 30.0,
             Self::Sequential => 110.0,
             Self::Levels => 250.0,
+            Self::Exact => 190.0,
             Self::Reference => 80.0,
         }
     }

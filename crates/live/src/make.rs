@@ -22,6 +22,11 @@ pub enum CourseError {
         /// The expected number.
         samples: u64,
     },
+    /// Its method has no events.
+    #[error(
+        "exact tiling makes the finished set and has no events yet, so that there is no run to follow; kdrt and reference have events"
+    )]
+    NoEvents,
     /// The run cannot be made, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),

@@ -9,11 +9,13 @@ use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
 use tilescope_core::{
-    NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern, Search,
-    WithinLevel, radius_estimate,
+    MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern,
+    Search, WithinLevel, radius_estimate,
 };
 use tilescope_formats::{Format, Overrides, positions_digest};
-use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, stated};
+use tilescope_sets::{
+    GivenPattern, KnownDomain, NOT_OF_EXACT, Recipe, Stated, exact_pattern, stated,
+};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
@@ -154,8 +156,13 @@ impl SetArgument<'_> {
     }
 }
 
-/// Returns the parameters of a run. Those that are not given have their defaults; a radius that is not given is 0.
-fn parameters_of(given: Option<&Bound<'_, PyDict>>, radius: Option<f64>) -> PyResult<Parameters> {
+/// Returns the parameters of a run, and which of them are given. The others have their defaults; a radius that is not given
+/// is 0.
+fn parameters_of(
+    given: Option<&Bound<'_, PyDict>>,
+    radius: Option<f64>,
+) -> PyResult<(Parameters, Vec<Parameter>)> {
+    let mut named = Vec::new();
     let mut parameters = Parameters {
         radius: radius.unwrap_or_default(),
         ..Parameters::default()
@@ -171,8 +178,9 @@ fn parameters_of(given: Option<&Bound<'_, PyDict>>, radius: Option<f64>) -> PyRe
             )));
         };
         set_parameter(&mut parameters, parameter, &name, &value)?;
+        named.push(parameter);
     }
-    Ok(parameters)
+    Ok((parameters, named))
 }
 
 /// Sets a parameter to a value of Python.
@@ -309,6 +317,8 @@ fn refused(text: &str) -> PyErr {
 #[pyclass(frozen, module = "tilescope._tilescope")]
 pub struct RunRequest {
     pub recipe: Recipe,
+    /// The parameters that are given, whatever their values.
+    given: Vec<Parameter>,
     /// Nested levels, if they are asked for.
     pub nested: Option<NestedRequest>,
 }
@@ -345,7 +355,7 @@ impl RunRequest {
         }
 
         let radius = real_if_given("radius", radius)?;
-        let mut parameters = parameters_of(parameters, radius)?;
+        let (mut parameters, named) = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
         let given = |given: SetArgument<'_>| -> PyResult<GivenPattern> {
@@ -359,7 +369,11 @@ impl RunRequest {
             count,
             pattern: pattern.map(given).transpose()?,
         };
-        Ok(Self { recipe, nested })
+        Ok(Self {
+            recipe,
+            given: named,
+            nested,
+        })
     }
 
     /// Returns the side in radii of a pattern that would not repeat within blocks, where this one does.
@@ -371,6 +385,32 @@ impl RunRequest {
 }
 
 impl RunRequest {
+    /// Returns the recipe for exact tiling, and refuses by their names the arguments that it has no use for.
+    pub fn exact_recipe(&self) -> PyResult<Recipe> {
+        let asked = &self.recipe.parameters;
+        if self.recipe.pattern.is_some() {
+            let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
+            return Err(refused(text));
+        }
+        let defaults = Parameters::default();
+        let is_unused = |it: &Parameter| {
+            NOT_OF_EXACT.contains(&it.key()) && it.value(asked) != it.value(&defaults)
+        };
+        if let Some(unused) = Parameter::all().find(is_unused) {
+            let name = unused.key();
+            return Err(refused(&format!(
+                "{name} is given with method 'exact', which keeps whatever arrived first: leave it out"
+            )));
+        }
+
+        // With a count the radius is an estimate, which is near enough.
+        let domain = asked.validate().map_err(Failure::from)?;
+        let samples = domain.area_radii() * MAXIMAL_DENSITY;
+        let mut recipe = self.recipe.clone();
+        recipe.parameters.pattern = exact_pattern(asked, &self.given, samples);
+        Ok(recipe)
+    }
+
     /// Returns every parameter by its name, with the radius of the run, those of levels among the others.
     pub fn stated(&self, radius: f64) -> Stated {
         let mut all = self.recipe.stated(radius);

@@ -8,7 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tilescope_core::MAXIMAL_DENSITY;
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
+use tilescope_live::{
+    Course, CourseError, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named,
+};
 
 use crate::arguments::RunRequest;
 use crate::failure::Failure;
@@ -74,6 +76,7 @@ fn course(request: &RunRequest, method: SetMethod, watch: &TaskWatch) -> Result<
             ask(Making::Sequential)?;
             Course::of_run(&recipe.settle(&mut observer)?, &mut observer)?
         }
+        (SetMethod::Exact, _) => return Err(CourseError::NoEvents.into()),
         (SetMethod::Reference, _) => {
             ask(Making::Reference)?;
             Course::of_reference(recipe, &mut observer)?

@@ -1,4 +1,4 @@
-//! `sample`: a set by randomized tiling or by the reference sampler, in memory.
+//! `sample`: a set by randomized tiling, by exact tiling or by the reference sampler, in memory.
 
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
@@ -75,6 +75,7 @@ fn facts_of(facts: &Facts) -> Value {
 #[serde(rename_all = "kebab-case")]
 pub enum SetMethod {
     Kdrt,
+    Exact,
     Reference,
 }
 
@@ -100,32 +101,42 @@ pub fn sample<'py>(
     // With a count the radius is an estimate, which is near enough.
     let limited = request.recipe.parameters.validate_sequential();
     check_method(request, method)?;
+    let recipe = match method {
+        SetMethod::Exact => request.exact_recipe()?,
+        SetMethod::Kdrt | SetMethod::Reference => request.recipe.clone(),
+    };
+
     let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
         (SetMethod::Kdrt, None) if is_sequential(request, engine) => Making::Sequential,
         (SetMethod::Kdrt, None) => Making::Sweep,
+        (SetMethod::Exact, _) => Making::Exact,
         (SetMethod::Reference, _) => Making::Reference,
     };
     let made = run(py, progress, |watch| {
         ask_for(samples, making.bytes_a_sample())?;
         match (method, &request.nested) {
-            (SetMethod::Kdrt, Some(nested)) => {
-                Ok(request.recipe.levels(nested, &mut watch.observer())?)
-            }
+            (SetMethod::Kdrt, Some(nested)) => Ok(recipe.levels(nested, &mut watch.observer())?),
             (SetMethod::Kdrt, None) => kdrt(request, engine, watch),
-            (SetMethod::Reference, _) => Ok(request.recipe.reference(&mut watch.observer())?),
+            (SetMethod::Exact, _) => Ok(recipe.exact(&mut watch.observer())?),
+            (SetMethod::Reference, _) => Ok(recipe.reference(&mut watch.observer())?),
         }
     })?;
     into_python(made, py)
 }
 
-/// Refuses levels of the reference sampler.
+/// Refuses levels of a method that makes one set.
 pub fn check_method(request: &RunRequest, method: SetMethod) -> PyResult<()> {
-    if request.nested.is_some() && matches!(method, SetMethod::Reference) {
-        return Err(PyValueError::new_err(
-            "method is 'reference', which makes one set; levels need 'kdrt'",
-        ));
+    let name = match method {
+        SetMethod::Kdrt => return Ok(()),
+        SetMethod::Exact => "exact",
+        SetMethod::Reference => "reference",
+    };
+    if request.nested.is_some() {
+        return Err(PyValueError::new_err(format!(
+            "method is '{name}', which makes one set; levels need 'kdrt'"
+        )));
     }
     Ok(())
 }

@@ -32,8 +32,13 @@ SAMPLE = [
     ({"radius": 0.01, "order": "best"}, "order is 'best'.*`index`, `random`, `own-block-first`, `phase-group`"),
     ({"radius": 0.01, "insertion": "any"}, "insertion is 'any'.*expected `circumcentre` or `uniform`"),
     ({"radius": 0.01, "variant": "x"}, "variant is 'x'.*expected `staged` or `as-printed`"),
-    ({"radius": 0.01, "method": "x"}, "method is 'x'.*expected `kdrt` or `reference`"),
+    ({"radius": 0.01, "method": "x"}, "method is 'x'.*expected one of `kdrt`, `exact`, `reference`"),
     ({"radius": 0.01, "engine": "gpu"}, "engine is 'gpu'.*expected one of `auto`, `parallel`, `sequential`"),
+    ({"radius": 0.01, "method": "exact", "order": "index"}, "order is given with method 'exact'"),
+    ({"radius": 0.01, "method": "exact", "insertion": "uniform"}, "insertion is given with method 'exact'"),
+    ({"radius": 0.01, "method": "exact", "search": 2}, "search is given with method 'exact'"),
+    ({"radius": 0.01, "method": "exact", "variant": "as-printed"}, "variant is given with method 'exact'"),
+    ({"radius": 0.01, "method": "exact", "levels": 2}, "method is 'exact', which makes one set"),
     ({"radius": 0.01, "search": 3}, "search is 3; it must be 4 or 2"),
     ({"radius": 0.01, "search": -1}, "search is -1; it must be 4 or 2"),
     ({"radius": 0.01, "search": 10**30}, "search is 10{30}; it must be 4 or 2"),
@@ -120,6 +125,11 @@ def test_a_pattern_that_is_not_maximal_is_refused(holed, crowded):
         tilescope.sample(radius=0.01, pattern=crowded)
     with pytest.raises(ValueError, match="the radius of the set is not known; give radius"):
         tilescope.sample(radius=0.01, pattern=tilescope.PointSet(holed.points))
+
+
+def test_exact_tiling_has_no_use_for_a_given_pattern(small):
+    with pytest.raises(ValueError, match="pattern is given with method 'exact'"):
+        tilescope.sample(radius=0.02, method="exact", pattern=small)
 
 
 def test_a_pattern_that_repeats_within_blocks_is_warned_of():

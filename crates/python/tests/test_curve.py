@@ -54,6 +54,7 @@ def test_moments_are_spread_and_without_numbers_there_is_no_spectrum():
         ({"numbers": []}, "no number is named"),
         ({"moments": 1}, "at least 2 are needed"),
         ({"levels": 3, "method": "reference"}, "levels need 'kdrt'"),
+        ({"method": "exact"}, "exact tiling makes the finished set and has no events yet"),
         ({"radius": 0.0001}, "at most 2000000"),
     ],
 )

@@ -13,6 +13,7 @@ CALLS = {
     "sample": (0, "tilescope.sample(10**8)"),
     "sequential": (0, "tilescope.sample(10**8, engine='sequential')"),
     "reference": (0, "tilescope.sample(10**8, method='reference')"),
+    "exact": (0, "tilescope.sample(10**8, method='exact')"),
     "levels": (0, "tilescope.sample(radius=1e-4, levels=4)"),
     "window": (0, "tilescope.Plane(radius=2e-5).window(0, 0, 0.3, 0.3)"),
     "window of levels": (0, "tilescope.Plane(radius=2e-5, levels=2).window(0, 0, 0.3, 0.3)"),

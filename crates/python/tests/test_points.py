@@ -29,6 +29,7 @@ CASES = {
     "uniform": _BOUNDED | {"insertion": "uniform"},
     "as printed": _BOUNDED | {"variant": "as-printed"},
     "reference": {"radius": 0.008_36, "method": "reference"},
+    "exact": {"radius": 0.008_36, "method": "exact"},
 }
 
 
@@ -90,6 +91,7 @@ needs_program = pytest.mark.skipif(not PROGRAM, reason="the environment variable
         {"count": 5000, "seed": 3},
         {"count": 3000, "method": "reference", "boundary": "bounded", "height": 0.7},
         {"radius": 0.02, "leaf": 80, "search": 2},
+        {"count": 3000, "method": "exact", "pattern_side": 30, "pattern_seed": 5, "dihedral": True},
     ],
     ids=str,
 )

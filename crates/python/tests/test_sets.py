@@ -279,3 +279,13 @@ def test_layouts_that_cannot_be_are_refused(small, holed):
         tilescope.combine("no such layout.json")
     with pytest.raises(FileNotFoundError):
         tilescope.combine(LAYOUT | {"pieces": [{"file": "no such set.csv"}, {"seed": 1}]})
+
+
+def test_exact_tiling_says_what_pattern_it_took():
+    made = tilescope.sample(1000, method="exact", seed=5)
+    assert (made.method, made.verify().valid, abs(len(made) - 1000) <= 10) == ("exact", True, True)
+    pattern = made.parameters["pattern"]
+    assert (pattern["side"], pattern["seed"], made.parameters["pattern_samples"] > 27_000) == (200, 5, True)
+    given = tilescope.sample(1000, method="exact", seed=5, pattern_side=50, pattern_seed=0)
+    assert (given.parameters["pattern"]["side"], given.parameters["pattern"]["seed"]) == (50, 0)
+    assert not {"order", "insertion", "search", "variant"} & given.parameters.keys()

@@ -69,6 +69,7 @@ glossary! {
     AS_PRINTED, "as printed", "3.2.2", "Algorithm 4 exactly as the paper prints it: elimination and the first insertion take turns sample by sample.";
     STAGED, "staged", "", "The arrangement used otherwise: all elimination comes before all insertion, so that every stage can run in parallel.";
     REFERENCE_SAMPLER, "reference sampler", "4.1.3", "Maximal Poisson-disk sampling from scratch by dart throwing (Ebeida and others, 2012). It makes the patterns, and sets to compare with.";
+    EXACT_TILING, "exact tiling", "", "Tiling of all darts of a pattern with their order of arrival: a dart is a sample unless an earlier sample covers it. Seams have no bias.";
 
     STAGE, "stage", "", "A step of a run: pattern, blocks, tile, eliminate, iterate 1 and so on, finish.";
     RUN, "run", "", "Everything that was made from one set of parameters, stage by stage.";

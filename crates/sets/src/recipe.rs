@@ -6,8 +6,9 @@ use std::sync::Arc;
 use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
 use tilescope_core::{
-    Domain, NestedRequest, Observer, Parameters, Pattern, SampleError, Sampled, Sequential,
-    Summary, Sweep, radius_for_count, reference_sample, search_radius,
+    Domain, NestedRequest, Observer, Parameter, Parameters, Pattern, PatternHistory, PatternSpec,
+    SampleError, Sampled, Sequential, Summary, Sweep, exact_sample, radius_for_count,
+    reference_sample, search_radius,
 };
 use tilescope_formats::PointSet;
 
@@ -16,6 +17,31 @@ use crate::made::{Made, provenance};
 
 /// The parameters that the reference sampler uses.
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
+
+/// The parameters that exact tiling has no use for: it neither eliminates in an order of choice nor looks for gaps.
+pub const NOT_OF_EXACT: [&str; 4] = ["order", "insertion", "search", "variant"];
+
+/// Below about so many samples the reference sampler takes less time than exact tiling with its pattern: it takes 2.2 µs a
+/// sample, exact tiling 1.2 µs, and a pattern of 400 r with its tables 0.53 s.
+pub const EXACT_PAYS_FROM: f64 = 500_000.0;
+
+/// What certificates of exact tilings say of the pattern that their blocks share.
+const LAW: &str = "exact in every window; averages over the set vary as those of the fewer of its samples and pattern_samples";
+
+/// Returns the pattern of exact tiling for about so many samples. A side and a seed that are among the parameters that
+/// were `given` are as asked.
+#[must_use]
+pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> PatternSpec {
+    let mut pattern = PatternSpec::for_exact(samples, asked.seed);
+    pattern.boundary = asked.pattern.boundary;
+    if given.contains(&Parameter::PatternSide) {
+        pattern.side = asked.pattern.side;
+    }
+    if given.contains(&Parameter::PatternSeed) {
+        pattern.seed = asked.pattern.seed;
+    }
+    pattern
+}
 
 /// A pattern that is given rather than generated.
 #[derive(Clone, Debug)]
@@ -106,6 +132,37 @@ impl Recipe {
             set: PointSet::from_points(domain.users_from_lattice(&points)),
             facts: Facts::new("reference", used, &domain),
         })
+    }
+
+    /// Makes the set by exact tiling, from the pattern that the parameters describe: a given one has no arrival order. The
+    /// facts state how many samples the pattern has, how many there are for each of them, and what follows.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
+    /// when it is cancelled.
+    pub fn exact(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
+        // Its lengths are in r, so that every try for the radius has the same pattern.
+        let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
+        let mut attempt = |radius| -> Result<_, SampleError> {
+            let run = exact_sample(&self.with_radius(radius), &history, observer)?;
+            Ok((run.result.len() as u64, run))
+        };
+        let run = match self.count {
+            Some(count) => search_radius(&self.parameters, count, attempt)?,
+            None => attempt(self.parameters.radius)?.1,
+        };
+
+        // What is stated can be typed again, and exact tiling refuses the rest.
+        let mut used = stated(&run.parameters);
+        used.retain(|name, _| !NOT_OF_EXACT.contains(&name.as_str()));
+        // How far averages of the set can be trusted does not follow from its size alone.
+        let independent = history.pattern().samples().len();
+        let reuse = run.result.len() as f64 / independent as f64;
+        used.insert("pattern_samples".to_owned(), independent.into());
+        used.insert("samples_per_pattern_sample".to_owned(), reuse.into());
+        used.insert("law".to_owned(), LAW.into());
+        Ok(Made::of_run(&run, Facts::new("exact", used, &run.domain)))
     }
 
     /// Makes nested levels, which have a pattern of their own.

@@ -3,7 +3,9 @@
 use std::ops::ControlFlow;
 
 use tilescope_analysis::{Region, VerifyOptions};
-use tilescope_core::{Boundary, Domain, NestedRequest, Parameters, Unobserved, WithinLevel};
+use tilescope_core::{
+    Boundary, Domain, NestedRequest, Parameter, Parameters, Unobserved, WithinLevel,
+};
 
 use super::*;
 
@@ -66,6 +68,57 @@ fn both_engines_end_in_the_same_set_with_the_same_facts() {
         assert_eq!(bare.set.points, parallel.set.points);
         assert_eq!(bare.set.provenance, None);
     }
+}
+
+#[test]
+fn exact_tiling_states_what_it_uses_and_how_large_its_pattern_is() {
+    let mut recipe = recipe();
+    recipe.parameters.pattern.side = 24.0;
+    recipe.count = Some(700);
+    let made = recipe.exact(&mut Unobserved).unwrap();
+    assert!((693..=707).contains(&made.set.len()));
+    assert_eq!(made.facts.method, "exact");
+    let stated: Vec<&str> = made.facts.parameters.keys().map(String::as_str).collect();
+    let used = [
+        "boundary",
+        "dihedral",
+        "height",
+        "law",
+        "leaf",
+        "pattern",
+        "pattern_samples",
+        "radius",
+        "samples_per_pattern_sample",
+        "seed",
+        "width",
+    ];
+    assert_eq!(stated, used);
+    let samples = made.facts.parameters["pattern_samples"].as_u64().unwrap();
+    assert!((380..430).contains(&samples), "{samples}");
+    let reuse = made.facts.parameters["samples_per_pattern_sample"].as_f64();
+    assert_eq!(reuse, Some(made.set.len() as f64 / samples as f64));
+
+    let go_on = |_| ControlFlow::Continue(());
+    let report = made.judge(&VerifyOptions::default(), &go_on);
+    assert!(report.unwrap().valid() && made.set.provenance.is_some());
+}
+
+#[test]
+fn the_pattern_of_exact_tiling_goes_with_the_set_unless_it_is_given() {
+    let mut asked = Parameters {
+        seed: 7,
+        ..Parameters::default()
+    };
+    asked.pattern.side = 50.0;
+    asked.pattern.seed = 3;
+    let chosen = |given: &[Parameter], samples| {
+        let spec = exact_pattern(&asked, given, samples);
+        (spec.side, spec.seed)
+    };
+    assert_eq!(chosen(&[], 28_000.0), (200.0, 7));
+    assert_eq!(chosen(&[Parameter::Leaf], 28_001.0), (400.0, 7));
+    assert_eq!(chosen(&[Parameter::PatternSide], 1e6), (50.0, 7));
+    assert_eq!(chosen(&[Parameter::PatternSeed], 1e6), (400.0, 3));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use anyhow::Result;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-use crate::{Arguments, Command, analyze, convert, draw, sample, verify};
+use crate::{Arguments, Command, analyze, convert, curve, draw, sample, verify};
 
 /// Runs a command; the words `@name` stand for files of the folder.
 fn run(folder: &TempDir, words: &[&str]) -> Result<u8> {
@@ -22,6 +22,7 @@ fn run(folder: &TempDir, words: &[&str]) -> Result<u8> {
         Command::Analyze(arguments) => analyze::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Draw(arguments) => draw::run(&arguments),
+        Command::Curve(arguments) => curve::run(&arguments),
         other => panic!("{other:?} reads no set"),
     }
 }
@@ -241,4 +242,111 @@ fn a_small_bounded_domain_is_sampled() {
     let narrow = ["sample", "--radius", "5.1"];
     let refused = refusal(&folder, &[&narrow[..], &sides].concat());
     assert!(refused.contains("it must be at least 4 r"), "{refused}");
+}
+
+/// A set by exact tiling has a true certificate, and the options that it states make the same set.
+#[test]
+fn an_exact_set_is_made_again_from_its_certificate() {
+    let folder = tempdir().expect("a folder");
+    let size = ["--count", "700", "--boundary", "bounded", "--seed", "9"];
+    let made = [
+        "sample",
+        "--method",
+        "exact",
+        "--dihedral",
+        "--out",
+        "@a.csv",
+    ];
+    assert_eq!(run(&folder, &[&made[..], &size].concat()).expect("made"), 0);
+    assert_eq!(run(&folder, &["verify", "@a.csv"]).expect("judged"), 0);
+    assert_eq!(
+        run(&folder, &["draw", "@a.csv", "@a.svg"]).expect("drawn"),
+        0
+    );
+
+    let first = certificate(&folder, "a.csv");
+    let stated = &first["parameters"];
+    assert_eq!(first["method"], "exact");
+    // A small set has a pattern of 200 r, and of its own seed.
+    assert_eq!(
+        (&stated["pattern"]["side"], &stated["pattern"]["seed"]),
+        (&200.0.into(), &9.into())
+    );
+    let independent = stated["pattern_samples"].as_f64().expect("a number");
+    assert!((27_000.0..29_000.0).contains(&independent));
+    let count = first["count"].as_f64().expect("a number");
+    assert_eq!(stated["samples_per_pattern_sample"], count / independent);
+    assert!(
+        stated["law"]
+            .as_str()
+            .expect("words")
+            .starts_with("exact in every window")
+    );
+    assert!(stated.get("order").is_none() && stated.get("insertion").is_none());
+
+    let text = |value: &Value| value.to_string().trim_matches('"').to_owned();
+    let pattern = &stated["pattern"];
+    let options = [
+        ("--radius", &stated["radius"]),
+        ("--width", &stated["width"]),
+        ("--height", &stated["height"]),
+        ("--boundary", &stated["boundary"]),
+        ("--seed", &stated["seed"]),
+        ("--leaf", &stated["leaf"]),
+        ("--pattern-side", &pattern["side"]),
+        ("--pattern-seed", &pattern["seed"]),
+        ("--pattern-boundary", &pattern["boundary"]),
+    ];
+    let options: Vec<[String; 2]> = options
+        .map(|(name, value)| [name.to_owned(), text(value)])
+        .into();
+    let options: Vec<&str> = options.iter().flatten().map(String::as_str).collect();
+    let again = [
+        "sample",
+        "--method",
+        "exact",
+        "--dihedral",
+        "--out",
+        "@b.csv",
+    ];
+    assert_eq!(
+        run(&folder, &[&again[..], &options].concat()).expect("made"),
+        0
+    );
+    assert_eq!(read(&folder, "a.csv"), read(&folder, "b.csv"));
+    assert_eq!(certificate(&folder, "b.csv")["parameters"], *stated);
+}
+
+#[test]
+fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
+    let folder = tempdir().expect("a folder");
+    let given: [&[&str]; 9] = [
+        &["--order", "own-block-first"],
+        &["--insertion", "uniform"],
+        &["--search", "2"],
+        &["--variant", "staged"],
+        &["--pattern", "@set.csv"],
+        &["--levels", "2"],
+        &["--engine", "gpu"],
+        &["--window", "0", "0", "0.5", "0.5"],
+        &["--resume", "--out", "@set.csv"],
+    ];
+    for options in given {
+        let words = ["sample", "--radius", "0.05", "--method", "exact"];
+        let refused = refusal(&folder, &[&words[..], options].concat());
+        assert!(refused.starts_with(options[0]), "{refused}");
+    }
+
+    // A default that is typed is meant, too.
+    let words = [
+        "sample", "--radius", "0.05", "--method", "exact", "--search", "4",
+    ];
+    assert!(refusal(&folder, &words).starts_with("--search is for KDRT"));
+    let curve = ["curve", "--radius", "0.05", "--method", "exact"];
+    let refused = refusal(&folder, &curve);
+    assert!(
+        refused
+            .starts_with("--method exact: exact tiling makes the finished set and has no events"),
+        "{refused}"
+    );
 }

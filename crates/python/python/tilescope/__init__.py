@@ -76,9 +76,9 @@ def sample(
     boundary: Boundary = "periodic",
     seed: SupportsIndex = 1,
     leaf: float = 30.0,
-    pattern_side: float = 100.0,
+    pattern_side: float | None = None,
     pattern_boundary: Boundary = "periodic",
-    pattern_seed: SupportsIndex = 0,
+    pattern_seed: SupportsIndex | None = None,
     pattern: PointSet | Path | None = None,
     dihedral: bool = False,
     order: _Order = "own-block-first",
@@ -89,7 +89,7 @@ def sample(
     exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
     origin: tuple[float, float] | None = None,
-    method: Literal["kdrt", "reference"] = "kdrt",
+    method: Literal["kdrt", "exact", "reference"] = "kdrt",
     engine: Literal["auto", "parallel", "sequential"] = "auto",
     progress: Progress = False,
 ) -> PointSet:
@@ -114,7 +114,8 @@ def sample(
     leaf : float
         Shortest edge of a building block, in radii: at least 6.
     pattern_side, pattern_boundary, pattern_seed
-        Side in radii, boundary and seed of the small set that blocks take their samples from.
+        Side in radii, boundary and seed of the small set that blocks take their samples from. If they are
+        not given, the side is 100 and the seed is 0; with method 'exact', see there.
     pattern : PointSet or path-like, optional
         Take the samples from this set instead: it must be conflict-free and maximal.
     dihedral : bool
@@ -122,7 +123,7 @@ def sample(
     order : {'own-block-first', 'index', 'random', 'phase-group'}
         Order of elimination.
     insertion : {'circumcentre', 'uniform'}
-        Fill gaps at uncovered circumcentres, or uniformly.
+        Fill gaps at uncovered circumcentres, or uniformly. Seams stay denser with either.
     search : {4, 2}
         How far detectors look for gaps, in radii: 4 is proven, 2 is an experiment that leaves gaps.
     variant : {'staged', 'as-printed'}
@@ -143,9 +144,16 @@ def sample(
     origin : (x, y), optional
         Where files are to hold the lower corner of the domain, for sets at map coordinates. It does not change
         :attr:`PointSet.points`; :meth:`PointSet.save` adds it to what it writes.
-    method : {'kdrt', 'reference'}
-        Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count,
-        sides, boundary and seed.
+    method : {'kdrt', 'exact', 'reference'}
+        Randomized tiling; exact tiling; or dart throwing (Ebeida et al. 2012), which uses only radius or
+        count, sides, boundary and seed. Exact tiling clips all darts with their arrival order, so that seams
+        have no bias: sets are distributed as those by dart throwing, but for the pattern that all blocks
+        share. The mean of many sets is as good as the samples of all their patterns allow. So the
+        pattern's seed is `seed`, and its side 200 up to 28,000 samples and 400 above, unless they are
+        given; ``parameters["pattern_samples"]`` says how many samples it has, and
+        ``parameters["samples_per_pattern_sample"]`` how often each is used. Order, insertion, search
+        and variant must be the defaults, and neither `pattern` nor `levels` can be given. Below some
+        500,000 samples dart throwing takes less time.
     engine : {'auto', 'parallel', 'sequential'}
         What computes. It does not change the points.
     progress : bool or callable
@@ -187,8 +195,9 @@ def sample(
     )  # fmt: skip
     side = request.side_without_repeats()
     if side is not None and method == "kdrt":
+        own = 100.0 if pattern_side is None else pattern_side
         warnings.warn(
-            f"the pattern of {pattern_side:g} r repeats within the largest blocks, which spectra show; "
+            f"the pattern of {own:g} r repeats within the largest blocks, which spectra show; "
             f"pattern_side={side:g} would avoid that",
             stacklevel=2,
         )
@@ -268,12 +277,17 @@ def curve(
         return _tilescope.curve(request, method, keys, moments, told)
 
 
+# Arguments that go with the method where they are not given.
+_CHOSEN = ("pattern_side", "pattern_seed")
+
+
 def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope.RunRequest:
     source = None
     if pattern is not None and not isinstance(pattern, PointSet):
         source = _tilescope.named_by_content(local_path(pattern))
         pattern = read(pattern)
-    return _tilescope.RunRequest(pattern=pattern, pattern_source=source, **arguments)
+    chosen = {name: value for name, value in arguments.items() if value is not None or name not in _CHOSEN}
+    return _tilescope.RunRequest(pattern=pattern, pattern_source=source, **chosen)
 
 
 class Plane:

@@ -147,7 +147,7 @@ class PointSet:
 
     @property
     def method(self) -> str:
-        """How the set was made: ``'kdrt'``, ``'reference'``, ``'combined'``, or what a certificate states."""
+        """How the set was made: ``'kdrt'``, ``'exact'``, ``'reference'``, ``'combined'``, or what a certificate states."""
         return self._method
 
     @property
