@@ -1,12 +1,14 @@
 //! `tilescope soak`: compares engines, windows and verdicts at random parameters, for a given number of samples. Each
 //! failure is reported with the command that makes its set.
 
+mod definition;
+mod exact;
 mod nested;
 
 use std::fmt::Write;
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::I64Vec2;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -33,6 +35,9 @@ pub struct SoakArguments {
     /// Seed of the random parameters
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// What is made
+    #[arg(long, value_enum, default_value = "kdrt")]
+    method: SoakMethod,
     #[command(flatten)]
     judge: JudgeArguments,
     #[command(flatten)]
@@ -42,14 +47,25 @@ pub struct SoakArguments {
     json: bool,
 }
 
+/// The methods that can be soaked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SoakMethod {
+    /// Randomized tiling, by both engines, in windows, and sometimes as nested levels
+    Kdrt,
+    /// Exact tiling
+    Exact,
+}
+
 const EXAMPLES: &str = "\
 Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
 the sequential and with the parallel engine, compares the two point by point, compares four windows
-with the set, and verifies the set. Some rounds also make nested levels. Exit code 1 if two sets differ, or if one is not
+with the set, and verifies the set. Some rounds also make nested levels. Rounds of exact tiling check
+the counts, compare the samples of the first levels with the definition, and verify the set. Exit code 1 if two sets differ, or if one is not
 valid.
 
-Example:
-  tilescope soak --samples 1000000000";
+Examples:
+  tilescope soak --samples 1000000000
+  tilescope soak --samples 100000000 --method exact";
 
 /// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
@@ -222,13 +238,22 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
-    match round(&parameters, &dice, &arguments.judge.options()) {
+
+    let options = arguments.judge.options();
+    let made = match arguments.method {
+        SoakMethod::Kdrt => round(&parameters, &dice, &options),
+        SoakMethod::Exact => exact::round(&parameters, &options),
+    };
+    match made {
         Ok(round) => round,
         Err(_) if interrupt::requested() => Tally::default(),
         Err(error) => Tally {
             rounds: 1,
             failed: 1,
-            commands: vec![format!("{error:#}: {}", command(&parameters))],
+            commands: vec![format!(
+                "{error:#}: {}",
+                arguments.method.command(&parameters)
+            )],
             ..Tally::default()
         },
     }
@@ -319,8 +344,29 @@ fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     (at.cmpge(I64Vec2::ZERO) & at.cmplt(max - min)).all()
 }
 
-/// Returns the command that makes the set of a round.
+impl SoakMethod {
+    /// Returns the command that makes the set of a round.
+    fn command(self, parameters: &Parameters) -> String {
+        match self {
+            Self::Kdrt => command(parameters),
+            Self::Exact => exact::command(parameters),
+        }
+    }
+}
+
+/// Returns the command that makes the set of a round of KDRT.
 fn command(p: &Parameters) -> String {
+    let names = json!([p.order, p.insertion]);
+    let [order, insertion] = [0, 1].map(|k| names[k].as_str().unwrap_or(""));
+    let search = if p.search == Search::TwoRadii { 2 } else { 4 };
+    format!(
+        "{} --order {order} --insertion {insertion} --search {search}",
+        common_command(p)
+    )
+}
+
+/// Returns a command with the options that have a meaning for every method that tiles.
+fn common_command(p: &Parameters) -> String {
     let Parameters {
         radius,
         width,
@@ -330,14 +376,12 @@ fn command(p: &Parameters) -> String {
         pattern,
         ..
     } = p;
-    let names = json!([p.boundary, p.order, p.insertion, pattern.boundary]);
-    let [boundary, order, insertion, ends] = [0, 1, 2, 3].map(|k| names[k].as_str().unwrap_or(""));
-    let search = if p.search == Search::TwoRadii { 2 } else { 4 };
+    let names = json!([p.boundary, pattern.boundary]);
+    let [boundary, ends] = [0, 1].map(|k| names[k].as_str().unwrap_or(""));
     let dihedral = if p.dihedral { " --dihedral" } else { "" };
     format!(
         "tilescope sample --radius {radius} --width {width} --height {height} --boundary {boundary} \
-         --seed {seed} --leaf {leaf} --pattern-side {} --pattern-boundary {ends} --pattern-seed {} \
-         --order {order} --insertion {insertion} --search {search}{dihedral}",
+         --seed {seed} --leaf {leaf} --pattern-side {} --pattern-boundary {ends} --pattern-seed {}{dihedral}",
         pattern.side, pattern.seed
     )
 }

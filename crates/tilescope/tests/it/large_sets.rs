@@ -468,6 +468,11 @@ fn a_soak_compares_and_verifies() {
         assert_eq!(found[key], 0, "{key}");
     }
     assert!(found["covering_radius_r"].as_f64().unwrap() > 1.0);
+    let of_exact = ["soak", "--samples", &asked, "--method", "exact"];
+    let exact = json(&folder, &of_exact);
+    for key in ["conflicts", "gaps", "unequal", "failed"] {
+        assert_eq!(exact[key], 0, "{key}");
+    }
     let mut text = tilescope(&folder);
     text.args(["soak", "--samples", "1"]);
     text.assert()

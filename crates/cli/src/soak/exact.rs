@@ -1,0 +1,101 @@
+//! Rounds of exact tiling: the definition, what was counted, and the verdict.
+
+use anyhow::Result;
+use tilescope_analysis::{VerifyOptions, verify};
+use tilescope_core::{Parameters, PatternHistory, Run, Unobserved, exact_sample};
+use tilescope_sets::region;
+
+use super::definition::agrees;
+use super::{Tally, common_command};
+use crate::interrupt;
+
+/// Makes a round of the sides, leaf, boundaries, pattern and seed that were drawn; the rest has no meaning here.
+pub fn round(parameters: &Parameters, options: &VerifyOptions) -> Result<Tally> {
+    let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
+    let run = exact_sample(parameters, &history, &mut Unobserved)?;
+    let is_defined = counts_add_up(&run) && agrees(&run, &history);
+
+    let domain = run.domain;
+    let positions = domain.users_from_lattice(&run.points());
+    let control = |_| interrupt::flow();
+    let report = verify(
+        &positions,
+        region(&domain),
+        domain.radius(),
+        options,
+        &control,
+    )?;
+
+    let faults = [
+        (is_defined, "--method exact differs from its definition: "),
+        (report.valid(), "not valid: "),
+    ];
+    let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
+    let faults: String = faults.map(|(_, fault)| fault).collect();
+    let command = || format!("{faults}{}", command(parameters));
+    Ok(Tally {
+        rounds: 1,
+        samples: report.count as u64,
+        conflicts: report.conflicts,
+        gaps: report.gaps,
+        covering_radius_r: report.covering_radius,
+        unequal: u64::from(!is_defined),
+        commands: (!faults.is_empty()).then(command).into_iter().collect(),
+        ..Tally::default()
+    })
+}
+
+/// Returns whether what was tiled, less what was lost, with what was inserted is what there is.
+fn counts_add_up(run: &Run) -> bool {
+    let counts = run.summary();
+    let inserted: usize = counts.inserted.iter().sum();
+    counts.tiled - counts.eliminated + inserted == counts.count && counts.count == run.result.len()
+}
+
+/// Returns the command that makes the set of a round.
+pub fn command(parameters: &Parameters) -> String {
+    format!("{} --method exact", common_command(parameters))
+}
+
+#[cfg(test)]
+mod tests {
+    use tilescope_core::{Boundary, Origin, PatternSpec};
+
+    use super::*;
+
+    /// The definition holds of patterns that turn, repeat within blocks, and end; it is found where it does not hold.
+    #[test]
+    fn the_definition_holds_and_is_looked_at() {
+        let spec = |side: f64, boundary| PatternSpec {
+            side,
+            boundary,
+            seed: 3,
+        };
+        let patterns = [
+            (spec(17.5, Boundary::Periodic), true),
+            (spec(40.0, Boundary::Bounded), true),
+            (spec(100.0, Boundary::Periodic), false),
+        ];
+        for (pattern, dihedral) in patterns {
+            let parameters = Parameters {
+                radius: 0.02,
+                leaf: 9.0,
+                pattern,
+                dihedral,
+                ..Parameters::default()
+            };
+            let history = PatternHistory::of_spec(&pattern, &mut Unobserved).unwrap();
+            let run = exact_sample(&parameters, &history, &mut Unobserved).unwrap();
+            assert!(counts_add_up(&run) && agrees(&run, &history), "{pattern:?}");
+
+            let mut fewer = run.clone();
+            fewer.result.pop();
+            assert!(!counts_add_up(&fewer));
+            let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
+            let tiled = run.samples.origins.iter().position(is_tiled).unwrap();
+            let mut moved = run;
+            moved.samples.points[tiled].x += 1;
+            assert!(!agrees(&moved, &history));
+        }
+    }
+}
