@@ -58,14 +58,17 @@ fn names(row: &EngineRate) -> (&'static str, String) {
     match row.engine {
         Engine::Sequential => ("sequential", format!("sequential, leaf {leaf} r")),
         Engine::Parallel { threads } => ("parallel", parallel_name(leaf, threads)),
-        _ => ("reference", "reference".to_owned()),
+        Engine::Exact => ("exact", format!("exact tiling, leaf {leaf} r")),
+        Engine::Reference | Engine::Combined { .. } | Engine::Gpu { .. } => {
+            ("reference", "reference".to_owned())
+        }
     }
 }
 
 /// The heading of the table.
 const HEADING: &str = "\
 method                             samples Msamples/s    ratio  \
-threads N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
+of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
 
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
@@ -73,12 +76,13 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
         let _ = writeln!(
             out,
-            "{:<32} {:>9.0} {:>10.3} {:>7.2}x {:>8} {:>9.4} {:>11.7} {:>11.7} {:>13.3} {:>6}",
+            "{:<32} {:>9.0} {:>10.3} {:>7.2}x {:>8} {:>9.1} ms {:>9.4} {:>11.7} {:>11.7} {:>13.3} {:>6}",
             names(row).1,
             row.count,
             row.rate.quartiles[1] / 1e6,
             row.ratio.quartiles[1],
             gain.unwrap_or_default(),
+            rates.from_nothing(row) * 1e3,
             row.density,
             row.min_distance,
             row.covering_radius,
@@ -86,16 +90,18 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
             yes(row.valid()),
         );
     }
+
     let (windows, plane) = (&rates.windows, arguments.plane);
     let (count, took) = (windows.median_count(), windows.median_seconds() * 1e3);
     let (setup, valid) = (windows.plane_seconds * 1e3, yes(windows.valid));
     let (rounds, threads) = (arguments.rounds, rayon::current_num_threads());
-    let pattern = rates.pattern_seconds * 1e3;
+    let [pattern, history] = [rates.pattern_seconds, rates.history_seconds].map(|s| s * 1e3);
     let _ = writeln!(
         out,
         "\nwindow of {count:.0} samples in a plane of {plane}: {took:.2} ms \
          (plane set up once in {setup:.2} ms), valid: {valid}\n\
-         median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms"
+         median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms, \
+         that of exact tiling with its tables in {history:.1} ms"
     );
     out
 }
@@ -112,6 +118,7 @@ fn to_json(rates: &CpuRates) -> Value {
             "samples_per_second": row.rate.quartiles[1],
             "ratio_to_reference": row.ratio.quartiles[1],
             "ratio_to_one_thread": row.thread_ratio,
+            "seconds_from_nothing": rates.from_nothing(row),
             "density": row.density,
             "min_distance_r": row.min_distance,
             "covering_radius_r": row.covering_radius,
@@ -121,6 +128,7 @@ fn to_json(rates: &CpuRates) -> Value {
     };
     json!({
         "pattern_seconds": rates.pattern_seconds,
+        "history_seconds": rates.history_seconds,
         "rows": rates.rows.iter().map(row).collect::<Vec<_>>(),
         "windows": rates.windows,
     })

@@ -21,7 +21,7 @@ pub struct BenchArguments {
     /// Approximate number of samples of each set
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     pub samples: u64,
-    /// Leaf sizes of KDRT, in radii
+    /// Leaf sizes of KDRT and of exact tiling, in radii
     #[arg(long, value_name = "LEAF", num_args = 1.., default_values_t = [20.0, 40.0, 80.0])]
     pub leaf: Vec<f64>,
     /// Numbers of threads of the parallel engine; if not given, one and the number of cores
@@ -59,8 +59,9 @@ pub enum Measured {
 const EXAMPLES: &str = "\
 A rate counts the samples of whole sets, made in memory on the lattice and in canonical order; the time
 to make the pattern is not part of it. Ratios are taken within a round, and the median over the rounds is
-printed: to the reference sampler, and in the column of threads to one thread. With --engine gpu they are
-to the CPU on all threads.
+printed: to the reference sampler, and in the column of KDRT to the parallel engine on one thread. From
+nothing is the time of a set with its pattern and tables. With --engine gpu ratios are to the CPU on all
+threads.
 
 With --live each row is a motion of the cursor, with and without the analysis: a run played in 30 seconds at
 60 frames a second, within the steps that a frame has for it; steps from one change to the next; and jumps.

@@ -8,7 +8,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, Point, Rect, Sequential, reference_sample,
+    Boundary, Domain, Parameters, Pattern, PatternHistory, Point, Rect, Sequential, exact_sample,
+    reference_sample,
 };
 use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
 
@@ -36,6 +37,8 @@ pub enum Engine {
         /// Threads that it runs on.
         threads: usize,
     },
+    /// Exact tiling, on one thread, with the pattern and tables that are open.
+    Exact,
     /// The engine on a GPU.
     Gpu {
         /// The GPU's name.
@@ -50,7 +53,7 @@ impl Engine {
         Self::Parallel { threads }
     }
 
-    /// Returns whether it makes sets by randomized tiling, and not from scratch.
+    /// Returns whether it tiles, and does not make sets from scratch.
     pub(crate) const fn tiles(&self) -> bool {
         !matches!(self, Self::Reference | Self::Combined { .. })
     }
@@ -63,6 +66,7 @@ impl Engine {
             Self::Combined { .. } => format!("reference, {ALONG} x {ALONG} combined"),
             Self::Sequential => "KDRT, sequential".to_owned(),
             Self::Parallel { .. } => "KDRT, parallel".to_owned(),
+            Self::Exact => "exact tiling".to_owned(),
             Self::Gpu { adapter } => format!("KDRT, {adapter}"),
         }
     }
@@ -73,15 +77,16 @@ impl Engine {
         match self {
             Self::Combined { threads } | Self::Parallel { threads } => Some(*threads),
             Self::Gpu { .. } => None,
-            _ => Some(1),
+            Self::Reference | Self::Sequential | Self::Exact => Some(1),
         }
     }
 }
 
-/// Pools of threads and open GPUs, with which engines run.
+/// Pools of threads, open GPUs and the tables of a pattern, with which engines run.
 pub struct Engines {
     pools: Vec<ThreadPool>,
     gpus: Vec<Arc<Gpu>>,
+    history: Option<PatternHistory>,
 }
 
 impl Engines {
@@ -94,7 +99,17 @@ impl Engines {
             builder.build().map_err(failed)
         };
         let pools = pools.map(pool).collect::<Result<_, _>>()?;
-        Ok(Self { pools, gpus })
+        Ok(Self {
+            pools,
+            gpus,
+            history: None,
+        })
+    }
+
+    /// Returns the engines with what exact tiling needs.
+    pub fn with_history(self, history: PatternHistory) -> Self {
+        let history = Some(history);
+        Self { history, ..self }
     }
 
     /// Starts a pool of one thread and opens every GPU.
@@ -134,6 +149,11 @@ impl Engines {
                 let pool = pools.find(|pool| pool.current_num_threads() == *threads);
                 let make = || by_bands(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
+            }
+            Engine::Exact => {
+                let none = || failed("there are no tables for exact tiling");
+                let history = self.history.as_ref().ok_or_else(none)?;
+                exact_sample(parameters, history, observer)?.points()
             }
             Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
@@ -216,7 +236,12 @@ mod tests {
             let nowhere = Engine::Gpu {
                 adapter: "none of that name".to_owned(),
             };
-            assert!(make(nowhere).is_err());
+            assert!(make(nowhere).is_err() && make(Engine::Exact).is_err());
+
+            let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
+            let engines = engines.with_history(history);
+            let exact = engines.make(&Engine::Exact, &parameters, &pattern, control)?;
+            assert_ne!(exact, all);
             Ok(())
         });
     }

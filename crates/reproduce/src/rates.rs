@@ -149,7 +149,8 @@ pub struct EngineRate {
     pub verify_rate: f64,
     /// Rate over that of the baseline in the same round.
     pub ratio: Summary,
-    /// Median rate over that of one thread in the same round, for the parallel engine on several threads.
+    /// Median rate over that of the parallel engine's one thread in the same round, for the parallel engine on several
+    /// threads and for exact tiling.
     pub thread_ratio: Option<f64>,
     /// Median of `N r^2 / area`.
     pub density: f64,
@@ -207,7 +208,13 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     };
     let all = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median = |value| all(value).map(|summary| summary.quartiles[1]);
-    let several = matches!(key.0, Engine::Parallel { threads } if *threads > 1);
+    let is_compared = match key.0 {
+        Engine::Parallel { threads } => *threads > 1,
+        Engine::Exact => true,
+        Engine::Reference | Engine::Combined { .. } | Engine::Sequential | Engine::Gpu { .. } => {
+            false
+        }
+    };
     let one_thread = (&Engine::Parallel { threads: 1 }, key.1);
     Some(EngineRate {
         engine: key.0.clone(),
@@ -217,7 +224,7 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         verify_rate: median(|one| one.report.count as f64 / one.verify_seconds)?,
         ratio: ratio(baseline)?,
         thread_ratio: ratio(one_thread)
-            .filter(|_| several)
+            .filter(|_| is_compared)
             .map(|ratio| ratio.quartiles[1]),
         density: median(|one| one.report.density)?,
         min_distance: all(|one| one.report.min_distance / one.report.radius)?.least,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
-use tilescope_core::{Key, Parameters, Pattern, Plane, Stream};
+use tilescope_core::{Key, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Stream};
 
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
 use crate::control::{Control, Watch};
@@ -33,12 +33,30 @@ pub struct Bench {
 /// Rates of the CPU's engines.
 #[derive(Clone, Debug)]
 pub struct CpuRates {
-    /// Seconds of generating the pattern.
+    /// Seconds of generating KDRT's pattern.
     pub pattern_seconds: f64,
+    /// Seconds of generating the pattern of exact tiling and its tables.
+    pub history_seconds: f64,
     /// The engines at each leaf size, after the reference sampler, which is the baseline.
     pub rows: Vec<EngineRate>,
     /// Windows of a large plane, one a round.
     pub windows: WindowTimes,
+}
+
+impl CpuRates {
+    /// Returns the seconds of a row's set from nothing: with the pattern that it is made from.
+    #[must_use]
+    pub fn from_nothing(&self, row: &EngineRate) -> f64 {
+        let set = median(row.times.iter().map(|one| one.seconds)).unwrap_or(f64::NAN);
+        let before = match row.engine {
+            Engine::Reference | Engine::Combined { .. } => 0.0,
+            Engine::Sequential | Engine::Parallel { .. } | Engine::Gpu { .. } => {
+                self.pattern_seconds
+            }
+            Engine::Exact => self.history_seconds,
+        };
+        before + set
+    }
 }
 
 /// Times of windows at random positions of a large plane.
@@ -76,22 +94,33 @@ impl Bench {
     pub fn cpu(&self, watch: &dyn Watch) -> Result<CpuRates> {
         let base = self.base()?;
         let of_plane = sized(self.plane, self.seed)?;
-        let open = Engines::open(&self.threads, Vec::new())?;
         let control = Control::new(watch, 0, "the pattern".to_owned());
         // The time to make a pattern is reported, so it is generated here and not taken from the kept ones.
         let generate = || Pattern::generate(&base.pattern, &mut control.observer());
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
+        // That of exact tiling has the side that the method chooses, and is among the kept ones for no caller yet.
+        let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
+        let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
+        let (history, history_seconds) = timed(tables);
+        let open = Engines::open(&self.threads, Vec::new())?.with_history(history?);
+
         let parallel = |&threads: &usize| Engine::Parallel { threads };
         let mut engines: Vec<Engine> = self.threads.iter().map(parallel).collect();
         if self.sequential {
             engines.insert(0, Engine::Sequential);
         }
-        let each = [&[Engine::Reference][..], &engines];
-        let rounds = self.rounds(&open, each, (&base, &pattern), watch)?;
+        let by_leaf = [&engines[..], &[Engine::Exact]];
+        let rounds = self.rounds(
+            &open,
+            [&[&[Engine::Reference]], &by_leaf],
+            (&base, &pattern),
+            watch,
+        )?;
         let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
         Ok(CpuRates {
             pattern_seconds,
+            history_seconds,
             rows: rows(&rounds, None),
             windows: self.windows(&of_plane, &pattern, watch)?,
         })
@@ -108,11 +137,11 @@ impl Bench {
     }
 
     /// Carries out all rounds, each with a seed of its own: engines that make one set, and those that make one of each
-    /// leaf size.
+    /// leaf size. Engines of one group make the same set.
     pub(super) fn rounds(
         &self,
         open: &Engines,
-        [once, by_leaf]: [&[Engine]; 2],
+        [once, by_leaf]: [&[&[Engine]]; 2],
         (base, pattern): (&Parameters, &Arc<Pattern>),
         watch: &dyn Watch,
     ) -> Result<Vec<Vec<EngineTime>>> {
@@ -122,10 +151,16 @@ impl Bench {
             control.go_on()?;
             let mut parameters = *base;
             parameters.seed = self.seed.wrapping_add(number);
-            let mut all = times(open, once, &parameters, pattern, &control)?;
+
+            let mut all = Vec::new();
+            for group in once {
+                all.extend(times(open, group, &parameters, pattern, &control)?);
+            }
             for &leaf in &self.leaves {
                 parameters.leaf = leaf;
-                all.extend(times(open, by_leaf, &parameters, pattern, &control)?);
+                for group in by_leaf {
+                    all.extend(times(open, group, &parameters, pattern, &control)?);
+                }
             }
             Ok(all)
         };

@@ -69,7 +69,7 @@ impl Bench {
         let first = Parameters { leaf, ..base };
         let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
         drop(made?);
-        let rounds = self.rounds(&open, [&[], &engines], (&base, &pattern), watch)?;
+        let rounds = self.rounds(&open, [&[], &[&engines]], (&base, &pattern), watch)?;
         let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             let stage = match report.stage {

@@ -841,9 +841,14 @@ fn bench_verifies_what_it_times() {
     let counts = bench["windows"]["counts"].as_array().unwrap();
     assert!((9_500..10_500).contains(&counts[0].as_u64().unwrap()));
     let rows = bench["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 4);
+    let engines: Vec<_> = rows.iter().map(|row| row["engine"].as_str()).collect();
+    let expected = ["reference", "sequential", "parallel", "parallel", "exact"].map(Some);
+    assert_eq!(engines, expected);
+    assert!(rows[4]["ratio_to_one_thread"].as_f64().unwrap() > 0.0);
     for row in rows {
         assert_eq!(row["valid"], true);
+        let (nothing, seconds) = (&row["seconds_from_nothing"], &row["seconds"][0]);
+        assert!(nothing.as_f64() >= seconds.as_f64());
         assert!(row["samples_per_second"].as_f64().unwrap() > 0.0);
         assert!((0.68..0.72).contains(&row["density"].as_f64().unwrap()));
     }
