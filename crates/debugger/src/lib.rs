@@ -62,7 +62,8 @@ pub use recording::{MomentNumbers, NumberAt, NumberName, Recording};
 pub use sentence::{grouped, sentence, short};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,
-    SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, pattern_digest,
+    SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, method_refusal,
+    pattern_digest,
 };
 pub use state::{State, StatusCounts};
 pub use tally::Density;

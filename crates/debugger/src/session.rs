@@ -120,6 +120,21 @@ pub struct Session {
     pub pattern: Option<PatternFile>,
 }
 
+/// Returns why a run of a method, by its name on the command line, cannot be visited step by step; `None` of KDRT's.
+#[must_use]
+pub fn method_refusal(method: &str) -> Option<&'static str> {
+    match method {
+        "kdrt" => None,
+        "exact" => Some(
+            "exact tiling makes the finished set and has no steps to visit yet; `tilescope sample --method exact` makes it",
+        ),
+        "reference" => Some(
+            "the steps of the reference sampler are not shown; `tilescope sample --method reference` makes its sets",
+        ),
+        _ => Some("there is no such method; kdrt is the one whose steps can be visited"),
+    }
+}
+
 /// Why a session cannot be restored.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
@@ -131,6 +146,12 @@ pub enum SessionError {
     Newer {
         /// Its version.
         found: u32,
+    },
+    /// It is of another method than KDRT.
+    #[error("the session names a method other than kdrt: {why}")]
+    OtherMethod {
+        /// Why that cannot be visited.
+        why: &'static str,
     },
     /// A breakpoint is on an unknown line.
     #[error("the session has a breakpoint on line \"{line}\", which there is not")]
@@ -187,19 +208,26 @@ pub enum SessionError {
     Run(#[from] tilescope_core::SampleError),
 }
 
+/// Read before the rest, so that what this program cannot do is reported as such.
 #[derive(Deserialize)]
 struct Head {
     version: u32,
+    /// Sessions that this program writes have none. One that names another method than KDRT must not pass for a run by KDRT.
+    method: Option<String>,
 }
 
 impl Session {
     /// Parses a session. Fails if the version is newer, a line is unknown, or a limit is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
-        let Head { version } = json::from_text(text)?;
+        let Head { version, method } = json::from_text(text)?;
         if version > VERSION {
             return Err(SessionError::Newer { found: version });
         }
+        if let Some(why) = method.as_deref().and_then(method_refusal) {
+            return Err(SessionError::OtherMethod { why });
+        }
+
         let session: Self = json::from_text(text)?;
         for breakpoint in &session.breakpoints {
             breakpoint.line()?;

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
 use tilescope_classroom::lessons::{LessonCommand, WantedLesson};
-use tilescope_debugger::{Direction, Target};
+use tilescope_debugger::{Direction, Target, method_refusal};
 use tilescope_drawing::camera::{Camera, MAX_OFFSET, MAX_SCALE, MIN_SCALE};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::look::Look;
@@ -470,6 +470,13 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
     };
+    // No parameter, but asked for by people who know the command line.
+    let method = given.get("method").and_then(Value::as_str);
+    if let Some(why) = method.and_then(method_refusal) {
+        let method = quoted(method.unwrap_or_default());
+        return Err(RequestError::Parameters(format!("method {method}: {why}")));
+    }
+
     let mut all = serde_json::to_value(Parameters::default()).unwrap_or_default();
     lay_over(&mut all, given, "parameters")?;
     let parameters = Parameters::deserialize(&all)

@@ -362,6 +362,19 @@ fn a_session_that_cannot_be_restored_says_why() {
         Session::from_json(&newer),
         Err(SessionError::Newer { found: 9 })
     ));
+    // What is not KDRT's must not pass for it; KDRT may be named.
+    let named = |method: &str| {
+        let head = format!("{{ \"method\": \"{method}\",");
+        Session::from_json(&text.replacen('{', &head, 1))
+    };
+    assert!(named("kdrt").is_ok());
+    for (method, said) in [
+        ("exact", "no steps to visit yet"),
+        ("best", "no such method"),
+    ] {
+        let error = named(method).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
     let unknown = text.replace("darts.5", "darts.55");
     let error = Session::from_json(&unknown).unwrap_err();
     assert!(matches!(error, SessionError::UnknownLine { line } if line == "darts.55"));

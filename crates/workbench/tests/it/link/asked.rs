@@ -297,6 +297,10 @@ const REFUSED: &[(&str, &str)] = &[
         "no field \"colour\"",
     ),
     (
+        r#"{"do":"load","parameters":{"method":"exact"}}"#,
+        "Method exact: exact tiling makes the finished set and has no steps",
+    ),
+    (
         r#"{"do":"load","parameters":{"pattern":7}}"#,
         "\"pattern\" is 7; it must be an object",
     ),

@@ -156,6 +156,12 @@ fn invalid_parts_are_named_and_the_rest_is_read() {
             "radius of run B 0.000000001, which makes more",
         ),
         ("b=&b.pattern=1e9", "a pattern of run B of 1000000000 r"),
+        (
+            "method=exact",
+            "method exact; kdrt is used instead: exact tiling makes the finished set",
+        ),
+        ("method=reference", "steps of the reference sampler"),
+        ("method=best", "method best; kdrt is used instead: there is"),
         ("b=love", "cannot be linked by \"love\""),
         ("b.seed=3", "but not the run (\"b\")"),
         ("v=999", "version 999, and this program knows version 1"),
