@@ -1,9 +1,12 @@
 //! Pins the definition of the points: these digests must never change, on any machine, engine, thread count or browser.
 //! If one changes, the program computes other points.
 
-use crate::support::pinned::{NESTED, PINNED, cases};
+use crate::support::pinned::{EXACT, NESTED, PINNED, cases};
 use crate::support::{digest, run};
-use tilescope_core::{Boundary, NestedPlane, Parameters, Unobserved, reference_sample};
+use tilescope_core::{
+    Boundary, NestedPlane, Parameters, PatternHistory, PatternSpec, Unobserved, exact_sample,
+    reference_sample,
+};
 
 #[test]
 fn results_have_their_pinned_digests() {
@@ -16,6 +19,17 @@ fn results_have_their_pinned_digests() {
     found.push(("reference", digest(&reference)));
     let found: Vec<(&str, &str)> = found.iter().map(|(n, d)| (*n, d.as_str())).collect();
     assert_eq!(found, PINNED);
+}
+
+#[test]
+fn exact_tiling_has_its_pinned_digest() {
+    let parameters = Parameters {
+        pattern: PatternSpec::for_exact(10_000.0, 1),
+        ..Parameters::default()
+    };
+    let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let run = exact_sample(&parameters, &history, &mut Unobserved).unwrap();
+    assert_eq!(("exact", &*digest(&run.points())), EXACT);
 }
 
 /// The order is pinned, too.

@@ -110,6 +110,12 @@ pub const PINNED: [(&str, &str); 9] = [
     ),
 ];
 
+/// The digest of the exact tiling of the default run, with the pattern that goes with it.
+pub const EXACT: (&str, &str) = (
+    "exact",
+    "blake3:73bb3b7df18f482dce21dd2183c8b98fab9d6c6b36a734297259dce0a9709864",
+);
+
 /// The digests of nested levels: 5 levels of the default run in the order drawn and by distance, and 4 of a bounded run.
 pub const NESTED: [&str; 3] = [
     "blake3:68acda5a536fea17ba56e1339d298cf68b7171455ca7775fd93b9c0295ce0dfe",
