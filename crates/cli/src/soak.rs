@@ -242,7 +242,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     let options = arguments.judge.options();
     let made = match arguments.method {
         SoakMethod::Kdrt => round(&parameters, &dice, &options),
-        SoakMethod::Exact => exact::round(&parameters, &options),
+        SoakMethod::Exact => exact::round(&parameters, &dice, &options),
     };
     match made {
         Ok(round) => round,

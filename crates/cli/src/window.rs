@@ -6,9 +6,12 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
-use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
+use tilescope_core::{
+    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Point, Progress, R, SampleError,
+    WidenedWindow, Window,
+};
 use tilescope_formats::{PointSet, positions_digest};
-use tilescope_sets::region;
+use tilescope_sets::{Facts, facts_of_exact, region};
 
 use crate::make::NO_VERDICT;
 use crate::paths::named;
@@ -19,20 +22,80 @@ use crate::{interrupt, output, verdict_code};
 /// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
+/// A plane of which any window can be made without the rest.
+trait WindowedPlane {
+    fn domain(&self) -> &Domain;
+    fn samples(&self, window: &Window) -> Result<Vec<Point>, SampleError>;
+    fn widened(&self, window: &Window) -> Result<WidenedWindow, SampleError>;
+}
+
+/// Both kinds of planes have the same methods.
+macro_rules! windowed {
+    ($plane:ty) => {
+        impl WindowedPlane for $plane {
+            fn domain(&self) -> &Domain {
+                self.domain()
+            }
+
+            fn samples(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
+                self.observed_window(window, &mut |_: Progress| interrupt::flow())
+            }
+
+            fn widened(&self, window: &Window) -> Result<WidenedWindow, SampleError> {
+                self.widened(window, &mut |_: Progress| interrupt::flow())
+            }
+        }
+    };
+}
+
+windowed!(Plane);
+windowed!(ExactPlane<'_>);
+
 pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = asked else {
         anyhow::bail!("--window takes four numbers");
     };
-    ensure!(
-        arguments.method == SamplingMethod::Kdrt
-            && arguments.engine.makes_windows(arguments.run.asked.variant),
-        "--window needs the parallel engine of KDRT: the others, also the GPU's, make whole sets"
-    );
+    let corners = [left, bottom, right, top];
     let mut watch = Stopwatch::start();
-    let recipe = arguments.run.recipe()?;
-    let run = arguments.run.settle(recipe, false, &mut watch)?;
-    watch.take();
-    let plane = Plane::new(&run.parameters, &run.pattern)?;
+    let mut recipe = arguments.run.recipe()?;
+
+    match arguments.method {
+        SamplingMethod::Kdrt => {
+            ensure!(
+                arguments.engine.makes_windows(arguments.run.asked.variant),
+                "--window needs the parallel engine: the others, also the GPU's, make whole sets"
+            );
+            let run = arguments.run.settle(recipe, false, &mut watch)?;
+            let plane = Plane::new(&run.parameters, &run.pattern)?;
+            show(arguments, corners, &plane, &run.facts)
+        }
+        SamplingMethod::Exact => {
+            arguments.engine.check_on_cpu("exact tiling")?;
+            ensure!(
+                recipe.count.is_none(),
+                "--count would make the whole set to find its radius: with --window and --method exact give --radius"
+            );
+            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
+            let history = PatternHistory::of_spec(&recipe.parameters.pattern, &mut watch)?;
+            let plane = ExactPlane::new(&recipe.parameters, &history)?;
+
+            let samples = arguments.run.expected(&recipe.parameters)?;
+            let facts = facts_of_exact(&recipe.parameters, plane.domain(), &history, samples);
+            show(arguments, corners, &plane, &facts)
+        }
+        SamplingMethod::Reference => {
+            anyhow::bail!("--window needs tiling: the reference sampler makes whole sets")
+        }
+    }
+}
+
+/// Makes a window of a plane, judges, saves and reports it.
+fn show(
+    arguments: &SampleArguments,
+    [left, bottom, right, top]: [f64; 4],
+    plane: &impl WindowedPlane,
+    facts: &Facts,
+) -> Result<u8> {
     let domain = *plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
     for (axis, name) in ["width", "height"].into_iter().enumerate() {
@@ -46,17 +109,18 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     }
     check_size(&window)?;
     let began = Instant::now();
-    let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
+    let points = plane.samples(&window)?;
     let seconds = began.elapsed().as_secs_f64();
-    let report = judge(&plane, &window)?;
-    let (facts, count) = (&run.facts, points.len());
+    let report = judge(plane, &window)?;
+
+    let count = points.len();
     let set = PointSet::from_points(domain.users_from_lattice(&points));
     let file = arguments.out.as_ref();
     let file = file.map(|path| named(path));
     let object = json!({
-        "method": "kdrt",
+        "method": facts.method,
         "parameters": facts.parameters,
-        "window": asked,
+        "window": [left, bottom, right, top],
         "radius": domain.radius(),
         "count": count,
         "positions_digest": positions_digest(&set.points),
@@ -128,8 +192,8 @@ fn text(
 }
 
 /// Judges a window of a plane by the samples in it and around it.
-fn judge(plane: &Plane, window: &Window) -> Result<CutReport> {
-    let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
+fn judge(plane: &impl WindowedPlane, window: &Window) -> Result<CutReport> {
+    let cut = plane.widened(window)?;
     let asked = (Region::new(cut.size, false), plane.domain().radius());
     let options = VerifyOptions::default();
     verifying(|control| verify_cut(&cut.positions, asked, cut.window, &options, control))

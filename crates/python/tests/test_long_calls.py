@@ -18,6 +18,7 @@ LONG = {
     "sample": "tilescope.sample(150_000_000)",
     "sequential": "tilescope.sample(20_000_000, engine='sequential')",
     "reference": "tilescope.sample(20_000_000, method='reference')",
+    "exact": "tilescope.sample(60_000_000, method='exact')",
     "pattern": "tilescope.sample(radius=0.001, pattern_side=2000, pattern_seed=4)",
     "levels": "tilescope.sample(radius=2e-4, levels=6, order_within='farthest')",
     "window": "tilescope.Plane(radius=2e-5).window(0, 0, 0.3, 0.3)",

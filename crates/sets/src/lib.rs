@@ -37,4 +37,6 @@ pub use facts::named_by_content;
 pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
-pub use recipe::{EXACT_PAYS_FROM, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern};
+pub use recipe::{
+    EXACT_PAYS_FROM, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern, facts_of_exact,
+};

@@ -7,7 +7,7 @@ use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
 use tilescope_core::{
     Domain, NestedRequest, Observer, Parameter, Parameters, Pattern, PatternHistory, PatternSpec,
-    SampleError, Sampled, Sequential, Summary, Sweep, exact_sample, radius_for_count,
+    SampleError, Sampled, Sequential, Summary, Sweep, exact_sample_parallel, radius_for_count,
     reference_sample, search_radius,
 };
 use tilescope_formats::PointSet;
@@ -41,6 +41,27 @@ pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> P
         pattern.seed = asked.pattern.seed;
     }
     pattern
+}
+
+/// Returns what is stated of an exact tiling that has about so many samples.
+#[must_use]
+pub fn facts_of_exact(
+    parameters: &Parameters,
+    domain: &Domain,
+    history: &PatternHistory,
+    samples: f64,
+) -> Facts {
+    // What is stated can be typed again, and exact tiling refuses the rest.
+    let mut used = stated(parameters);
+    used.retain(|name, _| !NOT_OF_EXACT.contains(&name.as_str()));
+
+    // How far averages of the set can be trusted does not follow from its size alone.
+    let independent = history.pattern().samples().len();
+    let reuse = samples / independent as f64;
+    used.insert("pattern_samples".to_owned(), independent.into());
+    used.insert("samples_per_pattern_sample".to_owned(), reuse.into());
+    used.insert("law".to_owned(), LAW.into());
+    Facts::new("exact", used, domain)
 }
 
 /// A pattern that is given rather than generated.
@@ -145,7 +166,7 @@ impl Recipe {
         // Its lengths are in r, so that every try for the radius has the same pattern.
         let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
         let mut attempt = |radius| -> Result<_, SampleError> {
-            let run = exact_sample(&self.with_radius(radius), &history, observer)?;
+            let run = exact_sample_parallel(&self.with_radius(radius), &history, observer)?;
             Ok((run.result.len() as u64, run))
         };
         let run = match self.count {
@@ -153,16 +174,9 @@ impl Recipe {
             None => attempt(self.parameters.radius)?.1,
         };
 
-        // What is stated can be typed again, and exact tiling refuses the rest.
-        let mut used = stated(&run.parameters);
-        used.retain(|name, _| !NOT_OF_EXACT.contains(&name.as_str()));
-        // How far averages of the set can be trusted does not follow from its size alone.
-        let independent = history.pattern().samples().len();
-        let reuse = run.result.len() as f64 / independent as f64;
-        used.insert("pattern_samples".to_owned(), independent.into());
-        used.insert("samples_per_pattern_sample".to_owned(), reuse.into());
-        used.insert("law".to_owned(), LAW.into());
-        Ok(Made::of_run(&run, Facts::new("exact", used, &run.domain)))
+        let samples = run.result.len() as f64;
+        let facts = facts_of_exact(&run.parameters, &run.domain, &history, samples);
+        Ok(Made::of_run(&run, facts))
     }
 
     /// Makes nested levels, which have a pattern of their own.

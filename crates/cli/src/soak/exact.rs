@@ -1,22 +1,29 @@
-//! Rounds of exact tiling: the definition, what was counted, and the verdict.
+//! Rounds of exact tiling: the definition, the engine by windows, what was counted, and the verdict.
 
 use anyhow::Result;
 use tilescope_analysis::{VerifyOptions, verify};
-use tilescope_core::{Parameters, PatternHistory, Run, Unobserved, exact_sample};
+use tilescope_core::{
+    ExactPlane, Parameters, PatternHistory, Run, Unobserved, exact_sample, exact_sample_parallel,
+};
 use tilescope_sets::region;
 
 use super::definition::agrees;
-use super::{Tally, common_command};
+use super::{Dice, Tally, common_command, windows_agree};
 use crate::interrupt;
 
 /// Makes a round of the sides, leaf, boundaries, pattern and seed that were drawn; the rest has no meaning here.
-pub fn round(parameters: &Parameters, options: &VerifyOptions) -> Result<Tally> {
+pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> Result<Tally> {
     let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run = exact_sample(parameters, &history, &mut Unobserved)?;
     let is_defined = counts_add_up(&run) && agrees(&run, &history);
+    let by_windows = exact_sample_parallel(parameters, &history, &mut Unobserved)?;
+    let engines_agree = by_windows.samples == run.samples && by_windows.summary() == run.summary();
 
-    let domain = run.domain;
-    let positions = domain.users_from_lattice(&run.points());
+    let (domain, points) = (run.domain, run.points());
+    let plane = ExactPlane::new(parameters, &history)?;
+    let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
+
+    let positions = domain.users_from_lattice(&points);
     let control = |_| interrupt::flow();
     let report = verify(
         &positions,
@@ -28,6 +35,8 @@ pub fn round(parameters: &Parameters, options: &VerifyOptions) -> Result<Tally> 
 
     let faults = [
         (is_defined, "--method exact differs from its definition: "),
+        (engines_agree, "--method exact on all threads differs: "),
+        (windows_agree, "a --window differs from the set: "),
         (report.valid(), "not valid: "),
     ];
     let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
@@ -39,7 +48,7 @@ pub fn round(parameters: &Parameters, options: &VerifyOptions) -> Result<Tally> 
         conflicts: report.conflicts,
         gaps: report.gaps,
         covering_radius_r: report.covering_radius,
-        unequal: u64::from(!is_defined),
+        unequal: u64::from(!(is_defined && engines_agree && windows_agree)),
         commands: (!faults.is_empty()).then(command).into_iter().collect(),
         ..Tally::default()
     })
