@@ -151,8 +151,6 @@ pub(crate) enum DartDraws {
     One,
     /// Two draws for a dart: a word for each coordinate, and the rank.
     Two,
-    /// One draw in cells of at most 2^16 units, two in wider ones.
-    Fitting,
 }
 
 /// A dart process in progress.
@@ -215,7 +213,7 @@ impl<G: Ground> DartProcess<G> {
     pub(crate) fn on(ground: G, key: Key, active: Vec<G::Cell>) -> Self {
         Self {
             key,
-            draws: DartDraws::Fitting,
+            draws: DartDraws::One,
             level: 0,
             throw: 0,
             ground,
@@ -299,7 +297,13 @@ impl<G: Ground> DartProcess<G> {
         let mut darts = Vec::new();
         for cell in &self.active {
             let square = self.ground.square(cell, self.level);
-            for (index, (rank, point)) in cell_darts(key, square, self.draws).enumerate() {
+            // The halves of one draw do not reach all places of a wider cell.
+            let draws = if square.side > 1 << 16 {
+                DartDraws::Two
+            } else {
+                self.draws
+            };
+            for (index, (rank, point)) in cell_darts(key, square, draws).enumerate() {
                 let coin = || {
                     let cell = key.derive_at(square.min.x, square.min.y);
                     cell.draw(Stream::Thin, index as u32)[0]
@@ -383,11 +387,6 @@ pub(crate) fn cell_darts(
 ) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
     let shift = 16 - side.ilog2().min(16);
-    let draws = match draws {
-        DartDraws::Fitting if side > 1 << 16 => DartDraws::Two,
-        DartDraws::Fitting | DartDraws::One => DartDraws::One,
-        DartDraws::Two => DartDraws::Two,
-    };
     let cell = key.derive_at(min.x, min.y);
     // A cell of one point throws exactly it, so that the process ends.
     let count = if side == 1 {
@@ -398,7 +397,7 @@ pub(crate) fn cell_darts(
 
     (0..count).map(move |index| {
         let (rank, right, up) = match draws {
-            DartDraws::One | DartDraws::Fitting => {
+            DartDraws::One => {
                 let [position, rank] = cell.draw(Stream::Dart, index);
                 let (right, up) = (position >> 16, position & 0xffff);
                 (rank, right >> shift, up >> shift)
