@@ -321,7 +321,7 @@ fn a_set_of_one_place_counts_its_conflicts_up_to_the_limit() {
         boundary: Boundary::Bounded,
     };
     let judge = SquaresJudge::new(region, Radii::Constant(80), &Shape::Rectangle).unwrap();
-    let report = judge.judge(&[[25, 25]; 3_000], 2, &go_on).unwrap();
+    let report = judge.judge(&vec![[25, 25]; 3_000], 2, &go_on).unwrap();
     assert!(report.more_conflicts() && report.uncovered == 0);
     assert_eq!(report.worst_conflicts.len(), 2);
 }

@@ -260,6 +260,7 @@ impl<G: Ground> DartProcess<G> {
             _ => 0,
         };
         let mut accepted = Vec::new();
+
         for dart in darts {
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
@@ -327,6 +328,7 @@ impl<G: Ground> DartProcess<G> {
             }
             meter.tick()?;
         }
+
         darts.sort_unstable_by_key(|dart| (dart.rank, dart.point.row_major()));
         Ok(darts)
     }
@@ -341,6 +343,7 @@ impl<G: Ground> DartProcess<G> {
         self.throw = 0;
         let mut next = Vec::with_capacity(self.active.len());
         let mut near = Vec::with_capacity(32);
+
         for cell in &self.active {
             let Cell { min, side } = self.ground.square(cell, level);
             // It threw its one point.

@@ -104,6 +104,7 @@ impl Octaves {
                 if held.cells.len() == 1 {
                     return false;
                 }
+
                 let end = 2 << (octave + first + usize::from(self.first));
                 let reach = reach(sight.largest.min(end - 1), radius) + slack;
                 held.grid.any_range(from, reach, |range, shift| {
