@@ -146,9 +146,10 @@ impl SquaresReport {
 /// let judge = SquaresJudge::new(region, radii, &shape)?;
 ///
 /// let go_on = |_| ControlFlow::Continue(());
-/// let report = judge.judge(&[[2, 2], [2, 7], [7, 1], [7, 5], [16, 3]], 16, &go_on)?;
-/// assert_eq!(report.conflicts, 2);
-/// assert_eq!(report.uncovered, 0);
+/// let samples = [[2, 2], [3, 7], [7, 3], [16, 3]];
+/// assert!(judge.judge(&samples, 16, &go_on)?.valid());
+/// // The last one alone is near the places to the right.
+/// assert!(judge.judge(&samples[..3], 16, &go_on)?.uncovered > 0);
 /// # Ok::<(), tilescope_analysis::SquaresError>(())
 /// ```
 #[derive(Clone, Debug)]
