@@ -1,7 +1,6 @@
 //! The curve of a run as a file: the table, or a picture of it with ticks where stages begin.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::Stage;
 use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
 use tilescope_figures::{FigureError, Palette, Scene, to_png, to_svg_with_fonts};
 use tilescope_session::sentence::name_in;
@@ -96,13 +95,17 @@ impl RunCurve {
             points,
             band: None,
         });
-        let x = format!("events, {} in all", grouped(events));
+        let x = Axis::new(format!("events, {} in all", grouped(events)))
+            .with_range(0.0, events.max(1) as f64);
+        let ticks = ticks(session);
         let y = [number.name, number.unit].join(", ");
         let chart = LineChart {
             title: String::new(),
-            x: Axis::new(x)
-                .with_range(0.0, events.max(1) as f64)
-                .with_ticks(ticks(session, points)),
+            x: if ticks.is_empty() {
+                x
+            } else {
+                x.with_ticks(ticks)
+            },
             y: Axis::new(y.trim_end_matches(", ")),
             series: series.collect(),
             levels: Vec::new(),
@@ -125,7 +128,8 @@ fn lines(points: &CurvePoints) -> Vec<Vec<[f64; 2]>> {
     let parts = all.split(|point| !point[1].is_finite());
     let shown = parts.filter(|part| !part.is_empty());
     let last = points.events.last().copied().unwrap_or(0);
-    shown.map(|part| thinned(part, last as f64)).collect()
+    let line = |part| stepped(&thinned(part, last as f64));
+    shown.map(line).collect()
 }
 
 /// Returns the first, the least, the largest and the last point of each column of the picture.
@@ -152,28 +156,41 @@ fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
     thin
 }
 
-/// Returns the beginnings of stages with their names, of those that have room for it.
-fn ticks(session: &Session, points: &CurvePoints) -> Vec<(f64, String)> {
-    let last = points.events.last().copied().unwrap_or(0);
-    let starts = points.stages.chunk_by(|a, b| a == b).scan(0, |at, part| {
-        let start = *at;
-        *at += part.len();
-        Some((
-            points.events[start],
-            *points.events.get(*at).unwrap_or(&last),
-            part[0],
-        ))
-    });
-    let is_wide =
-        |(start, end, _): &(usize, usize, Stage)| (end - start) as f64 >= MIN_SHARE * last as f64;
-    starts
-        .filter(is_wide)
-        .map(|(start, _, stage)| (start as f64, name_in(session, stage)))
-        .collect()
+/// Returns the line of a value that holds until its next change.
+fn stepped(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut steps = Vec::with_capacity(2 * line.len());
+    for (index, point) in line.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| line[before][1]);
+        // Where the value does not change, a straight line is the step.
+        steps.extend(before.filter(|y| *y != point[1]).map(|y| [point[0], y]));
+        steps.push(*point);
+    }
+    steps
+}
+
+/// Returns the beginnings of stages with their names, of those that have room for it. Nested levels have no stages.
+fn ticks(session: &Session) -> Vec<(f64, String)> {
+    if session.nested.is_some() {
+        return Vec::new();
+    }
+    let ends = session.ends();
+    let least = MIN_SHARE * ends.last().map_or(0.0, |&last| last as f64);
+
+    let mut start = 0;
+    let mut ticks = Vec::new();
+    for (&end, &stage) in ends.iter().zip(&session.stages) {
+        if (end - start) as f64 >= least {
+            ticks.push((start as f64, name_in(session, stage)));
+        }
+        start = end;
+    }
+    ticks
 }
 
 #[cfg(test)]
 mod tests {
+    use tilescope_core::Stage;
+
     use super::*;
 
     #[test]
@@ -190,12 +207,15 @@ mod tests {
 
         let lines = lines(&points);
         assert_eq!(lines.len(), 2, "it is not defined in the middle");
-        assert!(lines[0].len() + lines[1].len() <= 4 * (COLUMNS + 2));
+        assert!(lines[0].len() + lines[1].len() <= 8 * (COLUMNS + 2));
         assert_eq!((lines[0][0], lines[1][0]), ([1.0, 1.0], [15_001.0, 1.0]));
         for peak in [[7_777.0, 9.0], [7_778.0, -3.0]] {
             assert!(lines[0].contains(&peak), "{peak:?}");
         }
         let events = lines.concat();
-        assert!(events.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+        assert!(events.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
+        // Between two points the value is the first one's, so that a line is level or upright.
+        let is_step = |pair: &[[f64; 2]]| pair[0][0] == pair[1][0] || pair[0][1] == pair[1][1];
+        assert!(lines.iter().all(|line| line.windows(2).all(is_step)));
     }
 }
