@@ -320,7 +320,7 @@ fn an_exact_set_is_made_again_from_its_certificate() {
 #[test]
 fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
     let folder = tempdir().expect("a folder");
-    let given: [&[&str]; 9] = [
+    let given: [&[&str]; 8] = [
         &["--order", "own-block-first"],
         &["--insertion", "uniform"],
         &["--search", "2"],
@@ -328,7 +328,6 @@ fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
         &["--pattern", "@set.csv"],
         &["--levels", "2"],
         &["--engine", "gpu"],
-        &["--window", "0", "0", "0.5", "0.5"],
         &["--resume", "--out", "@set.csv"],
     ];
     for options in given {
@@ -347,6 +346,42 @@ fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
     assert!(
         refused
             .starts_with("--method exact: exact tiling makes the finished set and has no events"),
+        "{refused}"
+    );
+}
+
+/// A window of an exact tiling has the whole's samples there, and is refused where the whole would have to be made.
+#[test]
+fn a_window_of_an_exact_set_has_the_samples_of_the_whole() {
+    let folder = tempdir().expect("a folder");
+    let words = ["sample", "--method", "exact", "--radius", "0.02"];
+    let window = ["--window", "0.4", "0.3", "0.9", "0.8", "--out", "@part.csv"];
+    for options in [&["--out", "@whole.csv"][..], &window] {
+        let made = run(&folder, &[&words[..], options].concat());
+        assert_eq!(made.expect("made"), 0);
+    }
+
+    let places = |name: &str| -> Vec<[f64; 2]> {
+        let text = fs::read_to_string(folder.path().join(name)).expect("a file");
+        let number = |word: &str| word.trim().parse().ok();
+        let place = |line: &str| {
+            let (x, y) = line.split_once(',')?;
+            Some([number(x)?, number(y)?])
+        };
+        text.lines().filter_map(place).collect()
+    };
+    let inside = |[x, y]: &[f64; 2]| (0.4..0.9).contains(x) && (0.3..0.8).contains(y);
+    let mut expected: Vec<_> = places("whole.csv").into_iter().filter(inside).collect();
+    let mut found = places("part.csv");
+    for places in [&mut expected, &mut found] {
+        places.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    }
+    assert!(found.len() > 300 && found == expected, "{}", found.len());
+
+    let counted = ["sample", "--method", "exact", "--count", "500"];
+    let refused = refusal(&folder, &[&counted[..], &window].concat());
+    assert!(
+        refused.starts_with("--count would make the whole set"),
         "{refused}"
     );
 }

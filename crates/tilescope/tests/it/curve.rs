@@ -139,7 +139,7 @@ fn what_cannot_be_had_is_refused_before_a_run_is_made() {
     refused(&with(&["--out", "no/run.csv"]), "there is no such folder");
     refused(
         &with(&["--levels", "3", "--method", "reference"]),
-        "makes one set",
+        "make one set",
     );
     refused(&[], "required");
     refused(&["--radius", "0.0001"], "2000000");
