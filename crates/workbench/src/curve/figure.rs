@@ -161,8 +161,7 @@ fn stepped(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut steps = Vec::with_capacity(2 * line.len());
     for (index, point) in line.iter().enumerate() {
         let before = index.checked_sub(1).map(|before| line[before][1]);
-        // Where the value does not change, a straight line is the step.
-        steps.extend(before.filter(|y| *y != point[1]).map(|y| [point[0], y]));
+        steps.extend(before.map(|y| [point[0], y]));
         steps.push(*point);
     }
     steps
@@ -215,7 +214,8 @@ mod tests {
         let events = lines.concat();
         assert!(events.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
         // Between two points the value is the first one's, so that a line is level or upright.
-        let is_step = |pair: &[[f64; 2]]| pair[0][0] == pair[1][0] || pair[0][1] == pair[1][1];
+        let is_same = |a: f64, b: f64| a.total_cmp(&b).is_eq();
+        let is_step = |pair: &[[f64; 2]]| (0..2).any(|axis| is_same(pair[0][axis], pair[1][axis]));
         assert!(lines.iter().all(|line| line.windows(2).all(is_step)));
     }
 }
