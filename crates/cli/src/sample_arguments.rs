@@ -95,7 +95,7 @@ pub enum SamplingMethod {
     /// Tiling of all darts with their arrival order, without bias at seams. Blocks share a pattern of k samples: the law of
     /// the reference sampler holds in every window, and averages over N samples vary as those of the fewer of N and k. So
     /// the pattern's seed is the seed, and its side 200 r up to 28,000 samples and 400 r above, unless they are given.
-    /// Below about 500,000 samples the reference sampler takes less time
+    /// Below about 300,000 samples the reference sampler takes less time
     Exact,
     /// Ebeida et al. 2012
     Reference,

@@ -153,7 +153,7 @@ def sample(
         given; ``parameters["pattern_samples"]`` says how many samples it has, and
         ``parameters["samples_per_pattern_sample"]`` how often each is used. Order, insertion, search
         and variant must be the defaults, and neither `pattern` nor `levels` can be given. Below some
-        500,000 samples dart throwing takes less time.
+        300,000 samples dart throwing takes less time.
     engine : {'auto', 'parallel', 'sequential'}
         What computes. It does not change the points.
     progress : bool or callable
