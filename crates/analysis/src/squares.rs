@@ -196,7 +196,8 @@ impl SquaresJudge {
     /// Judges samples. At most `witnesses` conflicts and as many uncovered places are listed; the counts are complete.
     ///
     /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not
-    /// depend on the number of threads. Besides the samples and 16 bytes for each, memory holds what a tile of about 500 samples takes, for each thread.
+    /// depend on the number of threads. Besides the samples and 16 bytes for each, memory holds what a tile of about 500
+    /// samples takes, for each thread.
     ///
     /// # Errors
     ///
@@ -244,7 +245,7 @@ impl SquaresJudge {
 
 /// The lattice points from the lowest to the highest, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Span {
+struct PointSpan {
     min: [i64; 2],
     max: [i64; 2],
 }

@@ -16,7 +16,7 @@ use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{
     Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point,
-    SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, below,
+    SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, WindowMaker, below,
 };
 use tilescope_sets::region;
 

@@ -7,8 +7,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{
-    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Point, Progress, R, SampleError,
-    WidenedWindow, Window,
+    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Progress, R, Window, WindowMaker,
 };
 use tilescope_formats::{PointSet, positions_digest};
 use tilescope_sets::{Facts, facts_of_exact, region};
@@ -21,35 +20,6 @@ use crate::{interrupt, output, verdict_code};
 
 /// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
-
-/// A plane of which any window can be made without the rest.
-trait WindowedPlane {
-    fn domain(&self) -> &Domain;
-    fn samples(&self, window: &Window) -> Result<Vec<Point>, SampleError>;
-    fn widened(&self, window: &Window) -> Result<WidenedWindow, SampleError>;
-}
-
-/// Both kinds of planes have the same methods.
-macro_rules! windowed {
-    ($plane:ty) => {
-        impl WindowedPlane for $plane {
-            fn domain(&self) -> &Domain {
-                self.domain()
-            }
-
-            fn samples(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
-                self.observed_window(window, &mut |_: Progress| interrupt::flow())
-            }
-
-            fn widened(&self, window: &Window) -> Result<WidenedWindow, SampleError> {
-                self.widened(window, &mut |_: Progress| interrupt::flow())
-            }
-        }
-    };
-}
-
-windowed!(Plane);
-windowed!(ExactPlane<'_>);
 
 pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = asked else {
@@ -93,7 +63,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
 fn show(
     arguments: &SampleArguments,
     [left, bottom, right, top]: [f64; 4],
-    plane: &impl WindowedPlane,
+    plane: &impl WindowMaker,
     facts: &Facts,
 ) -> Result<u8> {
     let domain = *plane.domain();
@@ -109,7 +79,7 @@ fn show(
     }
     check_size(&window)?;
     let began = Instant::now();
-    let points = plane.samples(&window)?;
+    let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
     let report = judge(plane, &window)?;
 
@@ -192,8 +162,8 @@ fn text(
 }
 
 /// Judges a window of a plane by the samples in it and around it.
-fn judge(plane: &impl WindowedPlane, window: &Window) -> Result<CutReport> {
-    let cut = plane.widened(window)?;
+fn judge(plane: &impl WindowMaker, window: &Window) -> Result<CutReport> {
+    let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
     let asked = (Region::new(cut.size, false), plane.domain().radius());
     let options = VerifyOptions::default();
     verifying(|control| verify_cut(&cut.positions, asked, cut.window, &options, control))

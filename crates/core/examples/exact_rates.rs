@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use tilescope_core::{
     ExactPlane, Parameters, Pattern, PatternHistory, Plane, Sequential, Sweep, Unobserved,
-    exact_sample,
+    WindowMaker, exact_sample,
 };
 
 const NAMES: [&str; 4] = [

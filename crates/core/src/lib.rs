@@ -64,6 +64,7 @@ pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::parallel::widened::WidenedWindow;
+pub use engine::parallel::window_maker::WindowMaker;
 pub use engine::sequential::{Sequential, sample, sample_recorded};
 pub use error::{ParameterError, PatternError, SampleError};
 pub use exact::{

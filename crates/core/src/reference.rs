@@ -7,7 +7,7 @@ use crate::progress::Observer;
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::stage::Stage;
-use crate::stages::darts::{DartProcess, Ground};
+use crate::stages::darts::{DartGround, DartProcess};
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
 ///
@@ -37,7 +37,7 @@ pub fn reference_recorded<T: Recorder>(
 }
 
 /// Returns the samples of a process in the order of their arrival, which is that of the ids in the events.
-pub(crate) fn finished<G: Ground, T: Recorder>(
+pub(crate) fn finished<G: DartGround, T: Recorder>(
     mut process: DartProcess<G>,
     observer: &mut dyn Observer,
     recorder: &mut T,

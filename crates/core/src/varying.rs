@@ -1,8 +1,8 @@
 //! Sets whose radius depends on the place, in domains of any shape: [`varying_sample`].
 //!
 //! Two places of radii a and b are *near* each other if they are at most ceil(2ab / (a + b)) apart, the harmonic mean of
-//! their radii, which is at most twice the smaller one. In the result no two samples are near each other, and each lattice point of the domain
-//! is near a sample, with the radius that the point itself has.
+//! their radii, which is at most twice the smaller one. In the result no two samples are near each other, and each lattice
+//! point of the domain is near a sample, with the radius that the point itself has.
 //!
 //! The set is that of a process of darts in which time is local: where the radius is R, darts come with the
 //! intensity 1 / R^2, and a dart becomes a sample unless an earlier sample is near it. [`crate::stages::darts`] runs it.
@@ -29,9 +29,10 @@ pub use shape::{Shape, ShapeError};
 
 /// Returns the samples of the field's domain inside `shape`, in the order of their arrival.
 ///
-/// No two samples are near each other, and *no lattice point* of the shape is without a sample near it. Equal
-/// seeds, fields and shapes give equal sequences. The first samples of the sequence are spread over the whole shape, the denser the smaller
-/// the radius. Fails only when `observer` stops it; progress is reported as [`crate::Stage::Iterate`], one iteration for each throw.
+/// No two samples are near each other, and *no lattice point* of the shape is without a sample near it. Equal seeds, fields
+/// and shapes give equal sequences. The first samples of a sequence are spread over the whole shape, the denser the smaller
+/// the radius. Fails only when `observer` stops it; progress is reported as [`crate::Stage::Iterate`], one iteration for each
+/// throw.
 pub fn varying_sample(
     field: &RadiusField,
     shape: &Shape,

@@ -9,7 +9,7 @@ use serde_json::json;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
-    Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
+    Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window, WindowMaker,
 };
 use tilescope_sets::{Stated, region};
 

@@ -314,6 +314,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         };
         fields.get(field).map(read).transpose()
     };
+
     let chosen = ["open", "text", "go", "language", "act", "save", "learner"];
     let mut chosen = chosen
         .into_iter()
@@ -324,6 +325,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
             fields: "\"open\", \"text\", \"go\", \"language\", \"act\", \"save\" and \"learner\"",
         });
     };
+
     let value = text(field)?.unwrap_or_default();
     let one_of = |names: &[&str]| {
         let names = choices(names.iter().copied());

@@ -11,8 +11,8 @@ use nalgebra as na;
 use rand_06::SeedableRng;
 use tilescope_analysis::{Region, VerifyOptions, verify};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, Sequential, Sweep, Unobserved, radius_estimate,
-    reference_sample,
+    Boundary, Domain, Parameters, Pattern, Sequential, Sweep, Unobserved, WindowMaker,
+    radius_estimate, reference_sample,
 };
 
 /// A sampler of the unit square with a radius and a seed.

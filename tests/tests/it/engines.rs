@@ -13,6 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use tilescope_core::{
     Boundary, Order, Origin, ParameterError, Parameters, Pattern, PatternError, PatternSpec, Plane,
     Point, Progress, Run, SampleError, Sampled, Source, Stage, Sweep, Unobserved, Variant, Window,
+    WindowMaker,
 };
 
 static POOLS: LazyLock<[ThreadPool; 3]> = LazyLock::new(|| {

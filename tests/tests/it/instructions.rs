@@ -3,7 +3,7 @@
 use crate::support::difference;
 use crate::support::random::{cases, sequential};
 use proptest::prelude::*;
-use tilescope_core::{InstructionSet, Plane, Sweep, Unobserved};
+use tilescope_core::{InstructionSet, Plane, Sweep, Unobserved, WindowMaker};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(32), max_shrink_iters: 100, failure_persistence: None, ..ProptestConfig::default() })]

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{
-    InstructionSet, Parameters, Pattern, Plane, Point, SampleError, Sweep, Unobserved,
+    InstructionSet, Parameters, Pattern, Plane, Point, SampleError, Sweep, Unobserved, WindowMaker,
     reference_sample, sample,
 };
 

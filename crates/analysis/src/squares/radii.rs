@@ -3,7 +3,7 @@
 use crate::region::Boundary;
 
 use super::error::SquaresError;
-use super::{LatticeRegion, MAX_PITCH_BITS, MAX_RADIUS, Radii, Span};
+use super::{LatticeRegion, MAX_PITCH_BITS, MAX_RADIUS, PointSpan, Radii};
 
 /// The radii of a region.
 #[derive(Clone, Debug)]
@@ -108,7 +108,7 @@ impl RadiusTable {
     /// Returns radii between which all radii of a span lie: the part in the region of a square whose sides are 2^`bits`
     /// and whose coordinates are multiples of that.
     #[inline]
-    pub(super) fn range(&self, span: Span, bits: u32) -> RadiusRange {
+    pub(super) fn range(&self, span: PointSpan, bits: u32) -> RadiusRange {
         match self {
             Self::Constant(radius) => RadiusRange {
                 least: *radius,
@@ -190,7 +190,7 @@ impl NodeTable {
         }
     }
 
-    fn range(&self, Span { min, max }: Span, bits: u32) -> RadiusRange {
+    fn range(&self, PointSpan { min, max }: PointSpan, bits: u32) -> RadiusRange {
         if bits <= self.bits {
             // A bilinear function has its extremes over a rectangle at the corners, and rounding down keeps the order.
             let cell = self.cell(min[0], min[1]);
@@ -276,7 +276,7 @@ mod tests {
                 let (least, greatest) =
                     (*radii.iter().min().unwrap(), *radii.iter().max().unwrap());
 
-                let range = table.range(Span { min: [x, y], max }, bits);
+                let range = table.range(PointSpan { min: [x, y], max }, bits);
                 assert!(range.least <= least && range.greatest >= greatest);
                 if bits <= 3 {
                     assert_eq!((range.least, range.greatest), (least, greatest));

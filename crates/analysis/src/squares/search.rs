@@ -14,7 +14,7 @@ use super::error::SquaresError;
 use super::radii::RadiusRange;
 use super::rule::is_near;
 use super::shape::Share;
-use super::{Span, SquaresJudge, SquaresReport, UncoveredPlace};
+use super::{PointSpan, SquaresJudge, SquaresReport, UncoveredPlace};
 
 /// About so many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
 const TILE_SAMPLES: usize = 512;
@@ -34,8 +34,8 @@ pub(super) fn search(
 ) -> Result<SquaresReport, SquaresError> {
     let cancelled = |_| SquaresError::Cancelled;
     let monitor = Monitor::begin(control, samples.len() as u64).map_err(cancelled)?;
-    let tiles = Tiles::new(judge, samples);
-    let mut all = Findings::new(witnesses);
+    let tiles = SampleTiles::new(judge, samples);
+    let mut all = TileFindings::new(witnesses);
 
     for row in 0..tiles.rows {
         // Decided for whole rows, so that the report is the same on all threads.
@@ -48,7 +48,7 @@ pub(super) fn search(
             Ok(search.findings)
         };
         let columns = (0..tiles.columns).into_par_iter();
-        let found: Result<Vec<Findings>, _> = columns.map(of_tile).collect();
+        let found: Result<Vec<TileFindings>, _> = columns.map(of_tile).collect();
         for findings in found.map_err(cancelled)? {
             all.merge(findings, witnesses);
         }
@@ -65,7 +65,7 @@ pub(super) fn search(
 }
 
 /// What was found in some tiles.
-struct Findings {
+struct TileFindings {
     conflicts: u64,
     worst: Worst<Conflict>,
     uncovered: u64,
@@ -73,7 +73,7 @@ struct Findings {
     squares: u64,
 }
 
-impl Findings {
+impl TileFindings {
     fn new(witnesses: usize) -> Self {
         Self {
             conflicts: 0,
@@ -96,22 +96,22 @@ impl Findings {
 
 /// A sample of a tile.
 #[derive(Clone, Copy)]
-struct Entry {
+struct TileSample {
     place: [i32; 2],
     index: u32,
 }
 
 /// The samples by tiles.
-struct Tiles {
+struct SampleTiles {
     bits: u32,
     columns: usize,
     rows: usize,
     /// Where the samples of each tile start, and the end.
     starts: Vec<usize>,
-    entries: Vec<Entry>,
+    entries: Vec<TileSample>,
 }
 
-impl Tiles {
+impl SampleTiles {
     fn new(judge: &SquaresJudge, samples: &[[i32; 2]]) -> Self {
         let [right, top] = judge.last();
         let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
@@ -129,7 +129,7 @@ impl Tiles {
             starts[tile + 1] += starts[tile];
         }
         let mut next = starts.clone();
-        let nowhere = Entry {
+        let nowhere = TileSample {
             place: [0; 2],
             index: 0,
         };
@@ -137,7 +137,7 @@ impl Tiles {
         for (index, &place) in samples.iter().enumerate() {
             let slot = &mut next[tile_of(place)];
             let index = index as u32;
-            entries[*slot] = Entry { place, index };
+            entries[*slot] = TileSample { place, index };
             *slot += 1;
         }
 
@@ -150,13 +150,13 @@ impl Tiles {
         }
     }
 
-    fn entries(&self, column: usize, row: usize) -> &[Entry] {
+    fn entries(&self, column: usize, row: usize) -> &[TileSample] {
         let tile = row * self.columns + column;
         &self.entries[self.starts[tile]..self.starts[tile + 1]]
     }
 
     /// Calls `visit` with the samples of all tiles that a rectangle meets.
-    fn in_tiles_of(&self, rectangle: &Span, mut visit: impl FnMut(&Entry)) {
+    fn in_tiles_of(&self, rectangle: &PointSpan, mut visit: impl FnMut(&TileSample)) {
         let met = |axis: usize, count: usize| {
             let first = rectangle.min[axis].max(0) >> self.bits;
             let beyond = (rectangle.max[axis] >> self.bits) + 1;
@@ -184,7 +184,7 @@ impl Near {
     /// Returns the squared distances to the nearest and to the farthest place of a span that is given from the tile's
     /// lowest place.
     #[inline]
-    fn distances(&self, Span { min, max }: &Span) -> [i64; 2] {
+    fn distances(&self, PointSpan { min, max }: &PointSpan) -> [i64; 2] {
         let (left, right) = (i64::from(self.x) - min[0], max[0] - i64::from(self.x));
         let (down, up) = (i64::from(self.y) - min[1], max[1] - i64::from(self.y));
         // At most one of the two directions on an axis is outside, where its distance is negative.
@@ -202,13 +202,13 @@ impl Near {
 
 /// A square of a tile: its sides are 2^`bits`, and its coordinates, from the tile's lowest place, are multiples of that.
 #[derive(Clone, Copy)]
-struct Square {
+struct TileSquare {
     x: i32,
     y: i32,
     bits: u32,
 }
 
-impl Square {
+impl TileSquare {
     fn holds(&self, near: &Near) -> bool {
         near.x >> self.bits == self.x >> self.bits && near.y >> self.bits == self.y >> self.bits
     }
@@ -254,11 +254,16 @@ struct TileSearch<'a> {
     lists: Vec<Near>,
     counts_conflicts: bool,
     witnesses: usize,
-    findings: Findings,
+    findings: TileFindings,
 }
 
 impl<'a> TileSearch<'a> {
-    fn new(judge: &'a SquaresJudge, tiles: &Tiles, tile: [usize; 2], witnesses: usize) -> Self {
+    fn new(
+        judge: &'a SquaresJudge,
+        tiles: &SampleTiles,
+        tile: [usize; 2],
+        witnesses: usize,
+    ) -> Self {
         Self {
             judge,
             corner: tile.map(|index| (index as i64) << tiles.bits),
@@ -267,12 +272,12 @@ impl<'a> TileSearch<'a> {
             lists: Vec::new(),
             counts_conflicts: true,
             witnesses,
-            findings: Findings::new(witnesses),
+            findings: TileFindings::new(witnesses),
         }
     }
 
-    fn run(&mut self, tiles: &Tiles) {
-        let tile = Square {
+    fn run(&mut self, tiles: &SampleTiles) {
+        let tile = TileSquare {
             x: 0,
             y: 0,
             bits: self.bits,
@@ -286,21 +291,21 @@ impl<'a> TileSearch<'a> {
     }
 
     /// Returns the lattice points of a square that starts in the region.
-    fn span(&self, square: &Square) -> Span {
+    fn span(&self, square: &TileSquare) -> PointSpan {
         let offset = [square.x, square.y].map(i64::from);
         let min = [0, 1].map(|axis| self.corner[axis] + offset[axis]);
         let side = 1 << square.bits;
         let max = [0, 1].map(|axis| (min[axis] + side - 1).min(self.last[axis]));
-        Span { min, max }
+        PointSpan { min, max }
     }
 
     /// Lists the samples that may be near a place of the tile.
-    fn gather(&mut self, tiles: &Tiles, tile: &Square, span: &Span) -> List {
+    fn gather(&mut self, tiles: &SampleTiles, tile: &TileSquare, span: &PointSpan) -> List {
         let Self { judge, corner, .. } = *self;
         // No reach is larger than the larger radius, nor than twice the smaller one.
         let greatest = judge.radii.range(*span, self.bits).greatest;
         let reach = judge.radii.greatest().min(2 * greatest);
-        let wide = Span {
+        let wide = PointSpan {
             min: span.min.map(|value| value - reach),
             max: span.max.map(|value| value + reach),
         };
@@ -316,7 +321,7 @@ impl<'a> TileSearch<'a> {
             .flat_map(|i| images.iter().map(move |j| (i, j)))
         {
             let shift = [i * width, j * height];
-            let original = Span {
+            let original = PointSpan {
                 min: [0, 1].map(|axis| wide.min[axis] - shift[axis]),
                 max: [0, 1].map(|axis| wide.max[axis] - shift[axis]),
             };
@@ -352,7 +357,7 @@ impl<'a> TileSearch<'a> {
 
     /// Looks for uncovered places and conflicts in a square, given the samples that may be near a place of a larger one.
     /// Returns whether it has an uncovered place.
-    fn visit(&mut self, square: &Square, around: Share, near: List) -> bool {
+    fn visit(&mut self, square: &TileSquare, around: Share, near: List) -> bool {
         let span = self.span(square);
         // A square may begin beyond the region's border.
         if (0..2).any(|axis| span.min[axis] > span.max[axis]) {
@@ -397,13 +402,13 @@ impl<'a> TileSearch<'a> {
     /// the conflicts of the square's own samples are found.
     fn list(
         &mut self,
-        square: &Square,
-        span: &Span,
+        square: &TileSquare,
+        span: &PointSpan,
         range: RadiusRange,
         near: List,
     ) -> Option<List> {
         let own = self.list_own(square, near);
-        let offset = Span {
+        let offset = PointSpan {
             min: [0, 1].map(|axis| span.min[axis] - self.corner[axis]),
             max: [0, 1].map(|axis| span.max[axis] - self.corner[axis]),
         };
@@ -429,7 +434,7 @@ impl<'a> TileSearch<'a> {
     }
 
     /// Lists the samples in a square, given those of a larger one.
-    fn list_own(&mut self, square: &Square, near: List) -> Range<usize> {
+    fn list_own(&mut self, square: &TileSquare, near: List) -> Range<usize> {
         let first = self.lists.len();
         for index in near.own() {
             let sample = self.lists[index];
@@ -469,7 +474,7 @@ impl<'a> TileSearch<'a> {
         });
     }
 
-    fn report_uncovered(&mut self, Span { min, max }: &Span) {
+    fn report_uncovered(&mut self, PointSpan { min, max }: &PointSpan) {
         self.findings.uncovered += 1;
         if self.findings.places.len() < self.witnesses {
             let place = [0, 1].map(|axis| i64::midpoint(min[axis], max[axis]) as i32);

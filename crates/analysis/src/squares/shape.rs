@@ -1,7 +1,7 @@
 //! Which places of a region belong to the domain, and which squares hold such places.
 
 use super::error::SquaresError;
-use super::{LatticeRegion, MAX_PITCH_BITS, Shape, Span};
+use super::{LatticeRegion, MAX_PITCH_BITS, PointSpan, Shape};
 
 /// A ring is divided into at most so many bands: an edge is listed in each that it crosses.
 const MAX_BANDS: i64 = 1 << 10;
@@ -67,7 +67,7 @@ impl ShapeIndex {
 
     /// Returns how much of a span belongs to the domain: the part in the region of a square whose sides are 2^`bits` and
     /// whose coordinates are multiples of that. Of a single place the answer is exact.
-    pub(super) fn share(&self, span: Span, bits: u32) -> Share {
+    pub(super) fn share(&self, span: PointSpan, bits: u32) -> Share {
         match self {
             Self::Rectangle => Share::Everything,
             Self::Polygon(edges) => edges.share(span),
@@ -87,12 +87,12 @@ const fn all_or_nothing(all: bool) -> Share {
 
 /// A side of a ring.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct RingSide {
     from: [i64; 2],
     to: [i64; 2],
 }
 
-impl Edge {
+impl RingSide {
     /// Returns on which side of the edge's line a place lies: 1 to the left, 0 on it.
     fn side_of(&self, x: i64, y: i64) -> i32 {
         let across = |axis: usize| i128::from(self.to[axis] - self.from[axis]);
@@ -107,7 +107,7 @@ impl Edge {
     }
 
     /// Returns whether the box around the edge has a place in common with a span.
-    fn is_beside(&self, span: &Span) -> bool {
+    fn is_beside(&self, span: &PointSpan) -> bool {
         (0..2).all(|axis| {
             let [low, high] = self.ends(axis);
             low <= span.max[axis] && high >= span.min[axis]
@@ -115,8 +115,8 @@ impl Edge {
     }
 
     /// Returns whether the edge meets the closed rectangle of a span.
-    fn meets(&self, span: &Span) -> bool {
-        let Span { min, max } = *span;
+    fn meets(&self, span: &PointSpan) -> bool {
+        let PointSpan { min, max } = *span;
         let corners = [[min[0], min[1]], [max[0], min[1]], [min[0], max[1]], max];
         let sides = corners.map(|[x, y]| self.side_of(x, y));
         // A line that has all corners on one side does not enter.
@@ -130,7 +130,7 @@ impl Edge {
 pub(super) struct EdgeRows {
     /// A band is 2^`bits` rows high.
     bits: u32,
-    edges: Vec<Edge>,
+    edges: Vec<RingSide>,
     /// The indices of the edges that reach into each band.
     bands: Vec<Vec<u32>>,
 }
@@ -141,7 +141,7 @@ impl EdgeRows {
         for ring in rings {
             for (index, &from) in ring.iter().enumerate() {
                 let to = ring[(index + 1) % ring.len()];
-                edges.push(Edge {
+                edges.push(RingSide {
                     from: from.map(i64::from),
                     to: to.map(i64::from),
                 });
@@ -164,14 +164,14 @@ impl EdgeRows {
         Self { bits, edges, bands }
     }
 
-    fn edges_of(&self, band: i64) -> impl Iterator<Item = &Edge> {
+    fn edges_of(&self, band: i64) -> impl Iterator<Item = &RingSide> {
         let band = &self.bands[band as usize];
         band.iter().map(|&index| &self.edges[index as usize])
     }
 
     fn inside(&self, x: i64, y: i64) -> bool {
         let mut odd = false;
-        let place = Span {
+        let place = PointSpan {
             min: [x, y],
             max: [x, y],
         };
@@ -189,8 +189,8 @@ impl EdgeRows {
         odd
     }
 
-    fn share(&self, span: Span) -> Share {
-        let Span { min, max } = span;
+    fn share(&self, span: PointSpan) -> Share {
+        let PointSpan { min, max } = span;
         if min == max {
             return all_or_nothing(self.inside(min[0], min[1]));
         }
@@ -263,7 +263,7 @@ impl Pixels {
         self.levels[0].share(row, column) == Share::Everything
     }
 
-    fn share(&self, Span { min, .. }: Span, bits: u32) -> Share {
+    fn share(&self, PointSpan { min, .. }: PointSpan, bits: u32) -> Share {
         let wanted = bits.saturating_sub(self.bits) as usize;
         // Above the last level a square has all pixels and places beyond them.
         let Some(level) = self.levels.get(wanted) else {
@@ -299,7 +299,7 @@ mod tests {
                 let max = [(x + side - 1).min(40), (y + side - 1).min(30)];
                 let places = (x..=max[0]).flat_map(|x| (y..=max[1]).map(move |y| (x, y)));
                 let inside: Vec<bool> = places.map(|(x, y)| index.inside(x, y)).collect();
-                match index.share(Span { min: [x, y], max }, bits) {
+                match index.share(PointSpan { min: [x, y], max }, bits) {
                     Share::Nothing => assert!(!inside.contains(&true)),
                     Share::Everything => assert!(!inside.contains(&false)),
                     Share::Some => assert!(bits > 0),

@@ -14,6 +14,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Go;
     let [at_end, at_start] = time_refusals(&state.runs().first, state.time());
     let no_events = no_events(state);
+
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
@@ -35,6 +36,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         let action = list.add(name, Command::Time(command));
         action.on_key(key).refused(refusal);
     }
+
     list.group();
     list.within(Submenu::Ticks, |list| {
         for clock in Clock::ALL {
@@ -45,9 +47,11 @@ pub(super) fn add(list: &mut List, state: &State) {
                 .marked(state.time().playback.clock == clock);
         }
     });
+
     let no_loop = no_events.filter(|_| state.runs().first.cursor().is_none());
     let (on, back) = (no_events.or(at_end), no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
+
     steps(list, state, forwards, on);
     list.within(Submenu::Backwards, |list| {
         steps(list, state, backwards, back);

@@ -181,6 +181,7 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Path(path));
             }
             self.write_on_enter(ui, &response);
+
             if web {
                 return;
             }
@@ -190,6 +191,7 @@ impl Sheet<'_> {
             }
         });
         self.formats(ui);
+
         let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
@@ -208,6 +210,7 @@ impl Sheet<'_> {
         };
         ui.label(RichText::new(text).small().color(color))
             .known_as("export.format");
+
         if let Some(taken) = &self.form.taken {
             let name = taken.file_name().unwrap_or_default().to_string_lossy();
             let text = format!("{name} exists already and would be replaced.");

@@ -141,6 +141,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let beside = room_beside_sentence(ui.ctx(), context, room);
     let width = room - LABEL - beside;
     let height = sentence_height(ui.ctx(), context, SIZE, width).max(LINE);
+
     ui.allocate_ui_with_layout(
         vec2(room, height),
         Layout::left_to_right(Align::Center),
@@ -155,6 +156,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             }
         },
     );
+
     let next = next_line(context.run).filter(|_| has_next(ui.ctx(), context));
     if let Some(next) = next {
         let row = vec2(room, NEXT_LINE);
@@ -178,6 +180,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         });
     }
     ui.add_space(ABOVE_CONTROLS);
+
     let size = vec2(room, curve::height(context));
     let (above, _) = ui.allocate_exact_size(size, Sense::hover());
     let track = ui.horizontal(|ui| {
@@ -411,6 +414,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         .session
         .is_none()
         .then_some("There is no session yet.");
+
     let [at_end, at_start] = time_refusals(context.run, context.time);
     let (play, play_name) = if context.time.playback.is_playing() {
         (Icon::Pause, "Pause (Space)")
@@ -422,6 +426,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         Some(_) => "level",
         None => "stage",
     };
+
     ui.spacing_mut().item_spacing.x = 2.0;
     for (icon, name, refusal, command) in [
         (

@@ -2,6 +2,7 @@
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
 use super::common::no_events;
@@ -20,27 +21,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     };
     heading(ui, "Watches");
     for (index, (text, value)) in debugger.watch_values().into_iter().enumerate() {
-        ui.horizontal(|ui| {
-            let name = format!("Remove watch {}", index + 1);
-            let remove = icon_button(ui, Icon::Close, &name, None, palette);
-            let id = format_args!("watch-{}.remove", index + 1);
-            let command = Command::Debug(DebugCommand::RemoveWatch(index));
-            remove.issues(id, command, commands);
-            let mut typed = text.to_owned();
-            let response = ui.add(
-                TextEdit::singleline(&mut typed)
-                    .align(egui::Align2::LEFT_CENTER)
-                    .code_editor()
-                    .desired_width(f32::INFINITY),
-            );
-            response.widget_info(|| {
-                WidgetInfo::labeled(Role::TextInput, true, format!("Watch {}", index + 1))
-            });
-            response.known_as(format_args!("watch-{}", index + 1));
-            if response.changed() {
-                commands.push(Command::Debug(DebugCommand::EditWatch(index, typed)));
-            }
-        });
+        watch(ui, index, text, palette, commands);
         let label = match value {
             Ok(value) => ui.label(RichText::new(format!("= {value}")).monospace()),
             Err(error) => ui.label(RichText::new(error.to_string()).color(palette.conflict)),
@@ -48,42 +29,76 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         label.known_as(format_args!("watch-{}.value", index + 1));
         ui.add_space(4.0);
     }
+
     let command = Command::Debug(DebugCommand::Watch("distance".to_owned()));
     ui.button("Add a watch")
         .issues("add-watch", command, commands);
     ui.add_space(10.0);
-    let unit = "Lengths and places are in r, in watches and conditions, too.";
+
     let (next, now) = NAMES.split_at(NAMES_OF_NEXT);
     for (title, names) in [("In scope: the next event", next), ("In scope: now", now)] {
-        heading(ui, title);
-        ui.scope(|ui| {
-            ui.spacing_mut().item_spacing.y = 2.0;
-            for &(name, meaning) in names {
-                let mut value = debugger.evaluate(name).unwrap_or_default();
-                // A dash stands for a missing value and has no unit.
-                if LENGTHS.contains(&name) && value.parse::<f64>().is_ok() {
-                    value.push_str(" r");
-                }
-                ui.scope(|ui| row(ui, name, &value, palette))
-                    .response
-                    .on_hover_text(meaning);
+        let values = names.iter().map(|&(name, meaning)| {
+            let mut value = debugger.evaluate(name).unwrap_or_default();
+            // A dash stands for a missing value and has no unit.
+            if LENGTHS.contains(&name) && value.parse::<f64>().is_ok() {
+                value.push_str(" r");
             }
+            (name, value, meaning)
         });
+        scope(ui, title, values, palette);
     }
     // Their values would be measured in every frame, wanted or not.
-    heading(ui, "In scope: numbers of the moment");
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        for number in debugger
-            .recording()
-            .numbers()
-            .map_or(&[][..], |all| &all.names)
-        {
-            let limit = number.not_in_conditions.map_or("", |_| "in watches alone");
-            ui.scope(|ui| row(ui, number.name, limit, palette))
-                .response
-                .on_hover_text(number.meaning);
+    let numbers = debugger.recording().numbers().into_iter();
+    let numbers = numbers.flat_map(|all| &all.names).map(|number| {
+        let limit = number.not_in_conditions.map_or("", |_| "in watches alone");
+        (number.name, limit.to_owned(), number.meaning)
+    });
+    scope(ui, "In scope: numbers of the moment", numbers, palette);
+
+    let unit = "Lengths and places are in r, in watches and conditions, too.";
+    ui.label(RichText::new(unit).small().color(palette.muted));
+}
+
+/// Shows the field of a watch, and the button that removes it.
+fn watch(ui: &mut Ui, index: usize, text: &str, palette: &Palette, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let name = format!("Remove watch {}", index + 1);
+        let remove = icon_button(ui, Icon::Close, &name, None, palette);
+        let id = format_args!("watch-{}.remove", index + 1);
+        let command = Command::Debug(DebugCommand::RemoveWatch(index));
+        remove.issues(id, command, commands);
+
+        let mut typed = text.to_owned();
+        let response = ui.add(
+            TextEdit::singleline(&mut typed)
+                .align(egui::Align2::LEFT_CENTER)
+                .code_editor()
+                .desired_width(f32::INFINITY),
+        );
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::TextInput, true, format!("Watch {}", index + 1))
+        });
+        response.known_as(format_args!("watch-{}", index + 1));
+        if response.changed() {
+            commands.push(Command::Debug(DebugCommand::EditWatch(index, typed)));
         }
     });
-    ui.label(RichText::new(unit).small().color(palette.muted));
+}
+
+/// Lists names that expressions can have, each with a value and its meaning.
+fn scope<'a>(
+    ui: &mut Ui,
+    title: &str,
+    names: impl Iterator<Item = (&'a str, String, &'a str)>,
+    palette: &Palette,
+) {
+    heading(ui, title);
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for (name, value, meaning) in names {
+            ui.scope(|ui| row(ui, name, &value, palette))
+                .response
+                .on_hover_text(meaning);
+        }
+    });
 }

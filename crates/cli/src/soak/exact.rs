@@ -3,7 +3,8 @@
 use anyhow::Result;
 use tilescope_analysis::{VerifyOptions, verify};
 use tilescope_core::{
-    ExactPlane, Parameters, PatternHistory, Run, Unobserved, exact_sample, exact_sample_parallel,
+    ExactPlane, Parameters, PatternHistory, Run, Unobserved, WindowMaker, exact_sample,
+    exact_sample_parallel,
 };
 use tilescope_sets::region;
 

@@ -35,7 +35,7 @@ pub(crate) struct Agenda {
 }
 
 impl Agenda {
-    /// Forgets everything.
+    /// Removes everything.
     pub(crate) fn clear(&mut self) {
         self.levels.iter_mut().for_each(Vec::clear);
         self.sudden.clear();

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::IVec2;
 
-use crate::exact::pieces::Piece;
+use crate::exact::pieces::SourcePiece;
 use crate::exact::present::{SamplesBefore, SamplesNear};
 use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::stages::disks::farthest;
@@ -33,7 +33,7 @@ pub(crate) struct OpenCells {
 /// All pieces, with the cells of [`MARK_SIDE`] that were marked in them. A cell is handed out once.
 #[derive(Default)]
 pub(crate) struct MarkedCells {
-    pieces: Vec<Piece>,
+    pieces: Vec<SourcePiece>,
     /// Of each piece, where its marks begin.
     firsts: Vec<usize>,
     marks: Vec<bool>,
@@ -41,7 +41,7 @@ pub(crate) struct MarkedCells {
 
 impl MarkedCells {
     /// Returns the pieces.
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[SourcePiece] {
         &self.pieces
     }
 
@@ -53,7 +53,7 @@ impl MarkedCells {
     }
 
     /// Adds a piece.
-    pub(crate) fn add(&mut self, piece: Piece) {
+    pub(crate) fn add(&mut self, piece: SourcePiece) {
         let [columns, rows] = spans(&piece.sources).map(|span| span.len());
         self.firsts.push(self.marks.len());
         self.marks.resize(self.marks.len() + columns * rows, false);
@@ -103,7 +103,7 @@ impl MarkedCells {
     /// Marks the cells of some pieces that a disk around `place` may touch, and appends those not marked before to `out`.
     pub(crate) fn mark_disk(&mut self, pieces: Range<u32>, place: Point, out: &mut Vec<PieceCell>) {
         for piece in pieces {
-            let Piece { sources, .. } = self.pieces[piece as usize];
+            let SourcePiece { sources, .. } = self.pieces[piece as usize];
             let centre = self.pieces[piece as usize].source(place);
             let box_around = Rect {
                 min: Point::new(

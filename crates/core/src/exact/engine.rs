@@ -234,7 +234,7 @@ impl<'a> ExactTiling<'a> {
             && self.history.arrival(pattern).level() >= LATE_LEVEL
     }
 
-    /// Asks the darts again whose first blocker is a pattern's sample that is missing at `place` of the ground, or doubtful.
+    /// Decides again about the darts whose first blocker, a sample of the pattern, is missing at `place` of the ground or doubtful.
     fn wake(&mut self, tile: u32, place: Point, pattern: u32) {
         let history = self.history;
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];

@@ -8,7 +8,7 @@ use crate::pattern::Symmetry;
 /// The part of a block that one copy of the pattern fills. A place of the pattern has one place in the copy, so that
 /// nothing wraps within a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Piece {
+pub(crate) struct SourcePiece {
     /// The index of the block's tile.
     pub(crate) tile: u32,
     /// The places of the pattern that the piece has.
@@ -18,7 +18,7 @@ pub(crate) struct Piece {
     origin: IVec2,
 }
 
-impl Piece {
+impl SourcePiece {
     /// Returns where the copy has a place of the pattern.
     pub(crate) fn place(&self, source: Point) -> Point {
         let turned = self.symmetry.turn(IVec2::new(source.x, source.y));
@@ -57,7 +57,7 @@ pub(crate) fn pieces(
     start: I64Vec2,
     symmetry: Symmetry,
     pattern: &Rect,
-) -> Vec<Piece> {
+) -> Vec<SourcePiece> {
     let corner = symmetry.corner(pattern.max);
     let extent = IVec2::new(pattern.max.x, pattern.max.y);
     let period = symmetry.turn(extent).abs().as_i64vec2();
@@ -78,7 +78,7 @@ pub(crate) fn pieces(
                 Point::new(source.x, source.y)
             };
             let origin = I64Vec2::from(rect.min) - (first - copy) + corner.as_i64vec2();
-            pieces.push(Piece {
+            pieces.push(SourcePiece {
                 tile,
                 sources: spanned(back(low), back(high)),
                 symmetry,

@@ -2,13 +2,12 @@
 
 use crate::engine::parallel::clip::Clipper;
 use crate::engine::parallel::sweep::Sweep;
-use crate::engine::parallel::widened::WidenedWindow;
-use crate::engine::parallel::window_maker::{WindowMaker, WindowSamples, samples_of_window};
+use crate::engine::parallel::window_maker::{WindowMaker, WindowSamples};
 use crate::error::SampleError;
 use crate::exact::engine::{ExactTiling, clipper};
 use crate::exact::ground::Ground;
 use crate::exact::history::PatternHistory;
-use crate::lattice::{Domain, Point, R, Rect, Window};
+use crate::lattice::{Domain, Rect};
 use crate::parameters::Parameters;
 use crate::pool::Pool;
 use crate::progress::{Observer, Unobserved};
@@ -20,9 +19,6 @@ const HALO: i32 = 8;
 /// The widest halo in cells. No window has been seen to need a second one.
 const MAX_HALO: i32 = HALO << 7;
 
-/// The longest side of a window that is computed at once, in cells: larger ones leave the second-level cache.
-const MAX_SIDE: i32 = 320;
-
 /// The plane of an exact tiling, from which any window can be computed alone.
 ///
 /// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number of
@@ -30,7 +26,7 @@ const MAX_SIDE: i32 = 320;
 /// the window, the halo grows.
 ///
 /// ```
-/// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved};
+/// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved, WindowMaker};
 ///
 /// // A window of a run of two thousand million samples.
 /// let parameters = Parameters { radius: 2e-5, ..Parameters::default() };
@@ -63,38 +59,6 @@ impl<'a> ExactPlane<'a> {
         })
     }
 
-    /// Returns the domain.
-    #[must_use]
-    pub const fn domain(&self) -> &Domain {
-        &self.domain
-    }
-
-    /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond the end of a periodic
-    /// domain shows its repetition, with the positions of the domain.
-    pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
-        self.observed_window(window, &mut Unobserved)
-    }
-
-    /// Returns what [`Self::window`] does, unless `observer` stops it with [`SampleError::Cancelled`].
-    pub fn observed_window(
-        &self,
-        window: &Window,
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<Point>, SampleError> {
-        samples_of_window(self, window, MAX_SIDE, observer)
-    }
-
-    /// Returns the window with the samples around it that a verifier needs to judge it.
-    pub fn widened(
-        &self,
-        window: &Window,
-        observer: &mut dyn Observer,
-    ) -> Result<WidenedWindow, SampleError> {
-        WidenedWindow::of(window, &self.domain, R, |wide| {
-            self.observed_window(wide, observer)
-        })
-    }
-
     /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each sample
     /// has its source, for which all blocks are counted first.
     #[must_use]
@@ -102,13 +66,16 @@ impl<'a> ExactPlane<'a> {
         if sources {
             self.clipper.count_blocks();
         }
-        Sweep::of_plane(self, sources, MAX_SIDE)
+        Sweep::of_plane(self, sources)
     }
 }
 
 impl WindowMaker for ExactPlane<'_> {
+    // As for KDRT; others were not measured.
+    const MAX_SIDE: i32 = 320;
+
     fn domain(&self) -> &Domain {
-        self.domain()
+        &self.domain
     }
 
     fn fill(
@@ -153,6 +120,7 @@ pub fn exact_sample_parallel(
 mod tests {
     use super::*;
     use crate::engine::parallel::window_maker::pieces;
+    use crate::lattice::{Point, R};
     use crate::parameters::PatternSpec;
 
     /// Returns the samples of a window by a halo of so many cells, and whether some are in doubt.

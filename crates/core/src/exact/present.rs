@@ -48,7 +48,7 @@ impl ArrivedSample {
     }
 }
 
-/// Places in which doubtful darts may have arrived that nobody threw.
+/// Places in which darts that were not thrown may have become samples.
 #[derive(Clone, Copy, Debug)]
 struct Zone {
     rect: Rect,
@@ -258,7 +258,7 @@ impl<'a> PresentSamples<'a> {
         }
     }
 
-    /// Returns whether a dart that is no sample yet may be covered by what nobody threw.
+    /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.
     fn is_in_doubt(&self, place: Point, arrival: Arrival) -> bool {
         // Late darts are not thrown within R of what is unknown: any place there may be a sample.
         let reach = if arrival.level() < LATE_LEVEL {

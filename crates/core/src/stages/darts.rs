@@ -1,7 +1,7 @@
 //! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler; uniform insertion, which is the same
 //! process restricted to the gaps; the pattern of nested levels, which is the same process at one radius after
-//! another; and sets whose radius varies, which it makes on another [`Ground`]. The result does not depend on the order in which
-//! cells are visited.
+//! another; and sets whose radius varies, which it makes on another [`DartGround`]. The result does not depend on the order
+//! in which cells are visited.
 //!
 //! A level works on active cells of one side. In a throw each active cell draws a Poisson number of
 //! darts with uniform positions and random ranks; over all cells that is a uniform process in
@@ -62,7 +62,7 @@ pub enum Landing<P> {
 }
 
 /// What a process throws its darts on: a domain, how far samples reach in it, and the samples so far.
-pub trait Ground {
+pub trait DartGround {
     /// An active cell.
     type Cell: Copy;
     /// What is known of the place of a dart.
@@ -100,7 +100,7 @@ pub trait Ground {
 }
 
 /// One radius everywhere in a rectangle.
-impl Ground for DiskGrid {
+impl DartGround for DiskGrid {
     type Cell = Point;
     type Place = ();
     type Near = IVec2;
@@ -154,7 +154,7 @@ pub(crate) enum DartDraws {
 }
 
 /// A dart process in progress.
-pub struct DartProcess<G: Ground = DiskGrid> {
+pub struct DartProcess<G: DartGround = DiskGrid> {
     key: Key,
     draws: DartDraws,
     level: u32,
@@ -208,7 +208,7 @@ impl DartProcess {
     }
 }
 
-impl<G: Ground> DartProcess<G> {
+impl<G: DartGround> DartProcess<G> {
     /// Returns the process that throws darts on a ground from its cells on, until they hold no uncovered place.
     pub(crate) fn on(ground: G, key: Key, active: Vec<G::Cell>) -> Self {
         Self {

@@ -81,7 +81,7 @@ pub struct RadiusField {
     /// The nodes around all cells, row by row: where the domain is periodic, the first ones again at the end.
     nodes: Vec<i32>,
     /// Blocks of 2 x 2 cells, of 4 x 4, and so on up to one of all.
-    levels: Vec<Blocks>,
+    levels: Vec<RadiusBlocks>,
 }
 
 /// The least and the greatest of some radii.
@@ -93,7 +93,7 @@ pub(super) struct RadiusRange {
 
 /// The ranges of the nodes of blocks of one size.
 #[derive(Clone, Debug)]
-struct Blocks {
+struct RadiusBlocks {
     columns: usize,
     ranges: Vec<RadiusRange>,
 }
@@ -211,7 +211,7 @@ impl RadiusField {
                     ranges.push(self.blocks(size, [2 * column, 2 * row], last));
                 }
             }
-            self.levels.push(Blocks { columns, ranges });
+            self.levels.push(RadiusBlocks { columns, ranges });
             below = [columns, rows];
         }
     }

@@ -9,7 +9,7 @@ use super::quadtree::VaryingCell;
 use super::rule::is_near;
 use super::shape::{Class, Shape};
 use crate::lattice::Point;
-use crate::stages::darts::{Ground, Landing};
+use crate::stages::darts::{DartGround, Landing};
 use crate::stages::disks::{Cell, farthest};
 
 /// A field, a shape, and the samples so far.
@@ -58,7 +58,7 @@ impl<'a> VaryingGround<'a> {
     }
 }
 
-impl Ground for VaryingGround<'_> {
+impl DartGround for VaryingGround<'_> {
     type Cell = VaryingCell;
     type Place = DartPlace;
     type Near = NearDisk;
@@ -79,8 +79,9 @@ impl Ground for VaryingGround<'_> {
         }
 
         // A cell throws as many darts as a radius of its base cell's side asks for: where the radius R is larger, a share of
-        // side^2 / R^2 of them stays. So the intensity depends on R only. Without this, sets are half again as dense on one side of a place
-        // where R passes a power of two as on the other. A cell of one point is the last to throw, and throws exactly that point.
+        // side^2 / R^2 of them stays, so that the intensity depends on R only. Without this, sets are twice as dense on one side
+        // of a place where R passes a power of two as on the other (the test below). A cell of one point throws exactly that
+        // point, which makes the set maximal.
         let radius = self.field.radius_at(at);
         let base_side = 1_i64 << cell.base_bits;
         if cell.bits > 0 && i64::from(radius) > base_side {
@@ -134,6 +135,7 @@ impl Ground for VaryingGround<'_> {
                 continue;
             }
             let corner = quarter.min - square.min;
+
             let covered = near.iter().any(|disk| {
                 let across = farthest(disk.offset - corner, IVec2::splat(half - 1));
                 is_near(across.as_i64vec2().length_squared(), disk.radius, least)
@@ -141,6 +143,8 @@ impl Ground for VaryingGround<'_> {
             if covered {
                 continue;
             }
+
+            // What lies inside as a whole has no place outside.
             let class = match cell.class {
                 Class::Inside => Class::Inside,
                 Class::Mixed | Class::Outside => self.shape.class(quarter),
@@ -171,7 +175,7 @@ mod tests {
     /// The same ground on which all darts stay.
     struct Unthinned<'a>(VaryingGround<'a>);
 
-    impl Ground for Unthinned<'_> {
+    impl DartGround for Unthinned<'_> {
         type Cell = VaryingCell;
         type Place = DartPlace;
         type Near = NearDisk;
@@ -219,7 +223,7 @@ mod tests {
 
     /// Returns N R^2 of the places whose radius is from 1.97 to 2, and of those from 2 to 2.03, in several sets on grounds
     /// that `ground` makes.
-    fn densities<'a, G: Ground<Cell = VaryingCell>>(
+    fn densities<'a, G: DartGround<Cell = VaryingCell>>(
         field: &'a RadiusField,
         shape: &'a Shape,
         ground: impl Fn(VaryingGround<'a>) -> G,

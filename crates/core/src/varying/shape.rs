@@ -238,17 +238,17 @@ impl Polygon {
 struct Mask {
     /// A pixel is 2^`bits` units wide.
     bits: u32,
-    levels: Vec<Blocks>,
+    levels: Vec<ClassBlocks>,
 }
 
 /// The classes of the blocks of one size.
 #[derive(Clone, Debug)]
-struct Blocks {
+struct ClassBlocks {
     columns: usize,
     classes: Vec<Class>,
 }
 
-impl Blocks {
+impl ClassBlocks {
     /// Returns the class of a block; those beyond the last are outside.
     fn class(&self, row: usize, column: usize) -> Class {
         let index = (column < self.columns).then(|| row * self.columns + column);
@@ -277,7 +277,7 @@ impl Blocks {
 impl Mask {
     fn new(bits: u32, columns: usize, pixels: &[bool]) -> Self {
         let classes = pixels.iter().map(|&inside| Class::of(inside)).collect();
-        let mut blocks = Blocks { columns, classes };
+        let mut blocks = ClassBlocks { columns, classes };
         let mut levels = Vec::new();
         while blocks.classes.len() > 1 {
             let joined = blocks.joined();

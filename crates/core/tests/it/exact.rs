@@ -9,7 +9,7 @@ use tilescope_analysis::{Region, VerifyOptions, verify};
 use tilescope_core::stages::disks::DiskGrid;
 use tilescope_core::{
     Boundary, Domain, ExactPlane, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, R,
-    Run, Stream, Unobserved, Window, below, exact_sample, exact_sample_parallel,
+    Run, Stream, Unobserved, Window, WindowMaker, below, exact_sample, exact_sample_parallel,
 };
 
 use oracle::{Ties, defined};

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
-use tilescope_core::{Key, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Stream};
+use tilescope_core::{
+    Key, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Stream, WindowMaker,
+};
 
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
 use crate::control::{Control, Watch};

@@ -66,6 +66,7 @@ impl State {
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
         self.in_class(Classroom::follow_lesson_file);
+
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
         let cursor = self.runs.first.cursor();
         let runs = self.with(|state, context| {
@@ -78,6 +79,7 @@ impl State {
                 run.follow_event(cursor, context);
             });
         }
+
         let shows_events = self.window.shows(Panel::Events);
         let asked = asked_of(self, Which::First);
         let awaits_rest = self.on(Which::First, |run, context| {
@@ -89,6 +91,7 @@ impl State {
             run.follow_moment(asked, context);
             run.awaits_rest()
         });
+
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.analysis
             .follow(&self.runs.first, asked.is_analysed, &wake);
@@ -100,6 +103,7 @@ impl State {
             class.follow_handout(context);
         });
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
+
         let made = self.runs.get_mut(Which::Second).and_then(RunView::made);
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
@@ -107,6 +111,7 @@ impl State {
         let flies = self.with_of(Which::Second, |state, context| {
             state.runs.advance_second(dt_secs, asked, context)
         });
+
         self.time.follow_passes(&self.runs.first);
         let is_playing = self.time.playback.is_playing();
         let Messages {
@@ -114,6 +119,7 @@ impl State {
         } = &mut self.messages;
         let lessons = &self.classroom.lessons;
         announcer.follow(&self.runs.first, is_playing, notice.as_ref(), lessons);
+
         let is_wanted = !is_fast && !self.appearance.reduced_motion;
         let changes = self.runs.first.advance_transition(dt_secs, is_wanted);
         self.runs.first.flight.is_some() || runs || flies || changes || awaits_rest == Some(true)

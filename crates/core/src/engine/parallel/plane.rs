@@ -5,11 +5,10 @@
 use fearless_simd::dispatch;
 
 use crate::error::{ParameterError, SampleError};
-use crate::lattice::{Domain, Point, Rect, Window};
+use crate::lattice::{Domain, Point, Rect};
 use crate::parameters::{Insertion, Order, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::pool::Pool;
-use crate::progress::{Observer, Unobserved};
 use crate::random::Key;
 use crate::stages::order::Ranking;
 
@@ -21,14 +20,10 @@ use super::gaps::Rules;
 use super::instructions::InstructionSet;
 use super::region::Region;
 use super::whole::Whole;
-use super::window_maker::{WindowMaker, WindowSamples, samples_of_window};
+use super::window_maker::{WindowMaker, WindowSamples};
 
 /// Initial width of the halo in cells. Wider halos would cost more in every window than repairs do in a few.
 const HALO: i32 = 6;
-
-/// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
-/// smaller ones have more halo.
-pub(super) const MAX_SIDE: i32 = 320;
 
 /// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
 /// holes everywhere could need more.
@@ -43,7 +38,7 @@ const NEIGHBOURS: i32 = 8;
 /// instruction set.
 ///
 /// ```
-/// use tilescope_core::{Parameters, Pattern, Plane, Unobserved};
+/// use tilescope_core::{Parameters, Pattern, Plane, Unobserved, WindowMaker};
 ///
 /// // A window of a run of two thousand million samples.
 /// let parameters = Parameters { radius: 2e-5, ..Parameters::default() };
@@ -111,31 +106,6 @@ impl Plane {
     pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
         self.instructions = instructions;
         self
-    }
-
-    /// Returns the domain.
-    #[must_use]
-    pub const fn domain(&self) -> &Domain {
-        &self.domain
-    }
-
-    /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond
-    /// the end of a periodic domain shows its repetition, with the positions of the domain.
-    ///
-    /// Computes only the window and the surroundings on which its samples depend. Fails when a bounded pattern is too
-    /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them and the
-    /// domain is too large to be run as a whole.
-    pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
-        self.observed_window(window, &mut Unobserved)
-    }
-
-    /// Returns what [`Self::window`] does, unless `observer` stops it with [`SampleError::Cancelled`].
-    pub fn observed_window(
-        &self,
-        window: &Window,
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<Point>, SampleError> {
-        samples_of_window(self, window, MAX_SIDE, observer)
     }
 
     /// Counts the blocks, so that tags name them.
@@ -236,8 +206,11 @@ fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
 }
 
 impl WindowMaker for Plane {
+    // Smaller ones have more halo.
+    const MAX_SIDE: i32 = 320;
+
     fn domain(&self) -> &Domain {
-        self.domain()
+        &self.domain
     }
 
     fn fill(
@@ -276,11 +249,11 @@ pub(super) struct Scratch<const TAGS: bool>(Vec<Box<Region<TAGS>>>);
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::ops::ControlFlow;
 
+    use super::*;
     use crate::lattice::R;
-    use crate::progress::Progress;
+    use crate::progress::{Progress, Unobserved};
 
     fn plane(leaf: f64) -> Plane {
         let parameters = Parameters {

@@ -20,7 +20,7 @@ use crate::stage::Stage;
 use super::counts::WindowCounts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{MAX_SIDE, Plane};
+use super::plane::Plane;
 use super::window_maker::{WINDOWS_A_THREAD, WindowMaker, WindowSamples};
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
@@ -73,7 +73,7 @@ impl Sweep {
         if sources {
             plane.count_blocks();
         }
-        Ok(Self::of_plane(plane, sources, MAX_SIDE))
+        Ok(Self::of_plane(plane, sources))
     }
 
     /// Returns the run computed with `instructions` instead of the best ones. The points are the same.
@@ -99,14 +99,14 @@ impl Sweep {
 }
 
 impl<P: WindowMaker> Sweep<P> {
-    /// Returns a run at its beginning over a plane, in windows of at most `longest` cells a side.
-    pub(crate) fn of_plane(plane: P, sources: bool, longest: i32) -> Self {
+    /// Returns a run at its beginning over a plane.
+    pub(crate) fn of_plane(plane: P, sources: bool) -> Self {
         let max = plane.domain().rect().max;
         let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
         // In a small domain, enough windows for every thread, all of about the same size.
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
-        let longest = side.clamp(MIN_SIDE, longest);
+        let longest = side.clamp(MIN_SIDE, P::MAX_SIDE);
         let sides = cells.map(|cells: i32| {
             (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
         });

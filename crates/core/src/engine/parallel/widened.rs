@@ -3,10 +3,8 @@
 
 use glam::I64Vec2;
 
-use super::plane::Plane;
 use crate::error::SampleError;
-use crate::lattice::{Domain, Point, R, Window};
-use crate::progress::Observer;
+use crate::lattice::{Domain, Point, Window};
 
 /// Radii around a window that a [`WidenedWindow`] has, although 2 suffice to judge the window.
 const MARGIN: i64 = 4;
@@ -74,23 +72,11 @@ impl WidenedWindow {
     }
 }
 
-impl Plane {
-    /// Returns `window` with a margin around it.
-    ///
-    /// Fails as [`Self::observed_window`].
-    pub fn widened(
-        &self,
-        window: &Window,
-        observer: &mut dyn Observer,
-    ) -> Result<WidenedWindow, SampleError> {
-        let samples = |wide: &Window| self.observed_window(wide, observer);
-        WidenedWindow::of(window, self.domain(), R, samples)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::parallel::plane::Plane;
+    use crate::engine::parallel::window_maker::WindowMaker;
     use crate::lattice::Boundary;
     use crate::parameters::Parameters;
     use crate::pattern::Pattern;

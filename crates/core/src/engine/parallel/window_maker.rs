@@ -4,28 +4,61 @@
 use rayon::prelude::*;
 
 use crate::error::SampleError;
-use crate::lattice::{Domain, Point, Rect, Window};
-use crate::progress::{Meter, Observer};
+use crate::lattice::{Domain, Point, R, Rect, Window};
+use crate::progress::{Meter, Observer, Unobserved};
 use crate::stage::Stage;
 
 use super::counts::WindowCounts;
 use super::frame::CELL_BITS;
+use super::widened::WidenedWindow;
 
 /// Windows for each thread between two calls of the observer.
 pub(super) const WINDOWS_A_THREAD: usize = 6;
 
-/// What computes any window of a run alone.
-pub trait WindowMaker: Sync {
+/// What computes any window of a run alone: [`crate::Plane`] and [`crate::ExactPlane`].
+pub trait WindowMaker: Sync + Sized {
+    /// The longest side of a window that is computed at once, in cells: larger ones leave the second-level cache.
+    const MAX_SIDE: i32;
+
     /// Returns the domain of the run.
     fn domain(&self) -> &Domain;
 
     /// Makes `out` the samples of a window, which lies in the domain, with tags of their sources if they are wanted.
+    #[doc(hidden)]
     fn fill(
         &self,
         window: &Rect,
         with_tags: bool,
         out: &mut WindowSamples,
     ) -> Result<(), SampleError>;
+
+    /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond the end of a periodic
+    /// domain shows its repetition, with the positions of the domain.
+    ///
+    /// Computes only the window and the surroundings on which its samples depend. Fails when a bounded pattern is too
+    /// small for a block, or the samples depend on too much around them.
+    fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
+        self.observed_window(window, &mut Unobserved)
+    }
+
+    /// Returns what [`Self::window`] does, unless `observer` stops it with [`SampleError::Cancelled`].
+    fn observed_window(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Point>, SampleError> {
+        samples_of_window(self, window, observer)
+    }
+
+    /// Returns the window with the samples around it that a verifier needs to judge it. Fails as [`Self::observed_window`].
+    fn widened(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<WidenedWindow, SampleError> {
+        let samples = |wide: &Window| self.observed_window(wide, observer);
+        WidenedWindow::of(window, self.domain(), R, samples)
+    }
 }
 
 /// A window's samples, with the number of samples up to the end of each row of cells.
@@ -45,17 +78,15 @@ impl WindowSamples {
     }
 }
 
-/// Returns the samples of a run that lie in `window`, in canonical order. Windows of more than `longest` cells a side are
-/// computed in pieces.
-pub(crate) fn samples_of_window(
-    maker: &impl WindowMaker,
+/// Returns the samples of a run that lie in `window`, in canonical order. Large windows are computed in pieces.
+fn samples_of_window<M: WindowMaker>(
+    maker: &M,
     window: &Window,
-    longest: i32,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
     let parts: Vec<Rect> = parts(maker.domain(), window)
         .iter()
-        .flat_map(|part| pieces(part, longest << CELL_BITS))
+        .flat_map(|part| pieces(part, M::MAX_SIDE << CELL_BITS))
         .collect();
     let compute = |part: &Rect| {
         let mut found = WindowSamples::default();
