@@ -253,9 +253,11 @@ impl<'a> Scan<'a> {
             }
             return used;
         }
+
         let (near_columns, near_rows) = (self.near(column, 0), self.near(row, 1));
         for &(other_row, _) in near_rows.iter().flatten() {
             for &(other_column, shift) in near_columns.iter().flatten() {
+                // A pair of cells is compared from the lower one.
                 if (other_row, other_column) > (row, column) {
                     let columns = other_column..other_column + 1;
                     let range = self.grid.run_range(other_row, &columns);

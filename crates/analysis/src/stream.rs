@@ -107,6 +107,7 @@ impl StreamVerifier {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
         check_tolerance(options.covering_tolerance)?;
+
         let mut search = StreamSearch::new(region, radius, options.clone(), domain, scaled_radius);
         let (by_delaunay, by_circles) = match options.judges {
             JudgeChoice::Delaunay => (true, false),
@@ -119,9 +120,11 @@ impl StreamVerifier {
                 (search.whole, !search.whole)
             }
         };
+
         // A region of few rows is held as a whole.
         search.whole |= by_circles && !CircleBands::streams(&search.question());
         let bands = by_delaunay || search.whole;
+
         Ok(Self {
             bands: bands.then(|| Bands::new(&search)),
             circles: (by_circles && !search.whole).then(|| CircleBands::new(&search.question())),
@@ -199,6 +202,7 @@ impl StreamVerifier {
         for piece in points.chunks(PIECE) {
             let first = self.intake.count;
             self.intake.take(piece, &self.search)?;
+
             if let Some(bands) = &mut self.bands {
                 for (&point, id) in piece.iter().zip(first as u32..) {
                     let position = self.search.domain.scale_point(point);
@@ -209,6 +213,7 @@ impl StreamVerifier {
                 let complete = self.search.complete(self.intake.highest);
                 circles.add(&self.search.question(), piece, first as u32, complete)?;
             }
+
             self.judge_complete(&monitor)?;
         }
         self.intake.work = monitor.done();
@@ -237,6 +242,8 @@ impl StreamVerifier {
     fn report(&mut self, control: Control<'_>) -> Result<Report, VerifyError> {
         let search = &self.search;
         let (region, radius, options) = (search.region, search.radius, &search.options);
+
+        // A short stream is judged like a set, which no hole or crowd stops.
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
             (None, Some(circles)) => circles.unjudged(),
@@ -247,20 +254,24 @@ impl StreamVerifier {
             self.circles = None;
             return verify(&all, region, radius, options, control);
         }
+
         let monitor = self.monitor(control);
         let count = self.intake.count;
         let asked = (count, region, radius, options.covering_tolerance);
         let report = |found| Report::new(asked, search.domain.scale, found);
+
         let bands = self.bands.as_mut();
         let delaunay = bands
             .map(|bands| bands.finish(search, &monitor))
             .transpose()?;
+
         let circles = self
             .circles
             .take()
             .map(|circles| circles.finish(&search.question(), count, &monitor));
         let circles = circles.transpose()?;
         let circles = circles.map(|found| report(found.findings(options.witnesses)));
+
         match (delaunay.map(report), circles) {
             (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
             (Some(report), None) | (None, Some(report)) => Ok(report),

@@ -32,6 +32,7 @@ impl Arc {
         if length < 1e-9 || self.least > (1.0 - 1e-6) * length {
             return None;
         }
+
         let along = self.toward / length;
         let cos = self.least / length;
         Some(along * cos + along.perp() * (1.0 - cos * cos).sqrt())

@@ -51,12 +51,16 @@ impl CellCutter {
         let known = samples.cells.certain_distance(around);
         self.begin(samples, tile.position(index), known);
         tile.around(index, around, |other, offset| self.clip(offset, other));
+
         let farthest = self.corners.iter().map(|corner| corner.at.length());
         let farthest = farthest.fold(0.0, f64::max);
+        // A sample that cuts a corner off is at most twice as far away as the corner. So all that matter are known, unless the cell
+        // reaches the end of what is known, or half of the way.
         let is_unknown = |corner: &Corner| corner.edge == Edge::Unknown;
         if self.corners.iter().any(is_unknown) || 2.0 * farthest * (1.0 + DOUBT) > known {
             return None;
         }
+
         let mut reach = CellReach::default();
         for (at, corner) in self.corners.iter().enumerate() {
             let before = self.corners[(at + self.corners.len() - 1) % self.corners.len()];
@@ -91,6 +95,8 @@ impl CellCutter {
                 edges[line.axis][usize::from(line.is_far)] = Edge::Border(line);
             }
         }
+
+        // Anticlockwise from the lowest corner on, each with the edge that begins there.
         let [[left, right], [bottom, top]] = edges;
         self.corners.clear();
         self.corners.extend([
@@ -121,6 +127,7 @@ impl CellCutter {
         if limit == 0.0 || self.corners.iter().all(|corner| beyond(corner) <= 0.0) {
             return;
         }
+
         self.kept.clear();
         for (at, corner) in self.corners.iter().enumerate() {
             let next = &self.corners[(at + 1) % self.corners.len()];
@@ -128,8 +135,11 @@ impl CellCutter {
             if here <= 0.0 {
                 self.kept.push(*corner);
             }
+
+            // The bisector crosses the edge from here to there.
             if (here <= 0.0) != (there <= 0.0) {
                 let crossing = corner.at + (next.at - corner.at) * (here / (here - there));
+                // Where the cell ends, the boundary goes on along the bisector; where it begins again, along the old edge.
                 let edge = if here <= 0.0 {
                     Edge::Bisector(neighbour)
                 } else {
@@ -172,6 +182,7 @@ impl Circles<'_> {
         let [first, second, third] = sites.map(|(_, site)| site);
         let (a, b) = (self.between(first, second), self.between(first, third));
         let c = b - a;
+
         // The centre seen from the corner opposite the longest edge loses the fewest digits.
         let squares = [a, b, c].map(DVec2::length_squared);
         let (from, a, b) = if squares[2] >= squares[0] && squares[2] >= squares[1] {
@@ -182,18 +193,22 @@ impl Circles<'_> {
             (b, -b, -c)
         };
         let double_area = a.perp_dot(b);
+        // Three samples on a line have no circle; rounding alone made this corner.
         if double_area == 0.0 {
             return None;
         }
+
         let (aa, bb) = (a.length_squared(), b.length_squared());
         let offset = (a * bb - b * aa).perp() * (0.5 / double_area);
         let distance = offset.length();
+        // How much the division by the area enlarges errors of the lengths.
         let flatness = (aa * bb).sqrt() / double_area.abs();
         let gap = Gap {
             center: self.home(first.position + from + offset).to_array(),
             distance,
             kind: GapKind::VoronoiVertex,
         };
+
         let exceeds = exceeds(distance, limit, flatness, || {
             circle_exceeds([first, second, third], self.extent(), limit)
         });
@@ -207,19 +222,25 @@ impl Circles<'_> {
         let [p, q] = [first, second].map(|site| site.position);
         let (p_off, q_off) = (p[axis] - level, q[axis] - level);
         let along = q[1 - axis] - p[1 - axis];
+        // The bisector of two samples straight above each other is parallel to the line.
         if along == 0.0 {
             return None;
         }
+
+        // Both samples are equally far from the crossing: a linear equation in the step along the line.
         let step = 0.5 * (along + (q_off - p_off) * (q_off + p_off) / along);
         let distance = step.hypot(p_off);
+
         let mut center = p;
         center[axis] = level;
+        // Rounding may take the centre beyond the end of the line.
         center[1 - axis] = (p[1 - axis] + step).clamp(0.0, self.extent()[1 - axis]);
         let gap = Gap {
             center: center.to_array(),
             distance,
             kind: GapKind::Border,
         };
+
         let flatness = distance / along.abs();
         let exceeds = exceeds(distance, limit, flatness, || {
             crossing_exceeds([first, second], line, self.extent(), limit)
@@ -235,6 +256,7 @@ impl Circles<'_> {
         for line in lines {
             corner[line.axis] = line.level(extent);
         }
+
         let distance = (corner - site.position).length();
         let gap = Gap {
             center: corner.to_array(),
@@ -257,6 +279,7 @@ impl Circles<'_> {
             let periods = moved.to_array().map(|value| value.round() as i64);
             (id, Site { position, periods })
         });
+
         sites.sort_unstable_by_key(|(id, site)| (*id, site.periods));
         let home = sites[0].1.periods;
         for (_, site) in &mut sites {
@@ -282,6 +305,7 @@ impl Circles<'_> {
             return place.clamp(DVec2::ZERO, extent);
         }
         let wrapped = place - (place / extent).floor() * extent;
+        // A place just below 0 may be rounded up to the period, which is 0.
         DVec2::select(wrapped.cmplt(extent), wrapped, DVec2::ZERO)
     }
 }

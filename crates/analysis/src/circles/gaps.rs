@@ -42,25 +42,32 @@ impl Gaps {
         for gap in &mut self.all {
             gap.center = domain.at_seam(gap.center.into(), same).into();
         }
+
+        // Sorted by x, only gaps just before one can be at its place.
         self.all.sort_unstable_by(|a, b| {
             a.center[0]
                 .total_cmp(&b.center[0])
                 .then_with(|| a.center[1].total_cmp(&b.center[1]))
         });
+
         let mut kept: Vec<Gap> = Vec::new();
         for gap in self.all.drain(..) {
             let near = |other: &&mut Gap| (other.center[1] - gap.center[1]).abs() <= same;
             let column = kept.iter_mut().rev();
             let mut column = column.take_while(|other| gap.center[0] - other.center[0] <= same);
+
             match column.find(near) {
                 Some(other) => {
+                    // Cells round the same circle differently. The largest of each counts, whichever cell came first.
                     other.kind = other.kind.max(gap.kind);
                     other.distance = other.distance.max(gap.distance);
                 }
                 None => kept.push(gap),
             }
         }
+
         for gap in &mut kept {
+            // What was put below a seam by `at_seam` lies on it.
             gap.center = gap.center.map(|value| value.max(0.0));
         }
         if kept.is_empty() {

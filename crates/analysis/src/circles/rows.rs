@@ -80,6 +80,7 @@ impl SortedRows {
                 NO_CELL
             }
         };
+
         let cell_of: Vec<u32> = open.points.iter().map(cell).collect();
         let (starts, order) = sorted(&cell_of, held.len() * cells.counts[0]);
         self.append_starts(&starts);
@@ -87,6 +88,8 @@ impl SortedRows {
         self.points
             .extend(order.clone().map(|index| open.points[index]));
         self.ids.extend(order.map(|index| open.ids[index]));
+
+        // What was not taken waits for its row, at the front.
         let mut kept = 0;
         for (index, cell) in cell_of.into_iter().enumerate() {
             if cell != NO_CELL {
@@ -94,6 +97,7 @@ impl SortedRows {
             }
             let (point, id) = (open.points[index], open.ids[index]);
             let row = cells.row(cells.domain.scale_point(point).y);
+            // The lowest row of a torus stays open to the end, since its samples may come late.
             if row < first {
                 debug_assert_eq!(row, 0, "rows are complete when they are sorted");
                 lowest.push(point, id);

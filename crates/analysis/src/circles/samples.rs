@@ -50,6 +50,7 @@ impl Cells {
         let sides = domain.extent / counts;
         let mut reach = (2.0 * side / sides).ceil();
         if !domain.periodic {
+            // There are no cells beyond the border.
             reach = reach.min(counts);
         }
         if counts.max_element() > MAX_CELLS || reach.max_element() > MAX_REACH {
@@ -203,12 +204,14 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; cells + 2];
     for &cell in cell_of {
         if cell != NO_CELL {
+            // Two cells on, as handing out the places below moves each start by one cell.
             starts[cell as usize + 2] += 1;
         }
     }
     for index in 2..starts.len() {
         starts[index] += starts[index - 1];
     }
+
     let mut order = vec![0; starts[cells + 1] as usize];
     for (index, &cell) in (0..).zip(cell_of) {
         if cell != NO_CELL {

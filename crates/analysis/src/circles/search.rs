@@ -41,11 +41,13 @@ pub(crate) fn search(
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),
     };
+
     let mut search = Search::new(question, &samples);
     let tiles = search.rectangles(0..samples.cells.counts[1] as i64);
     if let Err(declined) = search.begin(&tiles) {
         return Ok(Err(declined));
     }
+
     let found = match search.tiles(&tiles, monitor)? {
         Ok(found) => found,
         Err(declined) => return Ok(Err(declined)),
@@ -153,9 +155,11 @@ impl<'a> Search<'a> {
                 self.reaches(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();
                 seen += 1;
+
                 if self.least > 0.51 * self.question.radius {
                     return Ok(());
                 }
+                // So many cells are smaller than a half of r: the samples are crowded.
                 if seen > FEW {
                     return Err(Declined::Crowded);
                 }
@@ -204,6 +208,7 @@ impl<'a> Search<'a> {
     fn tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
         let mut found = Found::new(self.question.witnesses);
         self.scan(scratch, rectangle, &mut found)?;
+
         let Scratch { tile, cutter, arcs } = scratch;
         let (reach, limit) = (self.samples.cells.reach, self.question.limit);
         for index in tile.open() {
@@ -215,6 +220,7 @@ impl<'a> Search<'a> {
                     self.reaches(cell.farthest);
                     found.gaps.add(cell);
                 }
+                // Its cell reaches beyond the cells around it: into a hole, which is looked at later with more of them.
                 None => (found.exposed).push(self.samples.at(tile.source[index] as usize)),
             }
         }
@@ -225,6 +231,7 @@ impl<'a> Search<'a> {
     fn arcs_prove(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> bool {
         let rho = self.arcs(tile, index, arcs);
         let extent = self.question.domain.extent.max_element() / rho;
+        // Far above the errors of directions, and of offsets across a seam; see the head of `circles`.
         let margin = 2f64.powi(-40) + 2f64.powi(-49) * extent;
         let two_cover = |stretch| arcs::two_cover(arcs, stretch, margin);
         table::open_stretches(tile.mask(index)).all(two_cover)
@@ -237,6 +244,7 @@ impl<'a> Search<'a> {
         let domain = &self.question.domain;
         let rho = self.rho();
         let per_rho = 1.0 / rho;
+
         arcs.clear();
         tile.around(index, self.samples.cells.reach, |_, offset| {
             let offset = offset * per_rho;
@@ -245,6 +253,7 @@ impl<'a> Search<'a> {
             let is_near = offset.length_squared() < 4.0;
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
+
         let of_border = |line: &BorderLine| Arc {
             toward: line.outward(),
             least: line.depth(tile.position(index), domain.extent) / rho,
@@ -259,6 +268,7 @@ impl<'a> Search<'a> {
         if exposed.len() > MAX_EXPOSED {
             return Ok(Err(Declined::Holes));
         }
+
         for &around in halos {
             if exposed.is_empty() {
                 break;
@@ -269,6 +279,8 @@ impl<'a> Search<'a> {
                 Err(declined) => return Ok(Err(declined)),
             }
         }
+
+        // A hole that the widest surroundings do not close has more samples on its rim than are worth a search here.
         Ok(if exposed.is_empty() && found.gaps.len() <= MAX_EXPOSED {
             Ok(found)
         } else {
@@ -276,6 +288,7 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// Cuts out the cells of samples with so many rows of cells around them. Returns the samples whose cells reach farther.
     fn holes_within(
         &self,
         found: &mut Found,
@@ -285,6 +298,7 @@ impl<'a> Search<'a> {
         let cells = &self.samples.cells;
         // Cells are twice as high as wide.
         let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
+
         // Samples in neighbouring cells of a row share a tile.
         let group = |sample: &Sample| {
             let (column, row) = (
@@ -295,11 +309,13 @@ impl<'a> Search<'a> {
         };
         exposed.sort_unstable_by_key(|sample| (group(sample), sample.id));
         let groups: Vec<&[Sample]> = exposed.chunk_by(|a, b| group(a) == group(b)).collect();
+
         let looked: Vec<_> = groups
             .par_iter()
             .map_init(Scratch::default, |scratch, samples| {
                 let [row, block] = group(&samples[0]);
                 let columns = block * around..cells.counts[0].min((block + 1) * around);
+                // A group has one row.
                 let rectangle = Rectangle {
                     columns: columns.start as i64..columns.end as i64,
                     rows: row as i64..row as i64 + 1,
@@ -308,6 +324,7 @@ impl<'a> Search<'a> {
                 Ok(self.cut_exposed(scratch, samples, halo))
             })
             .collect::<Result<_, _>>()?;
+
         let mut rest = Vec::new();
         for (gaps, left) in looked {
             found.gaps.merge(gaps);
@@ -326,12 +343,14 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.at(tile.source[index] as usize);
+            // The tile has all samples of its cells; the exposed ones are sorted by index.
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()
             {
                 continue;
             }
+
             match cutter.cut(self.samples, tile, index, halo, self.question.limit) {
                 Some(cell) => {
                     self.reaches(cell.farthest);
@@ -352,8 +371,10 @@ impl<'a> Search<'a> {
             ..
         } = *self.question;
         let samples = self.samples;
+
         // Pairs are noted up to twice the radius of the first circles.
         if found.min_distance > 2.0 * self.least {
+            // Of a stream, only some rows are still held.
             if count > FEW || count > samples.len() {
                 return Err(Declined::Sparse);
             }
@@ -365,6 +386,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
+
         if domain.periodic {
             found.add_own_copies(count, domain.extent.min_element(), radius);
         }

@@ -105,6 +105,7 @@ impl CircleBands {
         if self.closed > 0 {
             return None;
         }
+
         let mut all = vec![[0.0; 2]; self.len()];
         let parts = [
             (&self.open.points, &self.open.ids),
@@ -135,20 +136,25 @@ impl CircleBands {
     ) -> Result<(), VerifyError> {
         let cells = cells(question)?;
         let complete = cells.row(complete.max(0.0));
+        // The row below the first open one is left for later: its circles reach into the open one.
         let rows = self.closed.max(first(&cells))..complete.saturating_sub(1);
         if rows.len() < MIN_ROWS {
             return Ok(());
         }
+
         self.sort(&cells, complete)
             .map_err(|declined| refused(declined, question, self.len()))?;
         let held = mem::replace(&mut self.rows, SortedRows::new(0));
         let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
+
         // Circles that reach into holes wait for the rows that their cells may need.
         let ready = |row: usize| row + KEPT < complete && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
         self.rows = held;
         self.closed = rows.end;
+
+        // Rows around circles that still wait are kept; at the seam of a torus, `seam` keeps them.
         let pending = self
             .found
             .exposed
@@ -173,10 +179,12 @@ impl CircleBands {
         let mut search = Search::resumed(question, samples, self.farthest, self.least);
         let tiles = search.rectangles(rows.start as i64..rows.end as i64);
         let refuse = |declined| refused(declined, question, samples.len());
+        // The first band gives the circles a radius to begin with.
         if self.least == 0.0 {
             search.begin(&tiles).map_err(refuse)?;
         }
         let found = search.tiles(&tiles, monitor)?.map_err(refuse)?;
+
         (self.farthest, self.least) = (search.farthest(), search.least);
         let before = mem::replace(&mut self.found, Found::new(question.witnesses));
         self.found = before.merge(found);
@@ -196,10 +204,12 @@ impl CircleBands {
             .into_iter()
             .partition(is_ready);
         self.found.exposed = exposed;
+
         let search = Search::resumed(question, samples, self.farthest, self.least);
         let before = mem::replace(&mut self.found, Found::new(question.witnesses));
         let found = search.holes(before, &HALOS, monitor)?;
         self.found = found.map_err(|declined| refused(declined, question, samples.len()))?;
+
         self.farthest = search.farthest();
         self.found.exposed = later;
         Ok(())
@@ -226,6 +236,8 @@ impl CircleBands {
         let all = cells.counts[1];
         let refuse = |declined| refused(declined, question, count);
         self.sort(&cells, all).map_err(refuse)?;
+
+        // The rows go on across the seam: after the last one come the first ones, which were kept for that.
         let mut held = mem::replace(&mut self.rows, SortedRows::new(0));
         if cells.domain.periodic {
             let mut lowest = SortedRows::new(0);
@@ -235,6 +247,7 @@ impl CircleBands {
             }
         }
         assert_eq!(self.open.len() + self.lowest.len(), 0, "all are sorted");
+
         let samples = Samples::of_rows(cells, &held);
         self.judge(
             question,
@@ -246,6 +259,7 @@ impl CircleBands {
             self.judge(question, &samples, 0..first(&cells), monitor)?;
         }
         self.holes(question, &samples, |_| true, monitor)?;
+
         let search = Search::resumed(question, &samples, self.farthest, self.least);
         let finished = search.finish(self.found, count);
         finished.map_err(refuse)

@@ -85,6 +85,7 @@ struct Group {
 const GROUPS: usize = 64 / LANES;
 
 impl Unmarked {
+    /// Adds a group, whose lanes with a bit in `hits` hold neighbours. There is room until [`Self::is_full`].
     #[inline]
     fn add(&mut self, group: Group, hits: u64) {
         let place = self.count % GROUPS;
@@ -102,10 +103,13 @@ impl Unmarked {
     fn mark(&mut self, table: &Table, masks: &mut [Mask]) {
         while self.hits != 0 {
             let place = self.hits.trailing_zeros() as usize;
+            // The lowest bit goes out.
             self.hits &= self.hits - 1;
+
             let (group, lane) = (&self.groups[place / LANES], place % LANES);
             let covered = table.mask(group.squares[lane]);
             masks[group.sample as usize] |= covered;
+            // Seen from the other sample, the disk lies in the opposite direction.
             masks[group.start as usize + lane] |= opposite(covered);
         }
         self.count = 0;
@@ -135,6 +139,7 @@ impl Tile {
             if cells.domain.periodic {
                 span
             } else {
+                // Beyond the border of a bounded region there are no cells.
                 span.start.max(0)..span.end.min(cells.counts[axis] as i64)
             }
         });
@@ -143,14 +148,17 @@ impl Tile {
             self.size[axis] = (span.end - span.start) as usize;
             self.own[axis] = (own.start - span.start) as usize..(own.end - span.start) as usize;
         }
+
         let [columns, rows] = spans;
         if !rows.clone().all(|row| samples.holds(row)) {
             return Err(Unfilled::Rows);
         }
+
         self.per_unit = cells.per_unit;
         self.low = DVec2::new(columns.start as f64, rows.start as f64) * cells.sides;
         let runs = runs(cells, &columns);
         self.clear();
+        // Pairs in the same cell, twice: what the scan of pairs is to cost.
         let mut crowd = 0;
         for row in rows {
             let period = row.div_euclid(cells.counts[1] as i64);
@@ -158,12 +166,14 @@ impl Tile {
             for run in &runs {
                 let starts = samples.starts(row, run.columns.clone());
                 let (first, end) = (starts[0], starts[starts.len() - 1]);
+
                 let before = self.positions.len() as u32;
                 for cell in starts.windows(2) {
                     self.starts.push(before + cell[0] - first);
                     let count = (cell[1] - cell[0]) as usize;
                     crowd += count * count;
                 }
+
                 let shift = DVec2::new(run.shift, up);
                 let ranks = first as usize..end as usize;
                 samples.append_positions(ranks, shift, &mut self.positions);
@@ -171,6 +181,8 @@ impl Tile {
             }
         }
         self.starts.push(self.positions.len() as u32);
+
+        // The scan would be quadratic. Small tiles have room for a crowded cell or two.
         if crowd > MAX_CROWD * (256 + self.positions.len()) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
@@ -247,18 +259,22 @@ impl Tile {
             // The last group of lanes reads beyond the end.
             out.resize(self.positions.len() + LANES, 0.0);
         };
+
         let mut scan = std::mem::take(&mut self.scan);
         in_squares(&mut scan.x, 0);
         in_squares(&mut scan.y, 1);
         scan.masks.clear();
         scan.masks.resize(self.positions.len(), 0);
         scan.open.clear();
+
         dispatch!(Level::new(), simd => self.scan_cells(simd, &mut scan, |pair, scan_found: &mut Found| {
             self.pair(samples, pair, radius, scan_found);
         }, samples.cells.reach, per_unit * per_unit, found));
         self.scan = scan;
     }
 
+    /// Scans the pairs of all rows, those whose distance may be a conflict with `pair`. `squares` is the square of the number
+    /// of the table's squares in a unit of length.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
@@ -274,14 +290,7 @@ impl Tile {
         found: &mut Found,
     ) {
         let table = Table::get();
-        let Scan {
-            x: xs,
-            y: ys,
-            masks,
-            open,
-        } = scan;
-        let (xs, ys, masks) = (&xs[..], &ys[..], &mut masks[..]);
-        let [width, height] = self.size;
+        let (xs, ys, masks) = (&scan.x[..], &scan.y[..], &mut scan.masks[..]);
         // Rounding moves an offset along both axes.
         let limit = |square: f64| {
             let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
@@ -289,30 +298,32 @@ impl Tile {
         };
         let mut nearby = limit(found.nearby);
         let (mut runs, mut unmarked) = (Vec::new(), Unmarked::default());
+
+        // Rows above the tile's own have no pair with it that was not seen from below.
         for row in 0..self.own[1].end {
-            for column in 0..width {
+            for column in 0..self.size[0] {
                 let cell = self.cell(column..column + 1, row);
                 if cell.is_empty() {
                     continue;
                 }
+
                 let is_own = self.own[1].contains(&row) && self.own[0].contains(&column);
-                let ahead = (column + reach[0] + 1).min(width);
-                let columns = column.saturating_sub(reach[0])..ahead;
-                let same_row = self.cell(column..ahead, row).end;
-                let above = row + 1..(row + reach[1] + 1).min(height);
-                runs.clear();
-                runs.push(0..same_row);
-                runs.extend(above.map(|row| self.cell(columns.clone(), row)));
+                self.runs_ahead([column, row], reach, &mut runs);
                 for index in cell {
+                    // Those before it in its row have had their pairs with it.
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
+                    // A conflict is counted in the tile that owns its first sample; no square is below 0.
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
+
                     for run in &runs {
                         for start in run.clone().step_by(LANES) {
                             let dx = f32x8::from_slice(simd, &xs[start..start + LANES]) - x;
                             let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
                             let square = dx * dx + dy * dy;
+
+                            // Lanes beyond the run hold samples of other cells.
                             let count = (run.end - start).min(LANES);
                             let within = (1_u64 << count) - 1;
                             let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
@@ -326,10 +337,12 @@ impl Tile {
                             if unmarked.is_full() {
                                 unmarked.mark(table, masks);
                             }
+
                             if close != 0 {
                                 for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
                                     pair([index, start + lane], found);
                                 }
+                                // What was found lowers the distance up to which pairs matter.
                                 nearby = limit(found.nearby);
                             }
                         }
@@ -337,24 +350,45 @@ impl Tile {
                 }
             }
             unmarked.mark(table, masks);
+
             // Later rows do not mark circles of this one.
             if self.own[1].contains(&row) {
                 let own = self.cell(self.own[0].clone(), row);
-                open.extend(
-                    own.filter(|&index| masks[index] != FULL)
-                        .map(|index| index as u32),
-                );
+                let own = own.filter(|&index| masks[index] != FULL);
+                scan.open.extend(own.map(|index| index as u32));
             }
         }
+    }
+
+    /// Puts into `runs` the samples that may be neighbours of those of a cell and come after them: the rest of the row, from
+    /// the first sample of all on, and the rows above.
+    fn runs_ahead(
+        &self,
+        [column, row]: [usize; 2],
+        reach: [usize; 2],
+        runs: &mut Vec<Range<usize>>,
+    ) {
+        let [width, height] = self.size;
+        let ahead = (column + reach[0] + 1).min(width);
+        let columns = column.saturating_sub(reach[0])..ahead;
+        let same_row = self.cell(column..ahead, row).end;
+        let above = row + 1..(row + reach[1] + 1).min(height);
+
+        runs.clear();
+        runs.push(0..same_row);
+        runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
 
     /// Records a pair. Its distance is that of the samples, the shorter way around a torus, whatever copies are near.
     #[cold]
     fn pair(&self, samples: &Samples<'_>, pair: [usize; 2], radius: f64, found: &mut Found) {
         let [one, other] = pair.map(|index| samples.at(self.source[index] as usize));
+        // A sample near a seam meets its own copy.
         if one.id == other.id {
             return;
         }
+
+        // In a narrow torus a sample meets several copies of another one; only that along the shorter way is the pair.
         let periods = samples.cells.domain.periods();
         let copies = (0..2).all(|axis| {
             let between = other.position[axis] - one.position[axis];
@@ -364,6 +398,7 @@ impl Tile {
             } else {
                 0.0
             };
+            // Without a period there are no copies.
             periods[axis].is_infinite() || ((shown - between) / periods[axis]).round() == shortest
         });
         if copies {
@@ -385,6 +420,7 @@ pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
             direct
         }
     };
+
     let (x, y) = (along(0), along(1));
     let square = x * x + y * y;
     // Squares of less lose digits.
@@ -403,12 +439,14 @@ struct Run {
     shift: f64,
 }
 
+/// Returns columns, counted on across the seams, as runs of columns of the region.
 fn runs(cells: &Cells, columns: &Range<i64>) -> Vec<Run> {
     let count = cells.counts[0] as i64;
     let mut runs = Vec::new();
     let mut next = columns.start;
     while next < columns.end {
         let (period, first) = (next.div_euclid(count), next.rem_euclid(count));
+        // The run ends at a seam, if the columns do not end before it.
         let end = columns.end.min(next - first + count);
         runs.push(Run {
             columns: first as usize..(first + end - next) as usize,

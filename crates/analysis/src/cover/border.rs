@@ -37,6 +37,7 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     sites.sort_unstable_by(|a, b| {
         (a.foot.total_cmp(&b.foot)).then_with(|| a.offset.total_cmp(&b.offset))
     });
+
     // Each kept site with the place from which on it is the nearest.
     let mut envelope: Vec<(BorderSite, f64)> = Vec::new();
     for site in sites.iter() {
@@ -48,6 +49,7 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
         {
             continue;
         }
+        // A site that the new one overtakes before its own place is the nearest nowhere.
         while let Some((last, last_from)) = envelope.last() {
             from = last.crossing(site);
             if from > *last_from {
@@ -58,6 +60,7 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
         }
         envelope.push((*site, from));
     }
+
     (envelope.windows(2))
         .map(|pair| {
             let at = pair[1].1;

@@ -54,6 +54,7 @@ impl Survey {
         }
     }
 
+    /// Examines one side: where it leaves the cell of one sample for that of the next, and its ends.
     fn add_side(
         &mut self,
         task: &CoverSearch<'_>,
@@ -64,14 +65,19 @@ impl Survey {
         let level = side.level(tile);
         let mut sites = side.sites(level, window);
         let (start, end) = (tile.low[side.along()], tile.high[side.along()]);
+
         let domain = task.domain();
         let extent = domain.extent;
+        // Sides between tiles matter for the reach alone; their places are inside the region.
         let on_border = domain.border().contains(&side.line) && level == side.line.level(extent);
+
         for crossing in border::crossings(&mut sites) {
             let at = crossing.at;
+            // The window shows samples beyond the ends of the side, which cross there.
             if at < start - task.same || at > end + task.same {
                 continue;
             }
+
             self.side_reach = self.side_reach.max(crossing.distance);
             if on_border && (0.0..=extent[side.along()]).contains(&at) {
                 let circle = Gap {
@@ -85,10 +91,12 @@ impl Survey {
                 });
             }
         }
+
         for at in [start, end] {
             let distances = sites.iter().map(|site| site.distance(at));
             let distance = distances.fold(f64::INFINITY, f64::min);
             self.side_reach = self.side_reach.max(distance);
+
             // A corner of the region ends two sides: the sides along x report it.
             if on_border && side.along() == 0 && (at == 0.0 || at == extent[0]) {
                 let circle = Gap {
@@ -98,6 +106,7 @@ impl Survey {
                 };
                 let corner = DVec2::from(circle.center);
                 self.claim(task, circle, || {
+                    // The distance is rounded, and so is who is nearest: all that may be are compared exactly.
                     let near = (sites.iter()).filter(|site| site.distance(at) <= 2.0 * distance);
                     let mut near = near.map(|site| side.site(*site, level));
                     near.all(|site| corner_exceeds(site, corner, extent, task.limit))
@@ -122,6 +131,7 @@ impl Survey {
         let Some(triangulation) = triangulation else {
             return Ok(());
         };
+
         // Beyond the border of a bounded region no place counts, however close.
         let (mut low, mut high) = (tile.low - task.same, tile.high + task.same);
         if !domain.periodic {
@@ -129,15 +139,19 @@ impl Survey {
             high = high.min(domain.extent);
         }
         let inside = |place: DVec2| (place.cmpge(low) & place.cmple(high)).all();
+
+        // Squares within rounding of the limit are claimed, which compares them exactly.
         let limit = task.limit * task.limit * (1.0 - 1e-12);
         let mut largest = 0.0_f64;
         for face in triangulation.inner_faces() {
             let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
+
             // Nearly all circles are neither gaps nor the largest so far.
             if is_below(corners, largest.min(limit)) {
                 continue;
             }
             let circle = circumcircle(corners);
+            // Other tiles have those places.
             if !inside(circle.center) {
                 continue;
             }
@@ -145,6 +159,7 @@ impl Survey {
                 largest = largest.max(circle.square);
                 continue;
             }
+
             let circle = Gap {
                 center: circle.center.to_array(),
                 distance: circle.square.sqrt(),

@@ -61,6 +61,7 @@ pub(super) fn search(
 }
 
 impl Sweep<'_> {
+    /// Finds the pairs: a line sweeps along x, and `behind` holds the samples within reach behind it.
     fn run(&mut self, monitor: &Monitor<'_>) -> Result<(), VerifyError> {
         let count = self.samples.len();
         let mut first = 0;
@@ -69,6 +70,7 @@ impl Sweep<'_> {
             self.drop_behind(&mut first, index, |other| x - other);
             self.look(index, false);
             self.behind.insert(self.key(index));
+
             if (index + 1) % CHUNK == 0 {
                 monitor.advance(CHUNK as u64)?;
             }
@@ -77,14 +79,17 @@ impl Sweep<'_> {
         if !self.grid.domain.periodic {
             return Ok(());
         }
+
         // The first samples once more, a period on: pairs that are closer around the torus.
         let period = self.grid.domain.extent[0];
         for index in 0..count {
             let x = self.samples[index].position[0];
             self.drop_behind(&mut first, count, |other| (period - other) + x);
+            // Nothing is within reach across the seam, nor will be further on.
             if self.behind.is_empty() {
                 break;
             }
+
             self.look(index, true);
             if index % CHUNK == 0 {
                 monitor.advance(0)?;
@@ -125,6 +130,7 @@ impl Sweep<'_> {
         let entry = self.samples[index];
         let periods = self.grid.domain.periods();
         let reach = self.reach();
+        // Pairs at one place are all alike: as many as there are witnesses will do.
         let most = if reach == 0.0 {
             self.witnesses
         } else {

@@ -176,11 +176,14 @@ impl Bands {
     ) -> Result<(), VerifyError> {
         let most = search.band.most_samples;
         let samples = self.held.len() + self.seam.len();
+
         if search.streams() {
             // No sample can follow in the rows below that of the lowest ordinate still allowed.
             let complete = search.row(search.complete(highest));
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
+
+            // Near a limit of memory bands of any height are worth their halos.
             let crowded =
                 samples > most || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
             let least = if crowded { 1 } else { search.band.rows };
@@ -189,11 +192,14 @@ impl Bands {
                 self.judge(search, begin..end, complete, monitor)?;
                 self.next = self.held.len() + search.band.samples;
             }
+
+            // Judging has dropped rows. What is left cannot be judged yet.
             let cells = (complete - self.keep).saturating_mul(search.cells[0]);
             if cells > MAX_CELLS {
                 return Err(self.too_large(search));
             }
         }
+
         if self.held.len() + self.seam.len() > most {
             return Err(self.too_large(search));
         }
@@ -219,8 +225,11 @@ impl Bands {
         let parts = [&self.held[..], &[]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         check_crowd(&grid)?;
+
         let scanned = self.closed.max(search.first_pairs())..rows.end;
         self.scan(search, &grid, scanned, monitor)?;
+
+        // Tiles that wanted rows above come first.
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
         visits.extend(new_visits(&task, rows.clone(), search));
@@ -230,6 +239,7 @@ impl Bands {
         if self.places.shared() > MAX_SHARED {
             return Err(self.too_large(search));
         }
+
         self.closed = rows.end;
         self.drop_rows(search);
         Ok(())
@@ -283,6 +293,7 @@ impl Bands {
         let (keep, seam) = (self.keep, &mut self.seam);
         self.held.retain(|entry| {
             let row = search.row(entry.position[1]);
+            // The last rows of a torus will need its first ones.
             if row < keep && row < SEAM && search.domain.periodic {
                 seam.push(*entry);
             }
@@ -309,6 +320,7 @@ impl Bands {
         let all = search.cells[1];
         let periodic = search.domain.periodic;
         let count = all - self.keep + if periodic { SEAM } else { 0 };
+        // Where rows and those at the seam make a whole torus, they are one grid, not one that meets itself.
         let (first, count) = if count < all {
             (self.keep, count)
         } else {
@@ -317,13 +329,17 @@ impl Bands {
         if count.saturating_mul(search.cells[0]) > MAX_CELLS {
             return Err(self.too_large(search));
         }
+
         let (held, seam) = (mem::take(&mut self.held), mem::take(&mut self.seam));
         let parts = [&held[..], &seam[..]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
+        // The grid has copied them.
         drop((held, seam));
         check_crowd(&grid)?;
+
         self.scan(search, &grid, self.closed..all, monitor)?;
         self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
+
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
         visits.extend(new_visits(&task, self.closed..all, search));
@@ -331,6 +347,8 @@ impl Bands {
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
             return Err(too_wide(search, visit));
         }
+
+        // Pairs farther apart than that may not all have been seen.
         let limit = pairs::certain_distance(&grid);
         if self.pairs.min_distance > limit {
             let scale = search.domain.scale;
@@ -340,6 +358,7 @@ impl Bands {
                 limit,
             });
         }
+
         let places = mem::replace(&mut self.places, Places::new(0));
         let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
         let cover = places.finish(&search.domain, search.same);

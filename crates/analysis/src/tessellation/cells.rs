@@ -58,6 +58,7 @@ impl Cells {
             }));
             starts.push(sides.len());
         }
+
         let mut cells = Self {
             domain: *domain,
             radius,
@@ -65,6 +66,7 @@ impl Cells {
             sides,
             starts,
         };
+
         let of_many = cells.sides_of_many();
         for side in 0..cells.sides.len() {
             cells.sides[side].twin = cells.find_twin(side, &of_many);
@@ -156,6 +158,7 @@ impl Cells {
         if sides.len() > MANY_SIDES {
             return of_many.get(&(other, back)).copied();
         }
+
         sides
             .into_iter()
             .find(|&side| self.sides[side].beyond == Some(back))
@@ -167,14 +170,17 @@ impl Cells {
         let side = &self.sides[index];
         let beyond_disk = |reach: f64| reach > self.radius * (1.0 + TOUCH);
         let out = [side.reach, self.sides[self.next(index)].reach].map(beyond_disk);
+        // The distance is convex along the side: between two covered ends all is covered.
         if out == [false; 2] {
             return (None, None);
         }
+
         let sample = self.samples[side.cell];
         let [from, to] = self.ends(index);
         let whole = from.distance(to);
         let along = (to - from) / whole;
         let to_sample = sample - from;
+
         // Beyond a side lies the mirror image of the sample, which both cells see at the same distance.
         let height = match side.beyond {
             Some(Seen {
@@ -183,15 +189,20 @@ impl Cells {
             }) => 0.5 * sample.distance(self.shifted(self.samples[other as usize], shift)),
             None => along.perp_dot(to_sample).abs(),
         };
+
+        // The circle meets the line of the side at the foot of its sample, less and more half a chord.
         let foot = to_sample.dot(along);
         let half = ((self.radius - height) * (self.radius + height))
             .max(0.0)
             .sqrt();
         let at = |value: f64| (value / whole).clamp(0.0, 1.0);
+
+        // Both ends may be outside though the circle bulges over the middle.
         let crosses = height < self.radius && foot - half > 0.0 && foot + half < whole;
         match out {
             [true, true] if crosses => (Some(at(foot - half)), Some(at(foot + half))),
             [true, true] => (Some(1.0), None),
+            // A head of 1 would say that the whole side is outside.
             [true, false] => (Some(at(foot - half).min(1.0 - f64::EPSILON)), None),
             _ => (None, Some(at(foot + half))),
         }
@@ -239,6 +250,7 @@ fn cut(
                 beyond,
             }
         };
+
         match (inside(a), inside(b)) {
             (true, true) => kept.push(*a),
             (true, false) => kept.extend([*a, crossing(None)]),

@@ -146,6 +146,7 @@ impl<'a> Runs<'a> {
         runs
     }
 
+    /// Adds the runs of a cell: parts that follow each other without the circle between them.
     fn add_cell(&mut self, cell: usize) {
         let sides = &self.cells.sides;
         let has = |part: &Part| {
@@ -158,6 +159,8 @@ impl<'a> Runs<'a> {
             .flat_map(|s| [2 * s, 2 * s + 1])
             .filter(has)
             .collect();
+
+        // Without a part that begins on the circle, the parts are whole sides: all of them, or a run that no circle ends.
         let Some(start) = parts.iter().position(|&part| !is_head(part)) else {
             if !parts.is_empty() {
                 let closed = parts.iter().all(|&part| self.ends_at_corner(part));
@@ -165,6 +168,7 @@ impl<'a> Runs<'a> {
             }
             return;
         };
+
         // From a part that begins on the circle on; a new run begins wherever the next does.
         parts.rotate_left(start);
         let mut rest = &parts[..];
@@ -256,11 +260,13 @@ impl<'a> Runs<'a> {
         };
         gap.sites.sort_unstable();
         gap.sites.dedup();
+
         for &(run, shift) in members {
             let center = cells.shifted(cells.samples[self.cell(run)], shift);
             for &part in &self.list[run].parts {
                 let [from, to] = self.places(part).map(|place| cells.shifted(place, shift));
                 gap.add_strip(Strip { center, from, to });
+
                 // The distance is convex on every side: the deepest place is a corner.
                 let side = if is_head(part) {
                     part / 2
@@ -286,8 +292,11 @@ impl GapRegion {
         if angle <= 0.0 {
             return;
         }
+
         self.area += 0.5 * (from.perp_dot(to) - self.radius * self.radius * angle);
         self.strips.push(strip);
+
+        // Drawn in pieces whose chords hardly leave the arc.
         let count = (angle / CHORD).ceil().max(1.0);
         self.fill.reserve(2 * count as usize);
         let first = from.to_angle();
@@ -296,6 +305,7 @@ impl GapRegion {
             let ray = DVec2::from_angle(first + angle * (k / count));
             let reach = from.perp_dot(across) / ray.perp_dot(across);
             let inner = ray * self.radius;
+            // The ends are the side's own, so that strips side by side share them.
             let outer = match k {
                 0.0 => from,
                 _ if k >= count => to,
@@ -303,6 +313,7 @@ impl GapRegion {
             };
             [strip.center + inner, strip.center + outer]
         };
+
         let mut before = at(0.0);
         for k in 1..=count as u32 {
             let [[a, b], [d, c]] = [before, at(f64::from(k))];

@@ -56,15 +56,19 @@ pub(super) struct Window {
 impl Window {
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
         let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
+
         let failed = |cause| VerifyError::Triangulation {
             corner: [0.0; 2],
             cause,
         };
+
+        // A maximal set has circles of at most r. A radius that is far from the samples' spacing says little.
         let spacing = domain.spacing(samples.len());
         let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
         loop {
             let sites = home_and_copies(&samples, &domain, halo);
             let mut found = delaunay(sites).map_err(failed)?;
+
             let mut triangles = Vec::new();
             if !domain.periodic {
                 let guards = guards(&domain);
@@ -75,11 +79,13 @@ impl Window {
                         inserted.map_err(|error| failed(error.to_string()))?;
                     }
                 } else {
-                    // All on one line.
+                    // All on one line, and without triangles. With the guards there are some.
                     let sites = home_and_copies(&samples, &domain, halo).into_iter();
                     found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
                 }
             }
+
+            // Without periods no copy is missing, and a halo of a period has all that matter.
             let all = !domain.periodic || halo >= domain.extent.max_element();
             let polygons = found.and_then(|found| polygons(&found, &samples, &domain, halo, all));
             if let Some(polygons) = polygons {
@@ -99,6 +105,7 @@ impl Window {
 fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
     let at = |id: u32| samples[id as usize].to_array();
+    // Of samples at one place the lowest index gets the cell.
     order.sort_unstable_by(|&a, &b| {
         at(a)
             .partial_cmp(&at(b))
@@ -106,6 +113,7 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
             .then(a.cmp(&b))
     });
     order.dedup_by(|later, first| at(*later) == at(*first));
+
     let shifts: &[i32] = if domain.periodic { &[0, -1, 1] } else { &[0] };
     let mut sites = Vec::with_capacity(order.len() * 3 / 2);
     for sample in order {
@@ -163,11 +171,13 @@ fn polygons(
     all: bool,
 ) -> Option<Vec<Vec<Corner>>> {
     let mut polygons = vec![Vec::new(); samples.len()];
+    // Copies and guards only make these cells what they are.
     let homes = (found.vertices()).filter(|vertex| {
         vertex.data().seen.sample != GUARD && vertex.data().seen.shift == IVec2::ZERO
     });
     for vertex in homes {
         let polygon = &mut polygons[vertex.data().seen.sample as usize];
+
         let first = vertex.out_edge()?;
         let mut edge = first;
         loop {
@@ -175,17 +185,20 @@ fn polygons(
             let face = edge.cw().face().as_inner()?;
             let circle = circumcircle(face.positions().map(|p| DVec2::new(p.x, p.y)));
             let reach = circle.square.sqrt();
+
             let inside = (circle.center - reach).cmpge(-DVec2::splat(halo))
                 & (circle.center + reach).cmple(domain.extent + halo);
             if !(all || inside.all()) {
                 return None;
             }
+
             let beyond = edge.to().data().seen;
             polygon.push(Corner {
                 at: circle.center,
                 reach,
                 beyond: (beyond.sample != GUARD).then_some(beyond),
             });
+
             edge = edge.ccw();
             if edge == first {
                 break;
