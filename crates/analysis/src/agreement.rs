@@ -15,6 +15,8 @@ const SAME_LENGTH: f64 = 1e-9;
 pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyError> {
     let limit = covering_limit(first.covering_tolerance, first.radius);
     let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
+
+    // Both take the smallest distance from the same two samples by the same formula; the covering radius has many.
     let difference = if first.conflicts != second.conflicts {
         Some("conflicts")
     } else if first.min_distance.to_bits() != second.min_distance.to_bits() {
@@ -26,12 +28,14 @@ pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyErro
     } else {
         None
     };
+
     if let Some(difference) = difference {
         return Err(VerifyError::Disagreement {
             difference,
             reports: Box::new([first, second]),
         });
     }
+
     let judges = vec![Judge::Delaunay, Judge::Circles];
     Ok(if first.maximal() == second.maximal() {
         Report { judges, ..first }

@@ -44,12 +44,15 @@ pub(super) fn at_samples(
         let value = |_: &Sample, [sum]: [f64; 1]| sum;
         return read(plan, &cells, samples, value, monitor);
     }
+
     let cells = back_along_y_complex(plan, &half, monitor)?;
     drop(half);
     let middle = DVec2::from(plan.axes.map(|axis| axis.middle as f64));
     let value = |sample: &Sample, [re, im]: [f64; 2]| {
+        // The grid is centred at the window's middle frequency. Whole turns are dropped before the angle loses digits to them.
         let turns = middle.dot(sample.at);
         let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
+        // A frequency and its opposite, whose values are conjugates.
         2.0 * (re * cos - im * sin)
     };
     read(plan, &cells, samples, value, monitor)
@@ -64,6 +67,7 @@ fn back_along_x(
     let [axis, other] = plan.axes;
     let factors = axis.factors();
     let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+
     let mut half = vec![Complex::default(); axis.size * plan.rows()];
     let lines = half.par_chunks_mut(axis.size).enumerate();
     let rows = lines.zip(values.par_chunks(axis.count()));
@@ -94,18 +98,23 @@ fn back_along_y_real(
 ) -> Result<Vec<f64>, MeasureError> {
     let ([across, axis], stride) = (plan.axes, stride(plan));
     let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+
     let mut cells = vec![0.0; across.size * stride];
+    // Several lines at a time share the cache lines of the rows that they are gathered from.
     let blocks = cells.par_chunks_mut(TOGETHER * stride).enumerate();
     blocks.try_for_each_init(
         || Scratch::new(&fft, axis.size * TOGETHER / 2),
         |scratch, (block, cells)| {
             let lines = cells.len() / stride;
             scratch.line.fill(Complex::default());
+
+            // A transform of a + i b has the line of a as its real part and that of b as its imaginary part, since both are real.
             for (k, row) in half.chunks_exact(across.size).enumerate() {
                 let row = &row[block * TOGETHER..][..lines];
                 for (pair, target) in row.chunks_exact(2).zip(scratch.line.chunks_mut(axis.size)) {
                     let [a, b] = [pair[0], pair[1]];
                     let turned = |value: Complex<f64>| Complex::new(-value.im, value.re);
+                    // The row ky = 0 holds opposite frequencies itself, and is real now; of other rows the opposite one is missing.
                     if k == 0 {
                         target[0] = Complex::new(a.re, b.re);
                     } else {
@@ -114,6 +123,7 @@ fn back_along_y_real(
                     }
                 }
             }
+
             scratch.run(&fft);
             unpack(&scratch.line, axis.size, cells, stride);
             monitor.advance((axis.size * lines) as u64)
@@ -130,12 +140,14 @@ fn back_along_y_complex(
 ) -> Result<Vec<f64>, MeasureError> {
     let ([across, axis], stride) = (plan.axes, stride(plan));
     let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+
     let mut cells = vec![0.0; across.size * 2 * stride];
     let blocks = cells.par_chunks_mut(TOGETHER * 2 * stride).enumerate();
     blocks.try_for_each_init(
         || Scratch::new(&fft, axis.size * TOGETHER),
         |scratch, (block, cells)| {
             let lines = cells.len() / (2 * stride);
+            // Grid points between the highest frequency and the lowest have none.
             scratch.line.fill(Complex::default());
             for (row, offset) in half.chunks_exact(across.size).zip(-axis.below..) {
                 let row = &row[block * TOGETHER..][..lines];
@@ -172,13 +184,16 @@ fn read<const C: usize>(
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, MeasureError> {
     let (sizes, stride, kernel) = (plan.sizes(), stride(plan), Kernel::new());
+    // Samples near each other read the same grid points, one after the other.
     let order = Tiles::of(samples, sizes).order();
     let sums = |sample: &Sample| {
         let (first, ahead) = first_grid_point(sample.at, sizes);
         let [along_x, along_y] = ahead.map(|ahead| kernel.values(ahead));
+
         let mut columns = [[0.0; WIDTH]; C];
         for (factor, line) in along_x.iter().zip(first[0] as usize..) {
             for (component, columns) in columns.iter_mut().enumerate() {
+                // Along x the grid goes on from its beginning; along y each line has a margin for that.
                 let start = (line % sizes[0] * C + component) * stride + first[1] as usize;
                 let near = cells[start..].first_chunk::<WIDTH>().into_iter().flatten();
                 for (column, cell) in columns.iter_mut().zip(near) {
@@ -188,6 +203,7 @@ fn read<const C: usize>(
         }
         columns.map(|columns| columns.iter().zip(along_y).map(|(sum, y)| sum * y).sum())
     };
+
     let mut sorted = vec![0.0; samples.len()];
     let chunks = sorted.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK));
     chunks.try_for_each(|(values, order)| {
@@ -197,6 +213,7 @@ fn read<const C: usize>(
         }
         monitor.advance(values.len() as u64)
     })?;
+
     let mut values = vec![0.0; samples.len()];
     for (value, index) in sorted.into_iter().zip(order) {
         values[index as usize] = value;

@@ -48,18 +48,23 @@ impl DifferenceCurve {
             profile.relative_frequencies(),
             reference.relative_frequencies(),
         );
+        // A frequency and its opposite have one power.
         let values = |annulus: &Annulus, sets: u64| 0.5 * annulus.count as f64 * sets as f64;
+
         let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (x, annulus) in x.into_iter().zip(&profile.annuli) {
             let Some(between) = Between::of(x, &base) else {
                 continue;
             };
+
             let [low, high] = between.ends.map(|end| &reference.annuli[end]);
             let power = between.mean(low.power, high.power);
+
             // The variance of the interpolated value, as a number of powers.
             let [a, b] = [low, high].map(|annulus| 1.0 / values(annulus, reference.sets));
             let count = 1.0 / ((1.0 - between.part).powi(2) * a + between.part.powi(2) * b);
             let counts = [values(annulus, profile.sets), count];
+
             points.push([x, annulus.power - power]);
             bands.push(power_difference_band(
                 [annulus.power, power],
@@ -86,8 +91,10 @@ impl DifferenceCurve {
     ) -> Result<Self, MeasureError> {
         check_range("the confidence level", level, LEVELS)?;
         let sets = [curve.sets, reference.sets].map(|sets| sets as f64);
+        // Each mean takes one degree of freedom.
         let freedom = sets[0] + sets[1] - 2.0;
         let reach = (freedom > 0.0).then(|| student_quantile(1.0 - level, freedom));
+
         let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (index, (x, y)) in curve.x.iter().zip(&curve.y).enumerate() {
             let Some(between) = Between::of(*x, &reference.x) else {
@@ -96,10 +103,12 @@ impl DifferenceCurve {
             let at =
                 |values: &[f64]| between.mean(values[between.ends[0]], values[between.ends[1]]);
             points.push([*x, y - at(&reference.y)]);
+
             let errors = [
                 curve.errors.as_ref().map_or(0.0, |errors| errors[index]),
                 reference.errors.as_deref().map_or(0.0, at),
             ];
+            // From the standard error of a mean back to the sum of squares about it.
             let squares: f64 = (errors.iter().zip(sets))
                 .map(|(error, sets)| error * error * sets * (sets - 1.0))
                 .sum();

@@ -74,6 +74,7 @@ impl NearestDistances {
         let domain = Domain::new(region)?;
         let grid = Grid::new(points, domain, domain.spacing(points.len()));
         let neighbors = Neighbors { grid: &grid };
+
         let mut found = vec![0.0; points.len()];
         let chunks = found
             .par_chunks_mut(CHUNK)
@@ -84,6 +85,8 @@ impl NearestDistances {
             }
             monitor.advance(entries.len() as u64)
         })?;
+
+        // Threads went cell by cell, so that samples near each other share what is in their caches.
         let mut distances = vec![0.0; points.len()];
         for (entry, distance) in grid.entries().iter().zip(found) {
             distances[entry.id as usize] = distance;

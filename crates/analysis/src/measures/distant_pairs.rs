@@ -73,6 +73,8 @@ pub fn pairs_between(
             value: most,
         });
     }
+
+    // Each sample twice: counting, and holding.
     let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
     let domain = Domain::new(region)?;
     let distances = [least, most].map(|distance| distance * domain.scale);
@@ -112,6 +114,8 @@ impl RangeSearch<'_> {
                 Ok(count)
             })
             .collect::<Result<_, VerifyError>>()?;
+
+        // Which pairs are held follows from the counts, not from which thread is first.
         let (mut total, mut wanted) = (0, Vec::new());
         for (row, count) in counts.into_iter().enumerate() {
             let room = (limit as u64).saturating_sub(total);
@@ -120,9 +124,11 @@ impl RangeSearch<'_> {
             }
             total += count;
         }
+
         let held: Vec<Vec<DistantPair>> = (wanted.into_par_iter())
             .map(|(row, count)| self.hold(row, count, monitor))
             .collect::<Result<_, VerifyError>>()?;
+
         let mut pairs = held.concat();
         pairs.par_sort_unstable_by_key(|pair| (pair.first, pair.second));
         Ok((total, pairs))
@@ -157,10 +163,12 @@ impl RangeSearch<'_> {
             if own.is_empty() {
                 continue;
             }
+
             let partners = |run: &[Entry], once: bool| {
                 for a in own {
                     for b in run {
                         let length = self.neighbors.offset(a, b).length();
+                        // Pairs that are met from both sides count at the lower index.
                         let new = once || a.id < b.id;
                         see(a, b, new && least <= length && length < most);
                     }

@@ -36,6 +36,7 @@ impl Neighbors<'_> {
         let reach =
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
+
         // Of two cells that reach each other both ways around the torus none is ahead.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
@@ -49,9 +50,11 @@ impl Neighbors<'_> {
                 see(grid.run(row, columns), !all_rows);
             }
         }
+        // The cell's own row was among them.
         if all_rows {
             return;
         }
+
         if all_columns {
             see(grid.run(row, &(0..cells[0])), false);
         } else {
@@ -68,13 +71,16 @@ impl Neighbors<'_> {
         let (rows, side) = (self.grid.cells[1], self.grid.cell_sides()[1]);
         let domain = &self.grid.domain;
         let home = crate::grid::cell_at(domain, self.grid.cells, entry.position)[1];
+
         let mut best = f64::INFINITY;
+        // Around a torus every row is within half of them.
         let most = if domain.periodic { rows / 2 } else { rows - 1 };
         for step in 0..=most {
             // Rows this far off are at least that much away.
             if (step as f64 - 1.0 - 2.0 * Grid::ROUNDING) * side > best.sqrt() {
                 break;
             }
+
             let below = if domain.periodic {
                 Some((home + rows - step) % rows)
             } else {
@@ -85,6 +91,7 @@ impl Neighbors<'_> {
             } else {
                 Some(home + step).filter(|&row| row < rows)
             };
+            // The home row, and the opposite one of an even number, are both.
             let above = above.filter(|_| above != below);
             for row in [below, above].into_iter().flatten() {
                 best = best.min(self.nearest_in_row(entry, row, best));
@@ -99,6 +106,7 @@ impl Neighbors<'_> {
         let x = entry.position.x;
         let start = run.partition_point(|other| other.position.x < x);
         let width = self.grid.domain.extent.x;
+
         let mut closer = |other: &Entry| {
             let direct = (other.position.x - x).abs();
             if other.id != entry.id {
@@ -110,6 +118,7 @@ impl Neighbors<'_> {
         };
         let _ = run[start..].iter().all(&mut closer);
         let _ = run[..start].iter().rev().all(&mut closer);
+
         if self.grid.domain.periodic {
             let mut across = |other: &Entry| {
                 let around = width - (other.position.x - x).abs();

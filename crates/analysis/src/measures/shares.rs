@@ -130,6 +130,7 @@ fn shares_by(
     let work = |plan: &TransformPlan| plan.work(points.len()) + adjoint::work(plan, points.len());
     let monitor = Monitor::begin(control, plans.iter().map(work).sum())?;
     let set = Weighed::new(points, region, Taper::for_boundary(region.boundary));
+
     let (mut sums, mut waves) = (RingSums::default(), vec![0.0; points.len()]);
     for plan in plans {
         let mut values = plan.run(&set.samples, &monitor)?.values;
@@ -139,6 +140,8 @@ fn shares_by(
             *wave += value;
         }
     }
+
+    // The power of the ring is a sum over samples, each with the wave that the ring's frequencies make at its place.
     let shares = (set.samples.iter().zip(waves))
         .map(|(sample, wave)| sample.weight * (wave - sums.mean_wave) * set.scale)
         .collect();
@@ -204,18 +207,22 @@ fn restrict(
 ) -> RingSums {
     let ([x, y], [unit_x, unit_y]) = (plan.axes, unit_lengths(region));
     let rows = values.par_chunks_mut(x.count()).enumerate();
+
     let by_row: Vec<RingSums> = rows
         .map(|(row, values)| {
             let mut sums = RingSums::default();
             let ky = y.middle + plan.first_row() + row as i64;
             // The first row of a real plan holds opposite frequencies itself.
             let times = if plan.real && ky == 0 { 1 } else { 2 };
+
             for (value, kx) in values.iter_mut().zip(x.middle - x.below..) {
                 let length = (kx as f64 * unit_x).hypot(ky as f64 * unit_y);
+                // The frequency zero counts the samples.
                 if [kx, ky] == [0, 0] || !(inner..outer).contains(&length) {
                     *value = Complex::default();
                     continue;
                 }
+
                 *value = set.sum([kx, ky], *value);
                 sums.frequencies += times;
                 sums.squares += times as f64 * value.norm_sqr();
@@ -224,6 +231,7 @@ fn restrict(
             sums
         })
         .collect();
+    // In the sequence of rows, so that rounding does not depend on threads.
     by_row.into_iter().fold(RingSums::default(), RingSums::plus)
 }
 

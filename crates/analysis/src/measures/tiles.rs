@@ -30,6 +30,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     let domain = Domain::new(region)?;
     let grid = Grid::new(points, domain, domain.spacing(points.len()));
     let parts = grid.cells.map(|cells| cells.div_ceil(tile_cells));
+
     let tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
         let tile = CellTile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
         let found = tile.cells()?;
@@ -41,6 +42,8 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
         let mapped: Vec<T> = found.iter().map(&f).collect();
         Ok(Some((own, mapped)))
     });
+
+    // One tile without cells makes all of them void.
     let tiles: Option<Vec<_>> = tiles.collect::<Result<_, VerifyError>>()?;
     let mut out: Vec<Option<T>> = vec![None; points.len()];
     for (own, mapped) in tiles.into_iter().flatten() {
@@ -51,6 +54,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     if let Some(all) = out.into_iter().collect() {
         return Ok(all);
     }
+
     // If one tile would reach around the torus, the set is triangulated in one piece.
     let cells = voronoi_cells(points, region)?;
     monitor.advance((points.len() as u64).saturating_sub(monitor.done()))?;
@@ -122,6 +126,7 @@ impl<'a> CellTile<'a> {
             let [first, end] = self.cells[axis].map(|cell| cell as i64);
             let (all, margin) = (self.grid.cells[axis] as i64, margin as i64);
             let mut seen = [first - margin, end + margin];
+
             if domain.periodic {
                 // Not a whole period, or the view would hold both a sample and its copy.
                 if seen[1] - seen[0] >= all {
@@ -131,6 +136,7 @@ impl<'a> CellTile<'a> {
                 view.ends[axis] = [seen[0] <= 0, seen[1] >= all];
                 seen = [seen[0].max(0), seen[1].min(all)];
             }
+
             // Rounding may put a sample a little beyond its cell.
             let slack = 1e-3 * sides[axis];
             if !view.ends[axis][0] {
@@ -154,6 +160,8 @@ impl<'a> CellTile<'a> {
             boundary: Boundary::Bounded,
         };
         let cells = voronoi_cells(&positions, region)?;
+
+        // A cell is that of the whole set if the empty circles at its corners lie in view: no sample out of view is in one.
         let follows = |index: usize| {
             [0, 1].into_iter().all(|axis| {
                 let end = |end: usize| positions[index][axis] + cells[index].reach[end][axis];
@@ -164,6 +172,7 @@ impl<'a> CellTile<'a> {
         if !own.iter().all(|&index| follows(index)) {
             return Ok(None);
         }
+
         let scale = self.grid.domain.scale;
         let kept = own
             .into_iter()

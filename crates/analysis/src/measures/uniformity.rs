@@ -178,6 +178,7 @@ impl ClassCounts {
             let count = possible.min(samples as usize);
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
+
         let errors = self.residuals.standard_errors();
         let deviations: Vec<Deviation> = (0..self.observed.len())
             .map(|class| {
@@ -185,6 +186,7 @@ impl ClassCounts {
                 self.deviation(class, error, level, samples as f64)
             })
             .collect();
+
         // A sample in a class without area is infinitely unlikely.
         let chi_square: f64 = (self.observed.iter().zip(&self.expected))
             .filter(|(observed, expected)| **observed > 0 || **expected > 0.0)

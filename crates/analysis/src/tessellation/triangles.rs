@@ -51,6 +51,7 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
     let mut done = vec![false; cells.sides.len()];
     let mut triangles = Vec::with_capacity(2 * cells.samples.len());
     let mut around: Vec<(usize, DVec2)> = Vec::new();
+
     for start in 0..cells.sides.len() {
         around.clear();
         let (mut side, mut shift) = (start, IVec2::ZERO);
@@ -58,6 +59,8 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             done[side] = true;
             let sample = cells.sides[side].cell;
             around.push((sample, cells.shifted(cells.samples[sample], shift)));
+
+            // Around the vertex at which the side begins, the next cell lies beyond the side before it.
             let before = cells.before(side);
             let (Some(twin), Some(beyond)) = (cells.sides[before].twin, cells.sides[before].beyond)
             else {
@@ -66,6 +69,8 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             shift += beyond.shift;
             side = twin;
         }
+
+        // Samples on one circle share a vertex: their polygon is a fan of triangles.
         for pair in around.windows(2).skip(1) {
             let [a, b, c] = [around[0], pair[0], pair[1]];
             triangles.push(Triangle::new([a.0, b.0, c.0], [a.1, b.1, c.1]));
