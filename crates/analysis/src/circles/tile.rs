@@ -85,11 +85,16 @@ struct Group {
 const GROUPS: usize = 64 / LANES;
 
 impl Unmarked {
-    /// Adds a group, whose lanes with a bit in `hits` hold neighbours. There is room until [`Self::is_full`].
+    /// Adds a group: a sample and those from `start` on, of which the lanes with a bit in `hits` hold neighbours. There is
+    /// room until [`Self::is_full`].
     #[inline]
-    fn add(&mut self, group: Group, hits: u64) {
+    fn add(&mut self, sample: usize, start: usize, squares: [Square; LANES], hits: u64) {
         let place = self.count % GROUPS;
-        self.groups[place] = group;
+        self.groups[place] = Group {
+            sample: sample as u32,
+            start: start as u32,
+            squares,
+        };
         self.hits |= hits << (place * LANES);
         self.count += 1;
     }
@@ -291,12 +296,7 @@ impl Tile {
     ) {
         let table = Table::get();
         let (xs, ys, masks) = (&scan.x[..], &scan.y[..], &mut scan.masks[..]);
-        // Rounding moves an offset along both axes.
-        let limit = |square: f64| {
-            let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
-            (farthest * farthest).min(f64::from(f32::MAX)) as f32
-        };
-        let mut nearby = limit(found.nearby);
+        let mut nearby = in_squares_at_most(found.nearby, squares);
         let (mut runs, mut unmarked) = (Vec::new(), Unmarked::default());
 
         // Rows above the tile's own have no pair with it that was not seen from below.
@@ -328,12 +328,8 @@ impl Tile {
                             let within = (1_u64 << count) - 1;
                             let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
                             let close = square.simd_le(near).to_bitmask() & within;
-                            let group = Group {
-                                sample: index as u32,
-                                start: start as u32,
-                                squares: squares_of(simd, dx, dy).into(),
-                            };
-                            unmarked.add(group, hits);
+                            let offsets = squares_of(simd, dx, dy).into();
+                            unmarked.add(index, start, offsets, hits);
                             if unmarked.is_full() {
                                 unmarked.mark(table, masks);
                             }
@@ -343,7 +339,7 @@ impl Tile {
                                     pair([index, start + lane], found);
                                 }
                                 // What was found lowers the distance up to which pairs matter.
-                                nearby = limit(found.nearby);
+                                nearby = in_squares_at_most(found.nearby, squares);
                             }
                         }
                     }
@@ -405,6 +401,13 @@ impl Tile {
             found.add_pair(one, other, distance(one, other, periods), radius);
         }
     }
+}
+
+/// Returns a squared length, rounded up, in units of the table's squares, of which `squares` make a unit of area. Rounding
+/// moves an offset along both axes.
+fn in_squares_at_most(square: f64, squares: f64) -> f32 {
+    let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
+    (farthest * farthest).min(f64::from(f32::MAX)) as f32
 }
 
 /// The distance of two samples, the shorter way around a torus. The long way is summed so that its rounding is
