@@ -1,4 +1,4 @@
-//! Adapters: what is reported of them, which one to open, and whether its limits suffice. [`crate::opened`] opens them.
+//! Adapters: the report of each, the choice among them, and whether its limits suffice. [`crate::opened`] opens them.
 
 use crate::error::GpuError;
 
@@ -78,6 +78,7 @@ impl Limits {
 impl AdapterReport {
     /// Fails when a limit is too low for any run.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
+        // The other two limits only make windows smaller (`fit.rs`); without these two no window works.
         let needed: [(&'static str, u64, u64); 2] = [
             (
                 "maxStorageBuffersPerShaderStage",
@@ -90,6 +91,7 @@ impl AdapterReport {
                 MAX_GROUP_ROWS,
             ),
         ];
+
         for (limit, value, minimum) in needed {
             if value < minimum {
                 return Err(GpuError::LimitTooLow {

@@ -23,11 +23,11 @@ pub const ASKED_FOR: &str = "asked for";
 /// An engine that is ready.
 #[derive(Clone, Debug)]
 pub enum Engine {
-    /// This device.
+    /// The passes of this device.
     Gpu(Arc<Gpu>),
     /// The threads of the current pool.
     Parallel,
-    /// One thread.
+    /// The calling thread alone.
     Sequential,
 }
 
@@ -46,7 +46,7 @@ impl Engine {
 /// The engine that computes a run, and why that one.
 #[derive(Clone, Debug)]
 pub struct Backend {
-    /// The engine.
+    /// The engine that computes the run.
     pub engine: Engine,
     /// The reason for this engine, as a text for the user.
     pub reason: String,
@@ -80,15 +80,19 @@ impl Backend {
             let reason = "only this one runs Algorithm 4 as printed";
             return Self::new(Engine::Sequential, reason);
         }
+
+        // Opening a driver takes as long as the threads need for so many samples (see the constant).
         if expected < WORTH_A_GPU {
             let millions = WORTH_A_GPU / 1e6;
             let reason = format!("a GPU is worth its start from {millions} million samples on");
             return Self::new(Engine::Parallel, reason);
         }
+
         match Gpu::open(choice).await {
             Ok(gpu) => Self {
                 reason: format!("{}, for about {expected:.1e} samples", gpu.report().name),
                 engine: Engine::Gpu(Arc::new(gpu)),
+                // The user did not ask for a GPU by name, so the threads may take over.
                 may_fall_back: true,
             },
             Err(error) => Self::new(Engine::Parallel, error.to_string()),
@@ -103,6 +107,7 @@ impl Backend {
         if !self.may_fall_back {
             return Err(error);
         }
+
         let reason = format!("the GPU failed: {error}");
         Ok(Self::new(Engine::Parallel, reason))
     }
@@ -146,6 +151,7 @@ impl Bands {
                 begin(parameters, pattern, sources, &backend.engine).await?
             }
         };
+
         Ok(Self {
             sweep,
             backend,
@@ -199,10 +205,13 @@ impl Bands {
                 Err(error) => error,
             },
         };
+
+        // The position moves only with a finished band, so the threads repeat the one that failed.
         let state = self.state();
         self.backend = substitute(&self.backend, error, self.warn)?;
         self.sweep = AnySweep::threads(&self.parameters, &self.pattern, self.sources)?;
         self.restore(&state);
+        // Boxed, since a future cannot hold itself.
         Box::pin(self.step(observer)).await
     }
 
@@ -212,6 +221,7 @@ impl Bands {
         self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary, Backend), GpuError> {
+        // A sweep that fails takes the samples of its finished bands with it, so the threads begin where it began.
         let state = self.state();
         let error = match self.sweep {
             AnySweep::Threads(sweep) => {
@@ -223,6 +233,7 @@ impl Bands {
                 Err(error) => error,
             },
         };
+
         let backend = substitute(&self.backend, error, self.warn)?;
         let mut sweep = Sweep::new(&self.parameters, &self.pattern, self.sources)?;
         sweep.restore(&state);
@@ -249,11 +260,13 @@ async fn begin(
     engine: &Engine,
 ) -> Result<AnySweep, GpuError> {
     let Engine::Gpu(gpu) = engine else {
+        // The sequential engine computes no bands.
         if matches!(engine, Engine::Sequential) {
             return Err(ParameterError::AsPrintedParallel.into());
         }
         return AnySweep::threads(parameters, pattern, sources);
     };
+
     let options = Options {
         sources,
         ..Options::default()

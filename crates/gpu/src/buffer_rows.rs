@@ -25,6 +25,7 @@ impl BufferRows {
         let words = words_of(name);
         let total = device.length(name) / (4 * words);
         let content = device.words(name, 0..words * rows.min(total)).await?;
+
         Ok(Self {
             columns: columns(name),
             rows: content
@@ -47,18 +48,28 @@ fn words_of(name: Name) -> u64 {
         Name::Arguments => 3,
         Name::Counters => u64::from(counter::COUNT),
         Name::Origins | Name::Active | Name::NextActive | Name::Result | Name::Tags => 2,
-        _ => 1,
+        Name::Job
+        | Name::Pattern
+        | Name::Starts
+        | Name::Sums
+        | Name::Places
+        | Name::By
+        | Name::Heads
+        | Name::List
+        | Name::Unsure => 1,
     }
 }
 
 fn columns(name: Name) -> Vec<String> {
     let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
     let fields = |fields: &[(&str, usize, &str)]| fields.iter().map(|f| f.0.to_owned()).collect();
+
     match name {
         Name::Frame => fields(Frame::FIELDS.1),
         Name::Images => fields(Image::FIELDS.1),
         Name::Proposals => fields(Proposal::FIELDS.1),
         Name::Pieces => named(&["image", "column", "row", "size"]),
+        // A cell has three slots: no four samples that are farther than r from each other fit a square of r.
         Name::Grid => ["count", "flags"]
             .map(str::to_owned)
             .into_iter()
@@ -91,6 +102,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         let (x, y) = (word & (R as u32 - 1), (word & POSITION_MASK) >> CELL_BITS);
         [i64::from(x), i64::from(y)]
     };
+
     match name {
         Name::Places => {
             let [x, y] = position(row[0]);
@@ -98,6 +110,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         }
         Name::Grid => {
             let count = row[3] & COUNT_MASK;
+            // Bits 2 to 7 are flags; the iterations of the three slots follow, 8 bits each.
             let mut cells = vec![i64::from(count), i64::from(row[3] & 0xfc)];
             for slot in 0..3 {
                 if slot < count {
@@ -106,6 +119,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
                     let iteration = i64::from((row[3] >> (8 + 8 * slot)) & 255);
                     cells.extend([iteration, x, y, i64::from(word >> 30 & 1)]);
                 } else {
+                    // Every row has all columns, so an empty slot fills its own with -1.
                     cells.extend([-1; 4]);
                 }
             }
@@ -115,7 +129,21 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         Name::Images => signed(row, Image::FIELDS.1),
         Name::Proposals => signed(row, Proposal::FIELDS.1),
         Name::Active | Name::NextActive => row.iter().map(|&w| i64::from(w as i32)).collect(),
-        _ => row.iter().map(|&word| i64::from(word)).collect(),
+        Name::Job
+        | Name::Pieces
+        | Name::TileImages
+        | Name::Pattern
+        | Name::Starts
+        | Name::Sums
+        | Name::Origins
+        | Name::By
+        | Name::Heads
+        | Name::List
+        | Name::Unsure
+        | Name::Counters
+        | Name::Arguments
+        | Name::Result
+        | Name::Tags => row.iter().map(|&word| i64::from(word)).collect(),
     }
 }
 

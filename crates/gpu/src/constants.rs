@@ -68,7 +68,7 @@ pub const PREPARE_LEVEL: u32 = 2;
 /// The state of a proposal that was inserted.
 pub const PROPOSAL_INSERTED: u32 = 4;
 
-/// No sample.
+/// Stands for the missing samples of a proposal that fewer than three made.
 pub const NO_SITE: u32 = 0x7fff_ffff;
 
 /// The bits of a tiled sample's word that hold its offset in the cell.
@@ -80,12 +80,11 @@ pub const FATE_KEPT: u32 = 0x4000_0000;
 /// The sample was eliminated or dropped.
 pub const FATE_LOST: u32 = 0x8000_0000;
 
-/// Flags of a cell of the grid: whether some samples are in it is unknown, since that depends on what lies beyond the
-/// frame.
+/// Flags of a cell of the grid: some of its samples are unknown, since they depend on samples beyond the frame.
 pub const FLAG_UNSURE: u32 = 4;
-/// It is next to an unsure cell.
+/// The cell is next to an unsure one, or unsure itself.
 pub const FLAG_HOT: u32 = 16;
-/// A sample was eliminated or dropped in it.
+/// A sample was eliminated or dropped in the cell.
 pub const FLAG_LOST: u32 = 32;
 /// A sample inserted last may make candidates in it.
 pub const FLAG_FRESH: u32 = 64;
@@ -118,6 +117,7 @@ pub const ORDERS: &[&str] = &[
 #[must_use]
 pub fn constants() -> String {
     let mut text = String::from("// Emitted by constants.rs.\n");
+    // Writing to a string never fails, so the results are ignored.
     for (name, value) in signed() {
         let _ = writeln!(text, "const {name}: i32 = {value};");
     }
@@ -127,6 +127,7 @@ pub fn constants() -> String {
     for (name, value) in [("HALF_DIAGONAL", HALF_DIAGONAL), ("SITE_SLACK", SITE_SLACK)] {
         let _ = writeln!(text, "const {name}: f32 = {value:?};");
     }
+
     let bounds: Vec<String> = POISSON.iter().map(|bound| format!("{bound}u")).collect();
     let (count, bounds) = (bounds.len(), bounds.join(", "));
     let _ = writeln!(text, "const POISSON = array<u32, {count}>({bounds});");
@@ -159,12 +160,15 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("SCAN_PART", SCAN_PART),
         ("POSITION_MASK", POSITION_MASK),
         ("FATE_MASK", FATE_MASK),
+        // Passes decide a sample by setting the bits of its fate, so that a word without them is undecided.
         ("FATE_UNDECIDED", 0),
         ("FATE_KEPT", FATE_KEPT),
         ("FATE_LOST", FATE_LOST),
         ("FATE_UNKNOWN", FATE_MASK),
+        // Larger than any position, so that free slots are sorted to the end (gather.wgsl).
         ("FREE", u32::MAX),
         ("DETECTOR", DETECTOR),
+        // The mark of a detector, moved up by one bit: a site's key takes the 31 below.
         ("SITE_DETECTOR", 0x8000_0000),
         ("NO_SITE", NO_SITE),
         ("COUNT_MASK", COUNT_MASK),
@@ -184,8 +188,10 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("PROPOSAL_REJECTED", 2),
         ("PROPOSAL_UNKNOWN", 3),
         ("PROPOSAL_INSERTED", PROPOSAL_INSERTED),
+        // An unknown proposal whose cell has been marked; once is enough.
         ("PROPOSAL_NOTED", 5),
     ];
+
     all.extend(FAULTS);
     all.extend(ARGUMENTS.iter().copied().zip(0..));
     all.extend(ORDERS.iter().copied().zip(0..));

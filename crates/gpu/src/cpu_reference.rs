@@ -32,6 +32,7 @@ impl fmt::Display for RunDifference {
             "" => "nothing".to_owned(),
             text => text.to_owned(),
         };
+
         let (device, cpu) = (or_nothing(&self.device), or_nothing(&self.cpu));
         write!(f, " at {index}: {device} on the device, {cpu} on the CPU")
     }
@@ -71,6 +72,7 @@ impl CpuReference {
                 None => break,
             }
         }
+
         Ok(())
     }
 
@@ -110,6 +112,8 @@ fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDiffer
             cpu: String::new(),
         });
     }
+
+    // In the sequence in which stages write these lists, so that the earliest difference is the one reported.
     let (a, b) = (&device.samples, &cpu.samples);
     in_list("tiles", &device.tiles, &cpu.tiles)
         .or_else(|| in_list("points", &a.points, &b.points))
@@ -127,9 +131,14 @@ fn in_list<T: PartialEq + Debug>(
     if device == cpu {
         return None;
     }
+    // If one list is the beginning of the other, they differ in the first element past it.
     let shorter = device.len().min(cpu.len());
-    let index = device.iter().zip(cpu).position(|(a, b)| a != b);
-    let index = index.unwrap_or(shorter);
+    let index = device
+        .iter()
+        .zip(cpu)
+        .position(|(a, b)| a != b)
+        .unwrap_or(shorter);
+
     let quoted = |of: &[T]| of.get(index).map_or_else(String::new, quote);
     Some(RunDifference {
         list,

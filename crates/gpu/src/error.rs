@@ -21,7 +21,7 @@ pub enum GpuError {
     /// No adapter has the wanted name.
     #[error("no GPU adapter is called {wanted:?}; the adapters are: {}", found.join(", "))]
     NoSuchAdapter {
-        /// The wanted name.
+        /// The name that was asked for.
         wanted: String,
         /// The names of the existing adapters.
         found: Vec<String>,
@@ -29,21 +29,21 @@ pub enum GpuError {
     /// The only adapters compute on the CPU.
     #[error("the only GPU adapter is {name}, which computes on the CPU; name it to use it")]
     SoftwareOnly {
-        /// Its name.
+        /// The name of that adapter.
         name: String,
     },
     /// An adapter could not open a device.
     #[error("the adapter {name} could not open a device: {reason}")]
     NoDevice {
-        /// Its name.
+        /// The name of the adapter.
         name: String,
-        /// The driver's message.
+        /// The message of the driver.
         reason: String,
     },
     /// A limit of the device is too low for any run.
     #[error("the adapter {name} allows {limit} = {value}; the engine needs at least {minimum}")]
     LimitTooLow {
-        /// The adapter's name.
+        /// The name of the adapter.
         name: String,
         /// The limit, as WebGPU names it.
         limit: &'static str,
@@ -63,7 +63,7 @@ pub enum GpuError {
         needed: u64,
         /// Which limit it is.
         limit: &'static str,
-        /// What it allows.
+        /// What the limit allows.
         allowed: u64,
     },
     /// A run whose stages are recorded must fit the device in one window, and does not.
@@ -82,13 +82,13 @@ pub enum GpuError {
     /// The device is lost: removed, reset, or revoked by the system.
     #[error("the device was lost: {reason}")]
     DeviceLost {
-        /// The driver's message.
+        /// The message of the driver.
         reason: String,
     },
     /// The driver rejected a command: a bug in this program.
     #[error("the device rejected a command: {reason}; this is a bug in the program")]
     Refused {
-        /// The driver's message.
+        /// The message of the driver.
         reason: String,
     },
     /// A pass found its data inconsistent: a bug in this program or in the driver.
@@ -104,7 +104,7 @@ pub enum GpuError {
     /// The GPU cannot begin with the requested stage.
     #[error("the GPU cannot begin with the stage {stage}")]
     FirstStage {
-        /// The stage.
+        /// The stage that was asked for.
         stage: tilescope_core::Stage,
     },
     /// The run itself fails, whatever the engine.

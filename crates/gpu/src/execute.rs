@@ -61,11 +61,13 @@ impl Device {
             Some(device) => device,
             None => Self::empty(gpu, recording)?,
         };
+
         device.enter(setup, plan, Phase::Tile).await?;
         device.write(Name::Frame, bytemuck::bytes_of(&plan.uniform))?;
         device.write(Name::Images, bytemuck::cast_slice(&plan.images))?;
         device.write(Name::Pieces, bytemuck::cast_slice(&plan.pieces))?;
         device.write(Name::Pattern, bytemuck::cast_slice(&setup.pattern))?;
+
         gpu.check()?;
         Ok(device)
     }
@@ -80,13 +82,16 @@ impl Device {
         let keeps_stages = self.recording == Recording::Stages;
         let mut lengths = plan.lengths(setup, keeps_stages);
         lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
+        // Recorded runs keep every buffer, since each can be inspected up to the end.
         lengths.retain(|(name, _)| keeps_stages || phase.needs(*name, setup.sources));
+
         // Free first, to have the memory.
         self.buffers.retain(|name, (_, have)| {
             lengths
                 .iter()
                 .any(|(needed, length)| needed == name && *have >= *length)
         });
+
         // A browser reports a lack of memory later, and only to an error scope opened before.
         let scope = self
             .gpu
@@ -97,10 +102,13 @@ impl Device {
                 self.allocate(name, length)?;
             }
         }
+
         if scope.pop().await.is_some() {
+            // The scope does not say which buffer is missing, so none can be used.
             self.buffers.clear();
             return Err(GpuError::OutOfMemory);
         }
+
         self.highest_bytes = self.highest_bytes.max(self.held_bytes());
         self.gpu.check()
     }
@@ -111,8 +119,10 @@ impl Device {
             JOB_STRIDE * u64::from(MAX_TIMED),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;
+
         let reports = recording != Recording::Nothing;
         let times = reports && gpu.report().has_timestamps;
+
         Ok(Self {
             gpu: Arc::clone(gpu),
             buffers: BTreeMap::new(),
@@ -135,6 +145,7 @@ impl Device {
         } else {
             wgpu::BufferUsages::STORAGE
         };
+
         let copies = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let buffer = self.gpu.buffer(name.as_str(), length, usage | copies)?;
         self.buffers.insert(name, (buffer, length));
@@ -200,10 +211,12 @@ impl Device {
     /// Submits commands.
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
+        // So many passes fit the timestamps, two each, and the buffer of jobs.
         for part in commands.chunks(MAX_TIMED as usize / 2) {
             self.write_jobs(part);
             // A pass without its own job would use the job of another pass.
             self.gpu.check()?;
+
             let mut encoder = self.gpu.encoder();
             for (command, job) in part.iter().zip(0..) {
                 self.encode(&mut encoder, command, job, stage);
@@ -239,7 +252,10 @@ impl Device {
                     encoder.clear_buffer(buffer, first, length);
                 }
             }
+
             Command::SwapActive => {
+                // Passes find buffers by name as they are encoded, so swapping names swaps the lists, and nothing is
+                // copied.
                 self.swaps += 1;
                 let [active, next] =
                     [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
@@ -248,6 +264,7 @@ impl Device {
                 self.buffers
                     .extend(next.map(|buffer| (Name::Active, buffer)));
             }
+
             Command::Dispatch { pass, size, .. } => {
                 self.dispatch(encoder, pass, size, job, stage);
             }
@@ -268,7 +285,9 @@ impl Device {
             Recording::Nothing | Recording::Passes => self.gpu.checks,
         };
         let kernel = self.gpu.kernels.get(&self.gpu.device, pass, checks);
+
         let group = self.bind(&kernel.layout, pass, job);
+        // `next` counts the passes reported so far, so it comes before the report of this one.
         let times = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);
         let timestamp_writes = times.and_then(|first| {
@@ -280,17 +299,20 @@ impl Device {
                     end_of_pass_write_index: Some(first + 1),
                 })
         });
+
         let mut encoded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(pass.name),
             timestamp_writes,
         });
         encoded.set_pipeline(&kernel.pipeline);
         encoded.set_bind_group(0, &group, &[]);
+
         if let Some([x, y, z]) = workgroups(size) {
             encoded.dispatch_workgroups(x, y, z);
         } else if let Size::Indirect(argument) = size
             && let Some((buffer, _)) = self.buffers.get(&Name::Arguments)
         {
+            // The arguments of a dispatch are three words.
             encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
         }
     }
@@ -308,6 +330,8 @@ impl Device {
                         size: std::num::NonZeroU64::new(size_of::<Job>() as u64),
                     })
                 } else {
+                    // A missing buffer leaves its binding empty; the device then rejects the pass, which `check`
+                    // reports.
                     self.buffers.get(&binding.name)?.0.as_entire_binding()
                 };
                 Some(wgpu::BindGroupEntry {
@@ -316,6 +340,7 @@ impl Device {
                 })
             })
             .collect();
+
         self.gpu
             .device
             .create_bind_group(&wgpu::BindGroupDescriptor {
@@ -334,10 +359,13 @@ impl Device {
         let Some(reports) = &mut self.reports else {
             return;
         };
+
         let workgroups = workgroups(size);
+        // Times are read back later, for many passes at once.
         if let Some(times) = &mut self.times {
             times.pending.push(reports.len());
         }
+
         reports.push(PassReport {
             stage,
             name: pass.name,
@@ -358,8 +386,10 @@ impl Device {
         else {
             return Ok(());
         };
+
         let first = 3 * u64::from(*argument);
         let words = self.words(Name::Arguments, first..first + 3).await?;
+
         let reports = self.reports.as_mut();
         if let Some(report) = reports.and_then(|reports| reports.last_mut())
             && let [x, y, z] = words[..]
@@ -375,11 +405,14 @@ impl Device {
         let Some(times) = &mut self.times else {
             return Ok(());
         };
+
         let pending = std::mem::take(&mut times.pending);
+        // Passes past the last timestamp have no time.
         let count = (2 * pending.len() as u32).min(MAX_TIMED);
         if count == 0 {
             return Ok(());
         }
+
         let mut encoder = self.gpu.encoder();
         encoder.resolve_query_set(&times.queries, 0..count, &times.resolved, 0);
         self.gpu.queue.submit([encoder.finish()]);
@@ -388,6 +421,7 @@ impl Device {
             .read(&times.resolved, 0..8 * u64::from(count))
             .await?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+
         if let Some(reports) = &mut self.reports {
             for (index, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
                 let elapsed = pair[1].saturating_sub(pair[0]) as f64;
@@ -406,11 +440,13 @@ impl Times {
             ty: wgpu::QueryType::Timestamp,
             count: MAX_TIMED,
         });
+
         let resolved = gpu.buffer(
             "times",
             8 * u64::from(MAX_TIMED),
             wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
         )?;
+
         Ok(Self {
             queries,
             resolved,
@@ -437,6 +473,8 @@ fn workgroups(size: Size) -> Option<[u32; 3]> {
         Size::Workgroups(count) => count,
         Size::Indirect(_) => return None,
     };
+
+    // Rows of workgroups, since one axis holds 65,535 of them where WebGPU guarantees no more.
     let columns = groups.min(GROUP_COLUMNS.into());
     let rows = groups.div_ceil(GROUP_COLUMNS.into());
     Some([columns as u32, rows as u32, 1])

@@ -9,8 +9,8 @@ use crate::plan::{MAX_CELLS, MAX_SIDE, Room, WindowPlan};
 use crate::setup::Setup;
 use crate::window_run::Shortage;
 
-/// Initial width of the halo in cells. Dependence on what lies beyond it rarely reaches half as far; if it does reach
-/// the window, the window is computed again with twice the halo.
+/// Initial width of the halo in cells. Samples rarely depend on others half as far away; where the window depends on
+/// samples beyond the halo, it is computed again with twice the halo.
 pub(crate) const HALO: i32 = 24;
 
 /// The shortest side of a window, in cells.
@@ -47,6 +47,7 @@ impl Allowance {
                 let radii = f64::from(self.halo);
                 return Err(SampleError::Entangled { radii }.into());
             }
+            // The room is estimated anew, as a wider frame needs more of everything.
             Shortage::Halo => (self.halo, self.room) = (2 * self.halo, None),
             Shortage::Room(_) if self.tries == MAX_TRIES => return Err(GpuError::OutOfMemory),
             Shortage::Room(room) => {
@@ -87,6 +88,7 @@ pub(crate) fn plan(
     let width = cells(window.min.x, window.max.x);
     let height = cells(window.min.y, window.max.y);
     let longer = width.max(height);
+
     let check = |needed: u64, limit: &'static str, allowed: u64| {
         if needed <= allowed {
             return Ok(());
@@ -98,7 +100,8 @@ pub(crate) fn plan(
             allowed,
         })
     };
-    // First the checks that need no memory that grows with the window.
+
+    // First the checks that need no memory that grows with the window. The grid takes 16 bytes a cell.
     let (bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(
@@ -106,17 +109,20 @@ pub(crate) fn plan(
         "a side of the engine's frames",
         bytes * MAX_SIDE,
     )?;
+
     let max = setup.domain.rect().max;
     let frame_side = |side: u64, domain: i32| {
         if setup.domain.is_periodic() {
             side + around
         } else {
+            // The frame of a bounded domain ends where the domain does.
             (side + around).min(cells(0, domain))
         }
     };
     let frame = frame_side(width, max.x) * frame_side(height, max.y);
     check(bytes * frame, "the engine's frames", bytes * MAX_CELLS)?;
     check(bytes * frame, "maxStorageBufferBindingSize", binding)?;
+
     let plan = WindowPlan::new(setup, window, halo, room)?;
     let lengths = plan.lengths(setup, false);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
@@ -131,6 +137,7 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
     let max = setup.domain.rect().max;
     let [columns, rows] = setup.cells();
     let whole = columns.max(rows);
+
     // Parts of the whole domain, all alike; few of them are tried, since each plan visits the whole tree.
     let mut parts = 1;
     loop {
@@ -138,10 +145,12 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
         let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
         // In the middle, where a bounded domain has room for a halo on all sides.
         let low = |max: i32| (max - end(max)) / 2 / R * R;
+
         let window = Rect {
             min: Point::new(low(max.x), low(max.y)),
             max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
         };
+
         // Leave room for a halo that must be doubled once.
         match plan(setup, &window, Allowance::new(2 * HALO), limits, memory) {
             Ok(_) => return Ok(side),

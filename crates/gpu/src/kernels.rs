@@ -37,11 +37,15 @@ impl Kernels {
 
 impl Kernel {
     fn new(device: &wgpu::Device, pass: &Pass, checks: Checks) -> Self {
-        let entries: Vec<_> = pass.bindings.iter().zip(0..).map(entry).collect();
+        let numbered = pass.bindings.iter().zip(0..);
+        let entries: Vec<_> = numbered
+            .map(|(binding, number)| entry(binding, number))
+            .collect();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(pass.name),
             entries: &entries,
         });
+
         let source = compose(pass.shader, pass.bindings);
         let module = shader_module(device, pass.name, source, checks);
         let all = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -49,6 +53,7 @@ impl Kernel {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
+
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(pass.name),
             layout: Some(&all),
@@ -57,11 +62,12 @@ impl Kernel {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
+
         Self { pipeline, layout }
     }
 }
 
-fn entry((binding, place): (&Binding, u32)) -> wgpu::BindGroupLayoutEntry {
+fn entry(binding: &Binding, number: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = match binding.access {
         Access::Uniform => wgpu::BufferBindingType::Uniform,
         Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
@@ -69,8 +75,9 @@ fn entry((binding, place): (&Binding, u32)) -> wgpu::BindGroupLayoutEntry {
             wgpu::BufferBindingType::Storage { read_only: false }
         }
     };
+
     wgpu::BindGroupLayoutEntry {
-        binding: place,
+        binding: number,
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer {
             ty,

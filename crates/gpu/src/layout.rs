@@ -35,25 +35,25 @@ shared! {
         stride: u32,
         /// Cells in all, with the padding.
         cells: u32,
-        /// The first coordinates beyond the frame.
+        /// The first abscissa beyond the frame.
         end_x: i32,
-        /// See `end_x`.
+        /// The first ordinate beyond the frame.
         end_y: i32,
-        /// The window in the frame's coordinates, half open.
+        /// The lowest abscissa of the window, in the frame's coordinates.
         window_min_x: i32,
-        /// See `window_min_x`.
+        /// The lowest ordinate of the window.
         window_min_y: i32,
-        /// See `window_min_x`.
+        /// The first abscissa beyond the window.
         window_max_x: i32,
-        /// See `window_min_x`.
+        /// The first ordinate beyond the window.
         window_max_y: i32,
-        /// The domain coordinates of the frame's (0, 0): to be added, then wrapped.
+        /// The domain's abscissa at the frame's (0, 0): to be added, then wrapped.
         origin_x: u32,
-        /// See `origin_x`.
+        /// The domain's ordinate at the frame's (0, 0).
         origin_y: u32,
-        /// Sides of the domain in units.
+        /// The width of the domain in units.
         side_x: u32,
-        /// See `side_x`.
+        /// The height of the domain in units.
         side_y: u32,
         /// 1 if the plane repeats.
         periodic: u32,
@@ -61,21 +61,21 @@ shared! {
         goes_on: u32,
         /// Tiles of 8 x 8 cells in a row of the frame with its padding.
         tile_columns: u32,
-        /// Tiles in all.
+        /// Tiles of the frame in all.
         tiles: u32,
         /// The order of elimination, as `ORDER_*`.
         order: u32,
-        /// The key of random ranks.
+        /// The first word of the key of random ranks.
         order_key_x: u32,
-        /// See `order_key_x`.
+        /// The second word of this key.
         order_key_y: u32,
-        /// The phase groups' cell sides.
+        /// The width of a phase group's cells, in units.
         phase_cell_x: i32,
-        /// See `phase_cell_x`.
+        /// The height of a phase group's cells, in units.
         phase_cell_y: i32,
-        /// The phase groups' numbers of cells.
+        /// Cells of phase groups in a row.
         phase_count_x: i32,
-        /// See `phase_count_x`.
+        /// Rows of cells of phase groups.
         phase_count_y: i32,
         /// The order of the groups, four bits each.
         phase_sequence: u32,
@@ -91,7 +91,7 @@ shared! {
         list_capacity: u32,
         /// Room in the list of unsure cells.
         unsure_capacity: u32,
-        /// Room for proposals.
+        /// Room in the list of proposals.
         proposal_capacity: u32,
         /// Room for active cells of uniform insertion.
         active_capacity: u32,
@@ -105,13 +105,13 @@ shared! {
 shared! {
     /// The arguments of one dispatch.
     Job {
-        /// The first number of the dispatch.
+        /// The first number of the dispatch; each pass has its own use for the four.
         a: u32,
-        /// The second.
+        /// The second number of the dispatch.
         b: u32,
-        /// The third.
+        /// The third number of the dispatch.
         c: u32,
-        /// The fourth.
+        /// The fourth number of the dispatch.
         d: u32,
     }
 }
@@ -119,29 +119,29 @@ shared! {
 shared! {
     /// A block, or an image of it, that reaches into the frame.
     Image {
-        /// The block itself in the frame's coordinates, clamped to fit 32 bits.
+        /// The lowest abscissa of the block itself, in the frame's coordinates, clamped to fit 32 bits.
         own_min_x: i32,
-        /// See `own_min_x`.
+        /// The lowest ordinate of the block itself.
         own_min_y: i32,
-        /// See `own_min_x`.
+        /// The first abscissa beyond the block itself.
         own_max_x: i32,
-        /// See `own_min_x`.
+        /// The first ordinate beyond the block itself.
         own_max_y: i32,
-        /// The block enlarged by r, inside the frame.
+        /// The lowest abscissa of the clip: of the block enlarged by r, inside the frame.
         clip_min_x: i32,
-        /// See `clip_min_x`.
+        /// The lowest ordinate of the clip.
         clip_min_y: i32,
-        /// See `clip_min_x`.
+        /// The first abscissa beyond the clip.
         clip_max_x: i32,
-        /// See `clip_min_x`.
+        /// The first ordinate beyond the clip.
         clip_max_y: i32,
-        /// The enlarged block's lowest corner, modulo 2^32.
+        /// The lowest abscissa of the enlarged block, modulo 2^32.
         corner_x: u32,
-        /// See `corner_x`.
+        /// The lowest ordinate of the enlarged block, modulo 2^32.
         corner_y: u32,
-        /// The pattern's point on the clip's lowest corner.
+        /// The pattern's abscissa at the lowest corner of the clip.
         start_x: i32,
-        /// See `start_x`.
+        /// The pattern's ordinate at the lowest corner of the clip.
         start_y: i32,
         /// The word at which the variant's shape begins in the pattern buffer.
         shape: u32,
@@ -149,7 +149,7 @@ shared! {
         sequence: u32,
         /// The block's index, if blocks were counted.
         block: u32,
-        /// Padding.
+        /// Fills the structure up to a multiple of 16 bytes.
         unused: u32,
     }
 }
@@ -157,26 +157,26 @@ shared! {
 shared! {
     /// A point at which a sample may be inserted: a candidate or a dart.
     Proposal {
-        /// In the frame.
+        /// The abscissa in the frame.
         x: i32,
-        /// In the frame.
+        /// The ordinate in the frame.
         y: i32,
         /// Its rank in the order of insertion.
         rank: u32,
         /// The next proposal of its cell, plus one.
         next: u32,
-        /// The samples that made it: cell times four plus slot, or `NO_SITE`.
+        /// The first sample that made it: cell times four plus slot, or `NO_SITE`.
         site_a: u32,
-        /// See `site_a`.
+        /// The second sample that made it.
         site_b: u32,
-        /// See `site_a`.
+        /// The third sample that made it.
         site_c: u32,
         /// Its fate, as `PROPOSAL_*`.
         state: u32,
     }
 }
 
-/// Every shared structure.
+/// The structures that Rust and shaders share.
 pub const STRUCTURES: &[(&str, Fields)] =
     &[Frame::FIELDS, Job::FIELDS, Image::FIELDS, Proposal::FIELDS];
 
@@ -221,15 +221,15 @@ pub mod counter {
         UNDECIDED,
         /// Whether the last odd round left anything undecided.
         UNDECIDED_ODD,
-        /// Open cells.
+        /// Cells that may hold an uncovered place.
         OPEN,
-        /// Unsure cells.
+        /// Cells in which some samples are unknown.
         UNSURE,
         /// Unsure cells that have been spread to their surroundings.
         SPREAD,
         /// Unsure cells that the window touches.
         UNSURE_IN_WINDOW,
-        /// Proposals.
+        /// Candidates of the iteration, or darts of the level.
         PROPOSALS,
         /// Samples inserted last, in the frame.
         INSERTED,
@@ -260,7 +260,7 @@ pub enum Name {
     Frame,
     /// The dispatch's numbers, a uniform.
     Job,
-    /// Images of blocks.
+    /// Images of blocks that reach into the frame.
     Images,
     /// Pieces of images: image, first tile, last tile.
     Pieces,
@@ -283,21 +283,21 @@ pub enum Name {
     /// First the contested cells; later, for each cell, its first proposal plus one; at last, for each cell, its first
     /// sample in the result.
     Heads,
-    /// Open cells.
+    /// Cells that may hold an uncovered place.
     List,
-    /// Unsure cells.
+    /// Cells in which some samples are unknown.
     Unsure,
-    /// Proposals.
+    /// Candidates of the iteration, or darts of the level.
     Proposals,
     /// Active cells of uniform insertion.
     Active,
     /// Active cells of the next level.
     NextActive,
-    /// Counters.
+    /// Numbers that passes count up.
     Counters,
     /// Workgroups of indirect dispatches.
     Arguments,
-    /// The result.
+    /// The samples of the window, in canonical order.
     Result,
     /// The sources of the result's samples.
     Tags,
@@ -310,24 +310,29 @@ impl Name {
         match self {
             Self::Frame => "frame",
             Self::Job => "job",
+
             Self::Images => "images",
             Self::Pieces => "pieces",
             Self::TileImages => "tile_images",
             Self::Pattern => "pattern",
+
             Self::Starts => "starts",
             Self::Sums => "sums",
             Self::Places => "places",
             Self::Origins => "origins",
             Self::By => "by",
+
             Self::Grid => "grid",
             Self::Heads => "heads",
             Self::List => "list",
             Self::Unsure => "unsure",
             Self::Proposals => "proposals",
+
             Self::Active => "active_cells",
             Self::NextActive => "next_active_cells",
             Self::Counters => "counters",
             Self::Arguments => "arguments",
+
             Self::Result => "result",
             Self::Tags => "tags",
         }
@@ -343,7 +348,19 @@ impl Name {
             Self::Active | Self::NextActive => "vec2<i32>",
             Self::Pieces => "vec4<u32>",
             Self::Result | Self::Tags => "vec2<u32>",
-            _ => "u32",
+            Self::TileImages
+            | Self::Pattern
+            | Self::Starts
+            | Self::Sums
+            | Self::Places
+            | Self::Origins
+            | Self::By
+            | Self::Grid
+            | Self::Heads
+            | Self::List
+            | Self::Unsure
+            | Self::Counters
+            | Self::Arguments => "u32",
         }
     }
 }
@@ -353,7 +370,7 @@ impl Name {
 pub enum Access {
     /// It is a uniform.
     Uniform,
-    /// It is read.
+    /// The pass only reads it.
     Read,
     /// It is written, by one invocation an element.
     Write,
@@ -366,7 +383,7 @@ pub enum Access {
 /// A buffer of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// Which.
+    /// The buffer that the pass binds.
     pub name: Name,
     /// How it is used.
     pub access: Access,
@@ -391,6 +408,8 @@ pub fn declarations(bindings: &[Binding]) -> String {
             ),
             Access::Atomic => ("storage, read_write", "array<atomic<u32>>".to_owned()),
         };
+
+        // The scans call any list `data`, and `heads` is a list of contested cells in some passes.
         let name = binding.alias.unwrap_or(binding.name.as_str());
         let _ = writeln!(
             text,

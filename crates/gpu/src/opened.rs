@@ -11,7 +11,7 @@ use crate::kernels::Kernels;
 /// The most bytes read back at once.
 const STAGING: u64 = 64 << 20;
 
-/// An open device.
+/// An open device with its queue and its compiled passes.
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -54,6 +54,7 @@ pub async fn adapters() -> Vec<AdapterReport> {
 }
 
 async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    // A browser offers one adapter and lists no others.
     #[cfg(target_arch = "wasm32")]
     let mut adapters: Vec<wgpu::Adapter> = instance
         .request_adapter(&wgpu::RequestAdapterOptions {
@@ -65,6 +66,7 @@ async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
         .collect();
     #[cfg(not(target_arch = "wasm32"))]
     let mut adapters = instance.enumerate_adapters(BACKENDS).await;
+
     let slowness = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
@@ -80,6 +82,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
     let info = adapter.get_info();
     let limits = adapter.limits();
     let is_software = info.device_type == wgpu::DeviceType::Cpu || is_known_software(&info.name);
+
     AdapterReport {
         backend: info.backend.to_string(),
         kind: match info.device_type {
@@ -125,17 +128,22 @@ impl Gpu {
     pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
         let instance = instance();
         let adapter = choose(found(&instance).await, choice)?;
+
         let mut report = report_of(&adapter);
         if let Some(limits) = choice.limits {
             report.limits = report.limits.within(&limits);
         }
         report.check()?;
+
+        // Without timestamps the reports have no times, and all else is the same.
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        // Asks for what WebGPU guarantees, and for more only where more makes larger windows.
         let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
         limits.max_buffer_size = report.limits.max_buffer_size;
         limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;
         limits.max_compute_workgroups_per_dimension =
             report.limits.max_compute_workgroups_per_dimension;
+
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("tilescope"),
@@ -149,13 +157,16 @@ impl Gpu {
                 name: report.name.clone(),
                 reason: error.to_string(),
             })?;
+
         let trouble = Arc::new(Mutex::new(None));
         watch(&device, &trouble);
+        // The engine's shaders end and stay within their buffers without checks (`tilescope_trusted` has the argument).
         let checks = if choice.checked_shaders {
             Checks::Checked
         } else {
             Checks::Trusted
         };
+
         Ok(Self {
             device,
             queue,
@@ -186,6 +197,7 @@ impl Gpu {
         if matches!(*self.trouble(), Some(Trouble::Refused(_))) {
             let _ = self.device.poll(wgpu::PollType::Poll);
         }
+
         let mut trouble = self.trouble();
         match &*trouble {
             None => Ok(()),
@@ -213,7 +225,9 @@ impl Gpu {
         range: std::ops::Range<u64>,
     ) -> Result<Vec<u8>, GpuError> {
         self.check()?;
+
         let mut bytes = Vec::with_capacity((range.end - range.start) as usize);
+        // In parts, so that a large result needs no staging buffer of its own size.
         for start in range.clone().step_by(STAGING as usize) {
             let end = (start + STAGING).min(range.end);
             self.read_part(buffer, start..end, &mut bytes).await?;
@@ -230,9 +244,11 @@ impl Gpu {
         let length = range.end - range.start;
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let staging = self.buffer("staging", length, usage)?;
+
         let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, length);
         self.queue.submit([encoder.finish()]);
+
         let (sender, receiver) = futures_channel::oneshot::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {
             // Ignore a receiver that was dropped.
@@ -240,11 +256,14 @@ impl Gpu {
         });
         self.drain();
         let mapped = receiver.await;
+
+        // A failure of the device says more than the readback that fails because of it.
         self.check()?;
         let refused = |reason: String| GpuError::DeviceLost { reason };
         mapped
             .map_err(|_| refused("a readback was dropped".to_owned()))?
             .map_err(|error| refused(error.to_string()))?;
+
         let view = staging
             .get_mapped_range(..)
             .map_err(|error| refused(error.to_string()))?;
@@ -256,16 +275,19 @@ impl Gpu {
     /// device's memory bandwidth: every copy reads and writes all bytes.
     pub async fn copy(&self, bytes: u64, times: u32) -> Result<(), GpuError> {
         let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        // Devices copy whole words.
         let length = bytes.min(self.report.limits.max_buffer_size) / 4 * 4;
         let (from, to) = (
             self.buffer("copy", length, usage)?,
             self.buffer("copy", length, usage)?,
         );
+
         let mut encoder = self.encoder();
         for _ in 0..times {
             encoder.copy_buffer_to_buffer(&from, 0, &to, 0, length);
         }
         self.queue.submit([encoder.finish()]);
+        // Reading waits for the copies.
         self.read(&to, 0..4).await.map(|_| ())
     }
 
@@ -307,8 +329,10 @@ fn watch(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
             *known = Some(new);
         }
     };
+
     let noted = Arc::clone(trouble);
     device.set_device_lost_callback(move |_, reason| note(&noted, Trouble::Lost(reason)));
+
     let noted = Arc::clone(trouble);
     device.on_uncaptured_error(Arc::new(move |error| {
         let new = match error {
@@ -335,19 +359,23 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
             reason: missing(cfg!(target_arch = "wasm32")).to_owned(),
         });
     };
+
     let index = match &choice.name {
         Some(wanted) => {
+            // A whole name wins over a part of a name, since one adapter's name may contain another's.
             let lower = wanted.to_lowercase();
             let is = |report: &AdapterReport| report.name.to_lowercase() == lower;
             let has = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
-            let whole = reports.iter().position(is);
-            whole
+            reports
+                .iter()
+                .position(is)
                 .or_else(|| reports.iter().position(has))
                 .ok_or_else(|| GpuError::NoSuchAdapter {
                     wanted: wanted.clone(),
                     found: reports.iter().map(|report| report.name.clone()).collect(),
                 })?
         }
+        // A software adapter is slower than the threads, so it must be asked for.
         None => reports
             .iter()
             .position(|report| choice.software || !report.is_software)
@@ -355,6 +383,7 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
                 name: first.name.clone(),
             })?,
     };
+
     adapters
         .into_iter()
         .nth(index)

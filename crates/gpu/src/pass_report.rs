@@ -7,9 +7,9 @@ use crate::layout::{Access, Name};
 /// How much is recorded for inspection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Recording {
-    /// Nothing.
+    /// Nothing is recorded.
     Nothing,
-    /// Reports of passes.
+    /// Reports of passes alone.
     Passes,
     /// Reports of passes, and the buffers that stages leave behind.
     Stages,

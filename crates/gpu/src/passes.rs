@@ -20,7 +20,7 @@ pub(crate) use insert::{choose, insert, unlink};
 pub(crate) use tile::tile;
 pub(crate) use uniform::{level, split, start};
 
-/// A compute pass.
+/// A compute pass: its shader and the buffers that it binds.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Pass {
     /// Its name in reports.
@@ -36,22 +36,22 @@ pub struct Pass {
 pub enum Size {
     /// One for each of so many elements.
     Invocations(u64),
-    /// This many workgroups.
+    /// This many workgroups of `WORKGROUP` invocations.
     Workgroups(u64),
     /// As many as the pass `prepare` computed for an argument, given by its index in `ARGUMENTS`.
     Indirect(u32),
 }
 
-/// A recorded command.
+/// A command of a stage, recorded before it is submitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// Runs a pass.
+    /// Runs a pass once.
     Dispatch {
-        /// Which.
+        /// The pass that runs.
         pass: &'static Pass,
-        /// Its arguments.
+        /// The numbers that its shader reads.
         job: Job,
-        /// Its size.
+        /// How many invocations it has.
         size: Size,
     },
     /// Sets words of a buffer to 0: a half-open range, or all.
@@ -175,6 +175,7 @@ const fn clear_counter(counter: u32) -> Command {
 
 /// Returns `rounds` rounds of a pass, an even number. Each begins by setting its counter to 0.
 fn alternating(pass: &'static Pass, size: &str, rounds: u32, is_first: bool) -> Vec<Command> {
+    // Two counters in turn: a round reads whether the round before left anything, while it writes its own.
     let round = |k: u32| {
         let is_first = u32::from(is_first && k == 0);
         [

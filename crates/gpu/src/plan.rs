@@ -34,6 +34,7 @@ impl Phase {
     pub(crate) fn needs(self, name: Name, sources: bool) -> bool {
         match name {
             Name::Pieces | Name::TileImages => self == Self::Tile,
+            // Detection reads where samples were lost; the sources need all of them at the end.
             Name::Places | Name::Origins => sources || self <= Self::Fill,
             Name::Grid => self >= Self::Fill,
             Name::List | Name::Unsure | Name::Proposals | Name::Active => {
@@ -41,7 +42,16 @@ impl Phase {
             }
             Name::NextActive => self == Self::Levels,
             Name::Result | Name::Tags => self == Self::Finish,
-            _ => true,
+            Name::Frame
+            | Name::Job
+            | Name::Images
+            | Name::Pattern
+            | Name::Starts
+            | Name::Sums
+            | Name::By
+            | Name::Heads
+            | Name::Counters
+            | Name::Arguments => true,
         }
     }
 }
@@ -57,7 +67,7 @@ pub(crate) struct Room {
     pub result: u32,
 }
 
-/// A window's plan.
+/// All that must be known of a window before it is computed.
 pub(crate) struct WindowPlan {
     pub frame: CoreFrame,
     pub uniform: Frame,
@@ -80,12 +90,15 @@ impl WindowPlan {
         let frame = CoreFrame::new(&setup.domain, window, halo);
         let mut placed = Vec::new();
         setup.clipper.blocks(&frame, &mut placed)?;
+
+        // Only blocks that become images are kept, so that both lists have the same indices.
         let target = frame.tiled();
         placed.retain(|block| enlarged(block).within(&target).is_some());
         let images: Vec<Image> = placed
             .iter()
             .filter_map(|block| image(setup, block, &target))
             .collect();
+
         let mut uniform = uniform(setup, &frame);
         let room = room.unwrap_or_else(|| expected(setup, &uniform, &images));
         uniform.tiled_capacity = room.tiled;
@@ -94,6 +107,7 @@ impl WindowPlan {
         uniform.proposal_capacity = room.proposals;
         uniform.active_capacity = room.active;
         uniform.result_capacity = room.result;
+
         let pieces = pieces(&uniform, &images);
         Ok(Self {
             frame,
@@ -170,8 +184,10 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
     let tiled = u64::from(frame.tiled_capacity);
     let active = u64::from(frame.active_capacity) * 8;
     let result = u64::from(frame.result_capacity) * 8;
+
     let mut lengths = vec![
         (Name::TileImages, 4 * u64::from(frame.tiles * TILE_WORDS)),
+        // One more, as the end of the last cell's samples.
         (Name::Starts, 4 * (cells + 1)),
         (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
         (Name::Places, 4 * tiled),
@@ -192,10 +208,12 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
             12 * crate::constants::ARGUMENTS.len() as u64,
         ),
     ];
+
     if by {
         lengths.push((Name::By, 4 * tiled));
     }
     lengths.push((Name::Result, result));
+    // A source takes two words, as a point does.
     if sources {
         lengths.push((Name::Tags, result));
     }
@@ -211,10 +229,12 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let clip = enlarged(block).within(target)?;
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
     let corner = block.rect.min - i64::from(R);
+
     // The corner of the clip relative to the corner of the enlarged block, in the repeated pattern.
     let start = |axis: usize, start: i32, low: i32, period: i32| {
         (i64::from(start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
     };
+
     // A few radii beyond the target, farther than any shader reads.
     let beyond = 8 * i64::from(R);
     let cut = |v: i64, low: i32, high: i32| {
@@ -222,6 +242,7 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     };
     let across = |v: i64| cut(v, target.min.x, target.max.x);
     let up = |v: i64| cut(v, target.min.y, target.max.y);
+
     Some(Image {
         own_min_x: across(block.rect.min.x),
         own_min_y: up(block.rect.min.y),
@@ -231,6 +252,7 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
         clip_min_y: clip.min.y,
         clip_max_x: clip.max.x,
         clip_max_y: clip.max.y,
+        // Modulo 2^32, which is exact for what shaders compute from it: positions in a clip (turn.wgsl).
         corner_x: corner.x as u32,
         corner_y: corner.y as u32,
         start_x: start(0, block.start.x, clip.min.x, shape.width),
@@ -248,6 +270,8 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
     let cells = frame.cell_count() as u32;
     let tiles = [columns, rows].map(|n| ((n + 2 * PAD) as u32).div_ceil(TILE_SIDE));
     let sides = [domain.width(), domain.height()];
+
+    // In a periodic plane the sum of origin and point must fit 32 bits (frame.wgsl), so the origin is reduced first.
     let origin = |axis: usize| {
         if domain.is_periodic() {
             frame.origin[axis].rem_euclid(sides[axis].into()) as u32
@@ -255,12 +279,14 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
             frame.origin[axis] as u32
         }
     };
+
     let [[left, right], [below, above]] = frame.goes_on.map(|sides| sides.map(u32::from));
     let ranks = &setup.ranks;
     let [key_x, key_y] = ranks.key.words();
     let [search, search_border] = setup.search();
     let groups = ranks.sequence;
     let window = &frame.window;
+
     Frame {
         columns,
         rows,
@@ -287,11 +313,13 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
         phase_cell_y: ranks.cell[1],
         phase_count_x: ranks.count[0],
         phase_count_y: ranks.count[1],
+        // The first group takes the lowest four bits.
         phase_sequence: groups.iter().rev().fold(0, |all, group| all << 4 | group),
         origin_words: if setup.sources { 2 } else { 1 },
         lost_reach: setup.lost_reach,
         search,
         search_border,
+        // The capacities are filled in by the plan.
         ..Frame::default()
     }
 }
@@ -304,17 +332,21 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     };
     let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
     let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
+
     // Gaps lie along the blocks' borders, so their share falls with the leaf; measured with every order and many
     // leaves.
     let leaf = setup.parameters.leaf;
     let share = |most: f64, per_leaf: f64| {
         (f64::from(frame.cells) * (per_leaf / leaf).min(most)) as u32 + 1024
     };
+
     let rim = 2 * (frame.columns + frame.rows) as u32;
+
     Room {
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
         // Uniform insertion does not list open cells.
         open: if uniform { 1 } else { share(0.8, 7.0) },
+        // The cells at the frame's edge are unsure from the beginning (survive.wgsl).
         unsure: 2 * rim + frame.cells / 64 + 1024,
         proposals: share(0.15, 0.75),
         active: if uniform { share(0.6, 3.2) } else { 1 },
@@ -339,6 +371,7 @@ fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
     // Each invocation of a workgroup takes a tile.
     const SIDE: u32 = WORKGROUP.isqrt();
     let ends = [frame.tile_columns, frame.tiles / frame.tile_columns];
+
     // Samples are in conflict up to a distance of r, and images are enlarged by r, so a tile needs all images within 2
     // r.
     let tiles = |low: i32, high: i32, end: u32| {
@@ -346,14 +379,17 @@ fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
         let reach = 2 * i64::from(R);
         let first = tile(i64::from(low) - reach).max(0) as u32;
         let last = tile(i64::from(high) + reach - 1).min(i64::from(end) - 1);
+        // An image beyond the frame reaches no tile of it.
         (first, (last + 1).max(first.into()) as u32)
     };
+
     let mut pieces = Vec::with_capacity(images.len() * 2);
     for (image, index) in images.iter().zip(0..) {
         let (left, right) = tiles(image.own_min_x, image.own_max_x, ends[0]);
         let (bottom, top) = tiles(image.own_min_y, image.own_max_y, ends[1]);
         for row in (bottom..top).step_by(SIDE as usize) {
             for column in (left..right).step_by(SIDE as usize) {
+                // Both are at most 8, so they share a word.
                 let size = (right - column).min(SIDE) | (top - row).min(SIDE) << 16;
                 pieces.push([index, column, row, size]);
             }

@@ -45,17 +45,21 @@ impl RowLocator {
             result: Vec::new(),
             written: written(work),
         };
+
         if locator.is_written(Name::Places) {
+            // Tiled samples lie cell by cell, so that the starts of cells give the cell of each.
             let cells = work.plan.cells();
             let starts = device.words(Name::Starts, 0..cells + 1).await?;
             let tiled = u64::from(locator.counter(counter::TILED));
             locator.places = device.words(Name::Places, 0..tiled).await?;
             locator.cells = cells_of(&starts, locator.places.len());
         }
+
         if locator.is_written(Name::Result) {
             let kept = u64::from(locator.counter(counter::KEPT));
             locator.result = device.words(Name::Result, 0..2 * kept).await?;
         }
+
         Ok(locator)
     }
 
@@ -72,6 +76,7 @@ impl RowLocator {
             },
             ..RowPlaces::default()
         };
+
         if places.unplaced.is_none() {
             places.ends.reserve(table.rows.len());
             for (row, values) in table.rows.iter().enumerate() {
@@ -90,7 +95,9 @@ impl RowLocator {
             RowPlace::Point(p) | RowPlace::Link([p, _]) => p,
             RowPlace::Rect(rect) => rect.min,
         };
+
         let back = |at: i32, side: u32| match side {
+            // Words of the frame may have been overwritten to inject a fault, so a side may be 0 and a sum too large.
             0 => 0,
             side => (i64::from(at).rem_euclid(side.into()) - i64::from(at)) as i32,
         };
@@ -101,6 +108,7 @@ impl RowLocator {
                 back(first.y, self.frame.side_y),
             ),
         };
+
         let moved = |p: Point| Point::new(p.x.wrapping_add(right), p.y.wrapping_add(up));
         match place {
             RowPlace::Point(p) => RowPlace::Point(moved(p)),
@@ -148,8 +156,10 @@ impl RowLocator {
         let pair = |k: usize| I64Vec2::new(value(k), value(k + 1));
         let in_list =
             |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
+
         let place = match name {
             Name::Images => self.rect(pair(0), pair(2)),
+            // Columns in the lower half of the word, rows in the upper (`plan.rs`).
             Name::Pieces => self.tiles(pair(1), I64Vec2::new(value(3) & 0xffff, value(3) >> 16)),
             Name::TileImages => self.tile(row),
             Name::Heads if self.heads_are_listed() => {
@@ -159,7 +169,9 @@ impl RowLocator {
             Name::List => in_list(counter::OPEN, self.cell(value(0))),
             Name::Unsure => in_list(counter::UNSURE, self.cell(value(0))),
             Name::Grid => {
+                // The cell comes first (`RowPlaces::of`).
                 places.extend(self.cell(row as i64));
+                // Past the count, the flags, and the iteration of the slot (`buffer_rows.rs`).
                 let slots = (0..3).map(|slot| 3 + 4 * slot);
                 places.extend(slots.filter_map(|k| self.sample(row as i64, pair(k))));
                 None
@@ -172,8 +184,14 @@ impl RowLocator {
             Name::NextActive => in_list(counter::NEXT_ACTIVE, self.square(pair(0), self.level + 1)),
             Name::Result => in_list(counter::KEPT, point(pair(0)).map(RowPlace::Point)),
             Name::Tags => in_list(counter::KEPT, self.of_result(row)),
-            _ => None,
+            Name::Frame
+            | Name::Job
+            | Name::Pattern
+            | Name::Sums
+            | Name::Counters
+            | Name::Arguments => None,
         };
+
         places.extend(place);
     }
 
@@ -182,11 +200,11 @@ impl RowLocator {
         let frame = &self.frame;
         let axis = |origin: u32, window: i32, side: u32| {
             let first = origin.wrapping_add(window as u32);
-            let first = match (frame.periodic, side) {
+            let reduced = match (frame.periodic, side) {
                 (0, _) | (_, 0) => i64::from(first as i32),
                 _ => i64::from(first % side),
             };
-            first - i64::from(window)
+            reduced - i64::from(window)
         };
         I64Vec2::new(
             axis(frame.origin_x, frame.window_min_x, frame.side_x),
@@ -261,7 +279,9 @@ impl RowLocator {
     /// Returns an active cell of a level, cut at the edge of the domain.
     fn square(&self, low: I64Vec2, level: u32) -> Option<RowPlace> {
         let frame = &self.frame;
+        // The border of a bounded domain belongs to it.
         let last = i64::from(frame.periodic == 0);
+
         let RowPlace::Point(corner) = self.wrapped(self.point(low)?) else {
             return None;
         };
@@ -310,11 +330,13 @@ fn cells_of(starts: &[u32], rows: usize) -> Vec<u32> {
 
 /// Returns the buffers that the host or a pass has written.
 fn written(work: &WindowRun) -> Vec<Name> {
+    // Of the buffers that the host writes, these have places.
     let mut written = vec![Name::Images, Name::Pieces];
     if work.base.is_some() {
         // It is not recorded which buffers the upload filled, so count all of them.
         written.extend(work.device.lengths().into_iter().map(|(name, _)| name));
     }
+
     let reports = work.device.reports.iter().flatten();
     for &(name, access, _) in reports.flat_map(|report| &report.bindings) {
         let writes = !matches!(access, Access::Uniform | Access::Read);

@@ -8,7 +8,7 @@ use tilescope_core::{Point, Rect};
 /// dropped, just beyond its border; data of the halo and the padding lies farther out, in the repeated plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowPlace {
-    /// A point.
+    /// A single point of the plane.
     Point(Point),
     /// From a sample to the one that eliminated it.
     Link([Point; 2]),

@@ -16,7 +16,7 @@ use crate::sweep::{GpuSweep, Options};
 pub struct SelfTest {
     /// Whether all runs were equal to the CPU's.
     pub passed: bool,
-    /// Samples compared.
+    /// Samples compared, of all runs.
     pub samples: usize,
     /// A sentence with the extent of the comparison, or with the first difference.
     pub verdict: String,
@@ -42,6 +42,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             leaf: 8.0,
             seed: 20 + k,
             order,
+            // Each insertion runs with each boundary.
             boundary: [Boundary::Periodic, Boundary::Bounded][k as usize % 2],
             insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
             dihedral: k == 1 || k == 2,
@@ -52,14 +53,18 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             },
             ..Parameters::default()
         };
+
         let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
         let options = Options {
+            // Equal samples may still come from the wrong block.
             sources: true,
             ..Options::default()
         };
+
         let sweep = GpuSweep::new(Arc::clone(gpu), &parameters, &pattern, options).await?;
         let (gpu_set, _) = sweep.finish(&mut Unobserved).await?;
         let cpu_set = sequential(&parameters, pattern)?;
+
         if let Some(verdict) = difference(&gpu_set, &cpu_set) {
             return Ok(SelfTest {
                 passed: false,
@@ -70,9 +75,11 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
                 ),
             });
         }
+
         samples += cpu_set.points.len();
         runs += 1;
     }
+
     Ok(SelfTest {
         passed: true,
         samples,
@@ -100,6 +107,8 @@ fn difference(gpu: &Sampled, cpu: &Sampled) -> Option<String> {
             a.x, a.y, b.x, b.y
         ));
     }
+
+    // The pairs end with the shorter set.
     if gpu.points.len() != cpu.points.len() {
         return Some(format!(
             "the device gives {} samples, the CPU {}",
@@ -107,6 +116,7 @@ fn difference(gpu: &Sampled, cpu: &Sampled) -> Option<String> {
             cpu.points.len()
         ));
     }
+
     (gpu.sources != cpu.sources)
         .then(|| "the samples are equal but their sources differ".to_owned())
 }

@@ -37,17 +37,21 @@ impl Setup {
         sources: bool,
     ) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
+        // Its result depends on the sequence of one loop over all samples, which passes do not have.
         if parameters.variant == Variant::AsPrinted {
             return Err(ParameterError::AsPrintedParallel.into());
         }
+
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;
         let mut clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);
         clipper.check_blocks()?;
         pattern.check_domain(&domain)?;
+        // Only sources name blocks by their index.
         if sources {
             clipper.count_blocks();
         }
+
         Ok(Self {
             parameters: *parameters,
             domain,
@@ -79,6 +83,7 @@ impl Setup {
 
     /// Returns the radius in which detectors search for other samples: far from closed borders, and near them.
     pub(crate) fn search(&self) -> [i32; 2] {
+        // Twice the radius in which a detector finds candidates, as in core's `Reach`.
         match self.parameters.search {
             Search::Complete => [4 * R + 32, 7 * R],
             Search::TwoRadii => [2 * R, 2 * R],
@@ -104,9 +109,11 @@ fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
         let starts_at = words.len() as u32;
         words.extend(&variant.starts);
         let points_at = words.len() as u32;
+        // `xs` and `ys` are padded for instructions that read eight at once; `ids` ends the list.
         for ((x, y), id) in variant.xs.iter().zip(&variant.ys).zip(&variant.ids) {
             words.extend([x, y, id]);
         }
+
         let form = &variant.shape;
         let described = [
             form.width as u32,

@@ -59,11 +59,13 @@ fn append(files: &[(&str, &str)], file: &str, done: &mut Vec<String>, source: &m
     if done.iter().any(|name| name == file) {
         return;
     }
+    // Noted before its imports, so that files that import each other end.
     done.push(file.to_owned());
     let text = files.iter().find(|(name, _)| *name == file).map_or_else(
         || panic!("there is no shader file {file}"),
         |(_, text)| text,
     );
+
     for import in imports(text) {
         append(files, import, done, source);
     }

@@ -57,25 +57,30 @@ impl State {
             stage,
             ..Self::default()
         };
+
         if at_least(Stage::Tile) {
             state.starts = device.words(Name::Starts, 0..cells + 1).await?;
             let tiled = state.starts.last().copied().unwrap_or(0).into();
             state.places = device.words(Name::Places, 0..tiled).await?;
+            // Recorded runs have sources, so an origin has two words.
             state.origins = device.words(Name::Origins, 0..2 * tiled).await?;
             if at_least(Stage::Eliminate) {
                 state.by = device.words(Name::By, 0..tiled).await?;
                 state.grid = device.words(Name::Grid, 0..4 * cells).await?;
             }
         }
+
         for (&k, kept) in work.kept.iter().flatten() {
             if at_least(Stage::Iterate(k)) {
                 state.kept.insert(k, kept.clone());
             }
         }
+
         if at_least(Stage::Finish) {
             let count = 2 * u64::from(work.counter(counter::KEPT));
             state.result = device.words(Name::Result, 0..count).await?;
         }
+
         Ok(state)
     }
 
@@ -92,6 +97,7 @@ impl State {
             self.iterations(work, &mut run);
             return Ok(run);
         }
+
         run.blocks = split(&setup.domain, setup.parameters.leaf_units()?, setup.key);
         if !self.starts.is_empty() {
             self.tile(work, &mut run);
@@ -116,6 +122,7 @@ impl State {
         tiled.sort_unstable_by_key(|sample| sample.order);
         let point_of: HashMap<u32, Point> = self.points_by_index(work);
         let mut ids = HashMap::new();
+
         for (sample, id) in tiled.iter().zip(0..) {
             let fate = self.fate(sample);
             if fate == Fate::Kept {
@@ -123,8 +130,11 @@ impl State {
             }
             run.samples.push(sample.point, sample.origin, fate);
         }
+
+        // The ids are complete only now: a sample may be eliminated by one with a higher id.
         for (sample, fate) in tiled.iter().zip(&mut run.samples.fates) {
             if let Fate::Eliminated { by } = fate {
+                // Indices are stored plus one; 0 stands for none.
                 let first = self.by[sample.index as usize].wrapping_sub(1);
                 *by = point_of
                     .get(&first)
@@ -133,6 +143,7 @@ impl State {
                     .unwrap_or(u32::MAX);
             }
         }
+
         run.tiles = tiles(&work.plan.placed, &tiled);
     }
 
@@ -166,13 +177,18 @@ impl State {
                 let word = self.places[index as usize];
                 let [x, y] = unpack(work, cell, word);
                 let inside = plan.frame.holds(x, y);
+                // Samples of the halo repeat those of the window, which is the whole domain. Dropped ones have no
+                // repetition.
                 if inside && !plan.frame.window.contains(Point::new(x, y)) {
                     continue;
                 }
                 let image = &plan.images[self.origins[2 * index as usize] as usize];
+
                 let own = (image.own_min_x..image.own_max_x).contains(&x)
                     && (image.own_min_y..image.own_max_y).contains(&y);
+
                 tiled.push(Tiled {
+                    // Modulo 2^32, as on the device: positions in a clip are smaller.
                     order: (
                         image.block,
                         (y as u32).wrapping_sub(image.corner_y),
@@ -202,29 +218,37 @@ impl State {
         ids: &mut HashMap<Point, u32>,
         run: &mut Run,
     ) {
-        let proposals: Vec<Proposal> = bytemuck::pod_collect_to_vec(&kept.proposals);
-        let mut proposals: Vec<(Point, Proposal)> = proposals
+        let stored: Vec<Proposal> = bytemuck::pod_collect_to_vec(&kept.proposals);
+        let mut proposals: Vec<(Point, Proposal)> = stored
             .into_iter()
+            // Proposals of the halo repeat those of the window.
             .filter(|p| work.plan.frame.window.contains(Point::new(p.x, p.y)))
             .map(|p| (work.plan.frame.point(p.x, p.y), p))
             .collect();
+
         let uniform = run.parameters.insertion == Insertion::Uniform;
         let candidates = if uniform {
             Vec::new()
         } else {
             self.candidates(work, &proposals, ids)
         };
+
         proposals.retain(|(_, p)| p.state == PROPOSAL_INSERTED);
         proposals.sort_unstable_by_key(|(point, p)| (p.rank, point.row_major()));
         let cells = cells(work, k, &kept.active, run.iterations.last());
+
+        // An iteration that finds nothing is not one of the run, as in the sequential engine.
         if proposals.is_empty() && cells.is_empty() {
             return;
         }
+
         let detectors = match run.iterations.last() {
             _ if uniform => Vec::new(),
+            // From iteration 2 on the samples inserted last are the detectors.
             Some(before) => before.inserted.clone().collect(),
             None => Self::detectors(work, &kept.grid, ids),
         };
+
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
             // Candidates are sorted by position.
@@ -237,6 +261,7 @@ impl State {
             };
             run.samples.push(*point, origin, Fate::Kept);
         }
+
         run.iterations.push(Iteration {
             detectors,
             candidates,
@@ -253,12 +278,15 @@ impl State {
         proposals: &[(Point, Proposal)],
         ids: &HashMap<Point, u32>,
     ) -> Vec<Candidate> {
+        // A site is named by its cell, times four, plus its slot.
         let id = |key: u32| {
             let [x, y] = unpack(work, (key / 4) as usize, self.grid[key as usize]);
             ids.get(&work.plan.frame.point(x, y))
                 .copied()
+                // No sample has this id, so a comparison with the CPU shows the fault.
                 .unwrap_or(u32::MAX)
         };
+
         let mut candidates: Vec<Candidate> = proposals
             .iter()
             .map(|&(point, p)| {
@@ -270,6 +298,8 @@ impl State {
                 Candidate { point, sites }
             })
             .collect();
+
+        // The sequence of proposals depends on atomics, and several triples may make one point.
         tilescope_core::stages::insert::unique(&mut candidates);
         candidates
     }
@@ -315,6 +345,8 @@ fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) ->
         .map(|p| work.plan.frame.point(p[0], p[1]))
         .collect();
     cells.sort_unstable_by_key(|p| p.row_major());
+
+    // Core splits the cells of the level before one by one, so they are not in the order of positions.
     if let Some(before) = before.filter(|_| k > 1) {
         let known: std::collections::HashSet<Point> = cells.iter().copied().collect();
         let quarters = |cell: &Cell| {
@@ -325,6 +357,7 @@ fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) ->
         cells = before.cells.iter().flat_map(quarters).collect();
         cells.retain(|cell| known.contains(cell));
     }
+
     cells.into_iter().map(|min| Cell { min, side }).collect()
 }
 
@@ -332,13 +365,16 @@ fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) ->
 fn tiles(placed: &[PlacedBlock], tiled: &[Tiled]) -> Vec<Tile> {
     let starts: BTreeMap<u32, (Point, u8)> = placed
         .iter()
+        // All images of a block have its index, start and symmetry.
         .map(|block| (block.index, (block.start, block.symmetry)))
         .collect();
     let mut first = 0;
+
     starts
         .into_iter()
         .map(|(block, (start, symmetry))| {
             let from = first;
+            // The samples are sorted by block.
             first = tiled.partition_point(|sample| sample.order.0 <= block) as u32;
             Tile {
                 start,

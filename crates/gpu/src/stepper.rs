@@ -22,7 +22,7 @@ const MAX_HALO: i32 = 192;
 
 /// A run on a GPU between two passes.
 ///
-/// The whole domain is one window, with a halo around it. If a sample depends on what lies beyond the halo, or a list
+/// The whole domain is one window, with a halo around it. If a sample depends on others beyond the halo, or a list
 /// needs more room than expected, the run restarts with a wider halo or more room, and the reports start again.
 pub struct Stepper {
     gpu: Arc<Gpu>,
@@ -49,8 +49,10 @@ impl Stepper {
         pattern: &Arc<Pattern>,
         first_gpu_stage: Stage,
     ) -> Result<Self, GpuError> {
+        // With sources, since they give samples their ids (`state.rs`).
         let setup = Arc::new(Setup::new(parameters, pattern, true)?);
         let first = match first_gpu_stage {
+            // The device is given a pattern that is ready.
             Stage::Pattern => Stage::Blocks,
             Stage::Regions => {
                 return Err(GpuError::FirstStage {
@@ -59,9 +61,11 @@ impl Stepper {
             }
             stage => stage,
         };
+
         check_size(&gpu, &setup)?;
         let allowance = Allowance::new(HALO);
         let work = begin(&gpu, &setup, pattern, first, allowance).await?;
+
         Ok(Self {
             gpu,
             setup,
@@ -220,7 +224,9 @@ async fn begin(
         // Inspected runs are small, and a restart would discard the reports of the passes so far.
         plan.double_room();
     }
+
     let mut work = WindowRun::new(gpu, setup, plan, None, Recording::Stages).await?;
+
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;
         while engine.next().is_some_and(|next| next < first) {
@@ -228,5 +234,6 @@ async fn begin(
         }
         upload::upload(&mut work, engine, first)?;
     }
+
     Ok(work)
 }

@@ -71,11 +71,13 @@ impl GpuSweep {
         let setup = Arc::new(Setup::new(parameters, pattern, options.sources)?);
         let memory = memory_of(gpu.report(), options.memory);
         let side = longest_side(&setup, &gpu.report().limits, memory)?;
+
         Ok(Self {
             gpu,
             setup,
             memory,
             timed: options.timed,
+            // Windows leave room for the usual halo, doubled once; a wider one may not fit.
             halo: options
                 .halo
                 .map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
@@ -87,7 +89,7 @@ impl GpuSweep {
         })
     }
 
-    /// Returns the domain.
+    /// Returns the domain of the run.
     #[must_use]
     pub fn domain(&self) -> &Domain {
         &self.setup.domain
@@ -168,16 +170,19 @@ impl GpuSweep {
         if done == rows {
             return Ok(None);
         }
+
         let mut side = self.side;
         loop {
             match self.band(side, observer).await {
                 // Other programs may hold the memory, or a wider halo may not fit; smaller windows may still fit.
                 Err(GpuError::OutOfMemory) if side > MIN_SIDE => {
                     side = (side / 2).max(MIN_SIDE);
+                    // Free the buffers, and keep to smaller windows for the rest of the run.
                     self.idle = None;
                     self.side = side;
                 }
                 Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
+                    // Only this band needs more than the usual halo and room.
                     side = (side / 2).max(MIN_SIDE);
                 }
                 other => return other.map(Some),
@@ -198,6 +203,7 @@ impl GpuSweep {
         let max = self.setup.domain.rect().max;
         let units = |cells: u32, max: i32| (i64::from(cells) * i64::from(R)).min(max.into()) as i32;
         let top = (self.done + height).min(rows);
+
         let mut windows = Vec::new();
         for left in (0..columns).step_by(width as usize) {
             ask(observer, self.done.into(), rows.into())?;
@@ -207,10 +213,13 @@ impl GpuSweep {
             };
             windows.push(self.window(&window, observer).await?);
         }
+
+        // Counted only now, so that a band that fails can be computed again.
         for window in &windows {
             self.counts.add(&window.counts);
             self.count += window.points.len() as u64;
         }
+
         self.done = top;
         Ok(join(windows, self.setup.sources))
     }
@@ -243,8 +252,10 @@ impl GpuSweep {
             &self.gpu.report().limits,
             self.memory,
         )?;
+
         let height = f64::from(plan.frame.window.height()) / f64::from(R);
         let (done, rows) = self.rows();
+        // The buffers of the window before are used again where they are long enough.
         let idle = self.idle.take();
         let mut work = WindowRun::new(&self.gpu, &self.setup, plan, idle, self.recording()).await?;
         let shortage = work
@@ -253,6 +264,7 @@ impl GpuSweep {
                 Ok(ask(observer, now.min(rows.into()), rows.into())?)
             })
             .await?;
+
         let outcome = match shortage {
             Some(shortage) => Err(shortage),
             None => Ok(work.result().await?),
@@ -271,6 +283,7 @@ impl GpuSweep {
             sources: self.setup.sources.then(Vec::new),
         };
         while let Some(mut band) = self.step(observer).await? {
+            // The first band is moved, not copied: often it is the whole run.
             if all.points.is_empty() {
                 all = band;
                 continue;
@@ -280,6 +293,7 @@ impl GpuSweep {
                 all.append(band);
             }
         }
+
         Ok((all, self.summary()))
     }
 
@@ -320,10 +334,12 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
             sources: with_sources.then_some(window.sources),
         };
     }
+
     let mut joined = Sampled {
         points: Vec::new(),
         sources: with_sources.then(Vec::new),
     };
+
     let row_of = |p: &Point| p.y / R;
     let mut firsts = vec![0; windows.len()];
     let last = windows
@@ -336,11 +352,14 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
         .filter_map(|w| w.points.first())
         .map(row_of)
         .min();
+
     for row in first.unwrap_or(0)..=last.unwrap_or(-1) {
         for (window, first) in windows.iter().zip(&mut firsts) {
+            // The samples of a window are sorted by rows of cells.
             let rest = &window.points[*first..];
             let count = rest.partition_point(|p| row_of(p) <= row);
             joined.points.extend_from_slice(&rest[..count]);
+
             if let Some(sources) = &mut joined.sources {
                 sources.extend_from_slice(&window.sources[*first..*first + count]);
             }

@@ -28,6 +28,7 @@ pub(crate) fn upload(
         }
         Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters)?,
         Stage::Iterate(_) | Stage::Finish => {
+            // The run may end before this iteration.
             if engine.next() != Some(first) && first != Stage::Finish {
                 return Err(GpuError::FirstStage { stage: first });
             }
@@ -39,18 +40,22 @@ pub(crate) fn upload(
         }
         _ => return Err(GpuError::FirstStage { stage: first }),
     }
+
+    // Copied first, since `write_work` may run the engine one level further.
     let mut base = engine.run().clone();
     if let Stage::Iterate(k) = first
         && k > 1
     {
         write_work(work, &mut engine, k, &mut counters)?;
     }
+
     work.device.write(Name::Counters, bytes(&counters))?;
     let inserted = base
         .iterations
         .iter()
         .map(|i| i.inserted.len() as u64)
         .collect();
+    // The device gathers the result itself.
     base.result.clear();
     work.begin_at(first, inserted, base);
     Ok(())
@@ -64,6 +69,7 @@ fn bytes(words: &[u32]) -> &[u8] {
 fn tile_images(work: &WindowRun) -> Vec<u32> {
     let frame = &work.plan.uniform;
     let mut lists = vec![0; (frame.tiles * TILE_WORDS) as usize];
+    // Pieces are in the order of images, so that the lists are sorted, as the pass `sort blocks` leaves them.
     for &[image, column, row, size] in &work.plan.pieces {
         for up in 0..size >> 16 {
             for right in 0..size & 0xffff {
@@ -83,8 +89,10 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
     let cells = work.plan.cells() as usize;
     let mut starts = vec![0_u32; cells + 1];
     for sample in &tiled {
-        starts[sample.0 + 1] += 1;
+        starts[sample.cell + 1] += 1;
     }
+
+    // The engine leaves samples without conflicts undecided, too, so every cell that holds samples is listed.
     let mut contested = Vec::new();
     for cell in 0..cells {
         if starts[cell + 1] > 0 {
@@ -92,10 +100,13 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
         }
         starts[cell + 1] += starts[cell];
     }
-    let places: Vec<u32> = tiled.iter().map(|sample| sample.2 | sample.3).collect();
-    let origins: Vec<u32> = tiled.iter().flat_map(|s| [s.1, s.4]).collect();
+
+    let places: Vec<u32> = tiled.iter().map(|s| s.offset | s.fate).collect();
+    let origins: Vec<u32> = tiled.iter().flat_map(|s| [s.image, s.pattern]).collect();
+
     counters[counter::CONTESTED as usize] = contested.len() as u32;
     counters[counter::TILED as usize] = tiled.len() as u32;
+
     let device = &work.device;
     device.write(Name::Starts, bytes(&starts))?;
     device.write(Name::Places, bytes(&places))?;
@@ -103,14 +114,24 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
     device.write(Name::Heads, bytes(&contested))
 }
 
-/// Cell, image, offset in the cell, fate, pattern index.
-type TiledWords = (usize, u32, u32, u32, u32);
+/// A tiled sample as the device stores it. Sorted by these fields in turn, samples are in the sequence of the device's
+/// list: cell by cell, then image by image, then row by row.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct TiledWords {
+    cell: usize,
+    image: u32,
+    /// The place in the cell: the row in the high bits, the column in the low ones.
+    offset: u32,
+    fate: u32,
+    pattern: u32,
+}
 
 /// Returns the samples tiled in the frame, in the order of the device's list.
 fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
     let (plan, clipper) = (&work.plan, &work.setup.clipper);
     let mut ids: HashMap<u32, Vec<(i64, i64)>> = HashMap::new();
     let mut tiled = Vec::new();
+
     for (placed, index) in plan.placed.iter().zip(0..) {
         let enlarged = placed.rect.grown(R.into(), R.into());
         // The ids of a block follow its clip row by row.
@@ -118,6 +139,7 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
             .entry(placed.index)
             .or_insert_with(|| clip_of(work, placed));
         let first = run.tiles[placed.index as usize].samples.start;
+
         clipper.clip(placed, &enlarged, &plan.frame.tiled(), |x, y, pattern| {
             let offset = (i64::from(y) - enlarged.min.y, i64::from(x) - enlarged.min.x);
             let k = offsets.partition_point(|p| *p < offset) as u32;
@@ -127,9 +149,16 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
                 Fate::Eliminated { .. } | Fate::Dropped => FATE_LOST,
             };
             let cell = plan.frame.cell_at(x, y);
-            tiled.push((cell, index, pack(x, y), fate, pattern));
+            tiled.push(TiledWords {
+                cell,
+                image: index,
+                offset: pack(x, y),
+                fate,
+                pattern,
+            });
         });
     }
+
     tiled.sort_unstable();
     tiled
 }
@@ -141,11 +170,13 @@ fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::PlacedBlock) -> V
     // Relative to its own corner a block fits 32 bits; longer ones are refused earlier, as too large to run in one go.
     moved.rect.min = I64Vec2::splat(R.into());
     moved.rect.max = placed.rect.max - placed.rect.min + i64::from(R);
+
     let whole = moved.rect.grown(R.into(), R.into());
     let target = tilescope_core::Rect {
         min: Point::new(0, 0),
         max: Point::new(i32::MAX, i32::MAX),
     };
+
     let mut offsets = Vec::new();
     clipper.clip(&moved, &whole, &target, |x, y, _| {
         offsets.push((i64::from(y), i64::from(x)));
@@ -169,6 +200,7 @@ fn write_grid(
     let cells = work.plan.cells() as usize;
     let mut grid = vec![[u32::MAX, u32::MAX, u32::MAX, 0]; cells];
     let last = run.iterations.len() as u32;
+
     for (id, (&point, &fate)) in run
         .samples
         .points
@@ -181,26 +213,31 @@ fn write_grid(
             .iter()
             .position(|i| i.inserted.contains(&(id as u32)))
             .map_or(0, |index| index as u32 + 1);
+        // The samples inserted last are the next detectors.
         let detector = if iteration > 0 && iteration == last {
             DETECTOR
         } else {
             0
         };
+
         for [x, y] in images(work, point) {
             let slots = &mut grid[frame.cell_at(x, y)];
             if fate == Fate::Kept {
                 let count = slots[3] & 3;
                 slots[count as usize] = pack(x, y) | detector;
+                // Iterations take a byte for each slot, above the count and the flags.
                 slots[3] = (slots[3] + 1) | iteration << (8 + 8 * count);
             } else {
                 slots[3] |= FLAG_LOST;
             }
         }
     }
+
     let mut unsure = Vec::new();
     for (cell, slots) in grid.iter_mut().enumerate() {
         let (column, row) = frame.column_row(cell);
         let rim = rim(work, column, row);
+        // Only detectors make candidates, so that searching every cell finds no more than searching those near them.
         slots[3] |= FLAG_FRESH;
         if rim == 0 {
             slots[3] |= FLAG_UNSURE;
@@ -210,10 +247,13 @@ fn write_grid(
             slots[3] |= FLAG_HOT;
         }
     }
+
     counters[counter::UNSURE as usize] = unsure.len() as u32;
+    // From here on no pass spreads unsure cells, so all of them count as spread.
     if work.setup.parameters.insertion == Insertion::Uniform || first == Stage::Finish {
         counters[counter::SPREAD as usize] = unsure.len() as u32;
     }
+
     work.device.write(Name::Unsure, bytes(&unsure))?;
     work.device.write(Name::Grid, bytemuck::cast_slice(&grid))
 }
@@ -233,6 +273,7 @@ fn rim(work: &WindowRun, column: i32, row: i32) -> i32 {
         (below, row),
         (above, rows - 1 - row),
     ];
+    // Nothing lies beyond a closed border, so that it is no edge.
     let open = ways.into_iter().filter(|(open, _)| *open);
     open.map(|(_, away)| away).min().unwrap_or(i32::MAX)
 }
@@ -253,6 +294,7 @@ fn images(work: &WindowRun, point: Point) -> Vec<[i32; 2]> {
             .map(|v| v as i32)
             .collect()
     };
+
     let columns: Vec<i32> = along(0, point.x);
     along(1, point.y)
         .into_iter()
@@ -277,6 +319,7 @@ fn write_work(
     if work.setup.parameters.insertion == Insertion::Circumcentre {
         let [columns, rows] = work.plan.frame.cells;
         let cell = |row| (0..columns).map(move |column| (column, row));
+        // A cell without an open pixel yields no candidate.
         let all: Vec<u32> = (0..rows)
             .flat_map(cell)
             .map(|(column, row)| work.plan.frame.cell(column, row) as u32)
@@ -284,6 +327,7 @@ fn write_work(
         counters[counter::OPEN as usize] = all.len() as u32;
         return work.device.write(Name::List, bytes(&all));
     }
+
     // The engine has a level's cells only after running it.
     engine.step(&mut Unobserved)?;
     let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
@@ -291,6 +335,7 @@ fn write_work(
             stage: Stage::Iterate(k),
         });
     };
+
     let inside = |[x, y]: &[i32; 2]| work.plan.frame.holds(*x, *y);
     let active: Vec<[i32; 2]> = iteration
         .cells
@@ -298,6 +343,7 @@ fn write_work(
         .flat_map(|cell| images(work, cell.min))
         .filter(inside)
         .collect();
+
     counters[counter::ACTIVE as usize] = active.len() as u32;
     work.device
         .write(Name::Active, bytemuck::cast_slice(&active))?;

@@ -47,7 +47,7 @@ enum Step {
 /// Why a window must be computed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shortage {
-    /// A sample in the window depends on what lies beyond the frame; a wider halo is needed.
+    /// A sample in the window depends on samples beyond the frame; a wider halo is needed.
     Halo,
     /// A list was too short; this room is needed.
     Room(Room),
@@ -121,6 +121,7 @@ impl WindowRun {
         self.step = match stage {
             Stage::Tile => Step::Tile,
             Stage::Eliminate => Step::Eliminate,
+            // What the upload lacks is the grid of survivors, which the end of elimination makes.
             Stage::Iterate(1) => Step::Survive,
             Stage::Iterate(k) if uniform => Step::Level(k),
             Stage::Iterate(k) => Step::Iterate(k),
@@ -205,8 +206,10 @@ impl WindowRun {
             let commands: Vec<Command> = self.queue.drain(..).collect();
             self.device.submit(&commands, self.stage)?;
             if self.reads {
+                // Between readings the host does not wait, so it knows of no progress.
                 ask(self.share())?;
             }
+
             if let Some(shortage) = self.settle().await? {
                 return Ok(Some(shortage));
             }
@@ -230,6 +233,7 @@ impl WindowRun {
         if self.queue.is_empty() {
             self.record().await?;
         }
+
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage)?;
             if matches!(command, Command::Dispatch { .. }) {
@@ -237,6 +241,7 @@ impl WindowRun {
                 break;
             }
         }
+
         // Commands after the last pass of a step belong to that pass.
         let is_pass = |command: &Command| matches!(command, Command::Dispatch { .. });
         while matches!(self.queue.front(), Some(Command::SwapActive))
@@ -246,6 +251,7 @@ impl WindowRun {
                 self.device.submit(&[command], self.stage)?;
             }
         }
+
         if self.queue.is_empty() {
             return self.settle().await;
         }
@@ -257,12 +263,15 @@ impl WindowRun {
         let count = u64::from(self.counter(counter::KEPT));
         let bytes = self.device.bytes(Name::Result, 0..8 * count).await?;
         let points = bytes.chunks_exact(8).map(point).collect();
+        // The sources need as much memory again.
         drop(bytes);
+
         let mut sources = Vec::new();
         if self.setup.sources {
             let words = self.device.words(Name::Tags, 0..2 * count).await?;
             sources = words.chunks_exact(2).map(source).collect();
         }
+
         Ok(WindowSamples {
             points,
             sources,
@@ -272,6 +281,7 @@ impl WindowRun {
 
     fn counts(&self) -> WindowCounts {
         let window = Rect64::from(self.plan.frame.window);
+        // Each block starts in one window, so that the counts of all windows add up.
         let starts_here = |placed: &&PlacedBlock| window.contains(placed.rect.min);
         let mut counts = WindowCounts {
             blocks: self.plan.placed.iter().filter(starts_here).count() as u64,
@@ -279,6 +289,7 @@ impl WindowRun {
             dropped: self.counter(counter::DROPPED).into(),
             inserted: Vec::new(),
         };
+
         for (index, &count) in self.inserted.iter().enumerate() {
             if count > 0 {
                 counts.insert(index, count);
@@ -305,6 +316,7 @@ impl WindowRun {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
         let keeps_stages = self.kept.is_some();
         self.stage = self.stage_of(self.step);
+
         let phase = match self.step {
             Step::Survive => Some(Phase::Fill),
             Step::Level(1) => Some(Phase::Levels),
@@ -314,6 +326,8 @@ impl WindowRun {
         if let Some(phase) = phase {
             self.device.enter(&self.setup, &self.plan, phase).await?;
         }
+
+        // Counters are read only where a loop may end there, or where stages are inspected.
         let (commands, next, reads) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
             Step::Tile => (passes::tile(&self.plan), Step::Eliminate, keeps_stages),
@@ -343,6 +357,7 @@ impl WindowRun {
                 (passes::start(&self.plan, reach), Step::Level(1), true)
             }
             Step::Level(k) => {
+                // From level 1 on a cell throws once, so its throw is number 0.
                 let key = throw_key(gap_key(self.setup.key), k, 0).words();
                 (
                     passes::level(k, LAST_LEVEL - k, key),
@@ -358,6 +373,7 @@ impl WindowRun {
             ),
             Step::Done => (Vec::new(), Step::Done, false),
         };
+
         self.queue.extend(commands);
         self.step = next;
         self.reads = reads;
@@ -383,12 +399,15 @@ impl WindowRun {
             return Ok(None);
         }
         self.reads = false;
+
         let words = self
             .device
             .words(Name::Counters, 0..counter::COUNT.into())
             .await?;
         self.counters.copy_from_slice(&words);
+        // All passes before this reading have ended, so their times are known.
         self.device.read_times().await?;
+
         if let Some(shortage) = self.judge()? {
             return Ok(Some(shortage));
         }
@@ -406,10 +425,12 @@ impl WindowRun {
                 room
             }
         };
+
         let wanted = Room {
             tiled: needed(self.counter(counter::TILED), room.tiled),
             open: match self.setup.parameters.insertion {
                 Insertion::Circumcentre => needed(self.counter(counter::OPEN), room.open),
+                // It lists no open cells, though the pass counts them.
                 Insertion::Uniform => room.open,
             },
             unsure: needed(self.counter(counter::UNSURE), room.unsure),
@@ -421,9 +442,12 @@ impl WindowRun {
             ),
             result: needed(self.counter(counter::KEPT), room.result),
         };
+
+        // Before faults and unsure cells, which may follow from a list that was too short.
         if wanted != room {
             return Ok(Some(Shortage::Room(wanted)));
         }
+
         match self.counter(counter::FAULT) {
             0 => {}
             FAULT_TILED => return Ok(Some(Shortage::Room(wanted))),
@@ -432,13 +456,16 @@ impl WindowRun {
                 return Err(GpuError::Fault { stage, code });
             }
         }
+
         let is_unsure = self.counter(counter::UNSURE_IN_WINDOW) > 0;
         Ok(is_unsure.then_some(Shortage::Halo))
     }
 
     /// Chooses the next step from the counters.
     async fn decide(&mut self) -> Result<(), GpuError> {
+        // The number of rounds is even, so that the last one counted in the second counter.
         let undecided = self.counter(counter::UNDECIDED_ODD) > 0;
+
         match self.step {
             Step::EliminateMore if !undecided => self.step = Step::Survive,
             Step::ChooseMore(k) if !undecided => {
@@ -449,6 +476,7 @@ impl WindowRun {
             }
             Step::Iterate(1) => {
                 if let Some(kept) = &mut self.kept {
+                    // Detection removes the marks of the detectors.
                     let cells = self.plan.cells();
                     kept.entry(1).or_default().grid =
                         self.device.bytes(Name::Grid, 0..16 * cells).await?;
@@ -456,6 +484,7 @@ impl WindowRun {
             }
             Step::Level(k) => {
                 let active = u64::from(self.counter(counter::ACTIVE));
+                // Without active cells there is no place left to fill.
                 if active == 0 {
                     self.step = Step::Finish;
                 } else if let Some(kept) = &mut self.kept {
@@ -465,6 +494,7 @@ impl WindowRun {
             }
             _ => {}
         }
+
         Ok(())
     }
 
@@ -485,6 +515,9 @@ impl WindowRun {
                 Step::Split(k)
             };
         }
+
+        // An iteration that inserts nothing is the last one, unless cells became unsure in it: the next detection
+        // spreads them.
         let spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
         if self.counter(counter::INSERTED) == 0 && spread {
             Step::Finish

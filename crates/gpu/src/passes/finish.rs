@@ -65,14 +65,19 @@ pub(super) const SOURCES: Pass = Pass {
 /// Records the stage. With `sources` it writes the source of each sample.
 pub(crate) fn finish(plan: &WindowPlan, sources: bool) -> Vec<Command> {
     let cells = Size::Invocations(plan.cells());
+    // One entry more than there are cells: its sum is the total, and the end of the last cell.
     let mut commands = vec![run(&TALLY, Size::Invocations(plan.cells() + 1))];
     commands.extend(sum(
         &SCAN_HEADS,
         &ADD_HEADS,
         plan.cells() + 1,
-        (counter::KEPT, u32::MAX),
+        counter::KEPT,
+        // Without a limit, since `gather` looks itself for the end of the result.
+        u32::MAX,
     ));
+
     commands.push(run(&GATHER, cells));
+
     if sources {
         commands.push(run(&SOURCES, cells));
     }

@@ -67,26 +67,32 @@ pub(super) const TILE: Pass = Pass {
 
 /// Records the stage.
 pub(crate) fn tile(plan: &WindowPlan) -> Vec<Command> {
+    // One entry more than there are cells: its sum is the total, and the end of the last cell.
     let mut commands = vec![run(&COUNT, Size::Invocations(plan.cells() + 1))];
     commands.extend(sum(
         &SCAN_STARTS,
         &ADD_STARTS,
         plan.cells() + 1,
-        (counter::TILED, plan.room().tiled),
+        counter::TILED,
+        // Where the samples do not fit their list, no cell's share may reach beyond it.
+        plan.room().tiled,
     ));
+
     commands.push(run(&TILE, Size::Invocations(plan.cells())));
     commands
 }
 
-/// Records the prefix sum of a list of `length` elements. The total goes to a counter.
+/// Records the prefix sum of a list of `length` elements, each sum at most `limit`. The total goes to a counter.
 pub(super) fn sum(
     scan: &'static Pass,
     add: &'static Pass,
     length: u64,
-    (counter, limit): (u32, u32),
+    counter: u32,
+    limit: u32,
 ) -> [Command; 3] {
     let job = [length as u32, counter, limit, 0];
     let parts = length.div_ceil(SCAN_PART.into());
+
     [
         run_with(scan, job, Size::Workgroups(parts)),
         run_with(&SCAN_SUMS, job, Size::Workgroups(1)),

@@ -35,6 +35,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
         let expected =
             block_on(sweep.attempt(&window, Allowance::new(HALO), &mut Unobserved)).unwrap();
         assert!(expected.is_ok());
+
         let uniform = insertion == Insertion::Uniform;
         let mut rooms = vec![
             Room { tiled: 99, ..room },
@@ -50,6 +51,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
         } else {
             Room { open: 9, ..room }
         });
+
         for small in rooms {
             let mut allowance = Allowance::new(HALO);
             allowance.room = Some(small);
