@@ -11,6 +11,7 @@ fn run(index: u32) {
         by[k] = 0u;
         let p = unpack(places[k], at);
         if (places[k] & FATE_MASK) == FATE_LOST && holds(p) {
+            // A dropped sample lies beyond the domain; no sample eliminated it.
             by[k] = first_cover(p, at) + 1u;
         }
     }
@@ -19,6 +20,8 @@ fn run(index: u32) {
 fn first_cover(p: vec2<i32>, at: vec2<i32>) -> u32 {
     var first = 0xffffffffu;
     var turn = Turn(0u, 0u, 0u, 0u);
+
+    // Cells have sides of r, so samples in conflict lie in the same cell or in adjacent ones.
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             let cell = cell_index(column, row);

@@ -13,10 +13,13 @@ fn run(index: u32) {
     if local >= columns * rows {
         return;
     }
+
     let column = piece.y + local % columns;
     let row = piece.z + local / columns;
     let first = (row * frame.tile_columns + column) * TILE_WORDS;
+
     let slot = atomicAdd(&tile_images[first], 1u);
+    // TILE_WORDS has room for all images that can reach a tile, so this is a fault.
     if slot + 1u >= TILE_WORDS {
         atomicStore(&counters[COUNTER_FAULT], FAULT_IMAGES);
         return;

@@ -14,6 +14,7 @@ fn is_near_border(p: vec2<i32>) -> bool {
     }
     let at = vec2<i32>(domain_point(p));
     let away = min(at, vec2<i32>(i32(frame.side_x), i32(frame.side_y)) + 1 - at);
+    // Deeper than 4.42 r all candidates of a detector are within 2 r of it, as proved at core's `Reach::new`.
     return min(away.x, away.y) <= 9 * R / 2;
 }
 
@@ -24,6 +25,8 @@ fn finds(k: u32, c: vec2<i32>, a: u32, b: u32) -> bool {
     }
     let p = site_points[k];
     let near = is_near_border(p);
+
+    // The same as core's `Reach`.
     let radius = select(2 * R + 16, 7 * R / 2, near);
     let search = select(frame.search, frame.search_border, near);
     return within(c - p, radius) && within(site_points[a] - p, search) && within(site_points[b] - p, search);
@@ -31,12 +34,16 @@ fn finds(k: u32, c: vec2<i32>, a: u32, b: u32) -> bool {
 
 // Returns whether no sample covers `c`, and none is much nearer to it than the nearest of its sites.
 fn is_clear(c: vec2<i32>, at: vec2<i32>, nearest: vec2<u32>) -> bool {
+    // Covered means a squared distance of at most R^2.
     let covering = wide_from(R * R + 1);
     var limit = wide_sub(nearest, wide_from(NEARER_SLACK));
     if wide_less(limit, covering) {
         limit = covering;
     }
+
+    // Only samples nearer than the limit count. Those within 2 r are at most two cells away.
     let reach = select(widest(), 2, !wide_less(wide_multiply(2 * R, 2 * R), nearest));
+
     for (var row = at.y - reach; row <= at.y + reach; row++) {
         for (var column = at.x - reach; column <= at.x + reach; column++) {
             let first = 4u * cell_index(column, row);
@@ -61,6 +68,7 @@ fn try_point(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
     if !(finds(a, c, b, n) || finds(b, c, a, n) || finds(n, c, a, b)) {
         return;
     }
+
     var nearest = wide_norm_squared(site_points[a] - c);
     let second = wide_norm_squared(site_points[b] - c);
     let third = wide_norm_squared(site_points[n] - c);
@@ -70,6 +78,7 @@ fn try_point(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
     if wide_less(third, nearest) {
         nearest = third;
     }
+
     if is_clear(c, cell_of(c), nearest) {
         let key = vec3<u32>(site_keys[a], site_keys[b], site_keys[n]) & vec3<u32>(~SITE_DETECTOR);
         propose(c, 0u, vec3<u32>(key.x, select(key.y, NO_SITE, b == a), select(key.z, NO_SITE, n == a)));
@@ -83,9 +92,12 @@ fn may_lie_in(a: vec2<i32>, b: vec2<i32>, low: vec2<i32>) -> bool {
     let p = vec2<f32>(a);
     let q = vec2<f32>(b);
     let area = p.x * q.y - p.y * q.x;
+
+    // 2^27, and twice the error of the area.
     if abs(area) < 134250496.0 {
         return true;
     }
+
     let squares = vec2<f32>(dot(p, p), dot(q, q));
     let centre = vec2<f32>(squares.x * q.y - squares.y * p.y, squares.y * p.x - squares.x * q.x) / (2.0 * area);
     let least = vec2<f32>(low - 128);
@@ -97,15 +109,18 @@ fn try_triples(low: vec2<i32>) {
     for (var a = 0u; a + 2u < sites; a++) {
         for (var b = a + 1u; b + 1u < sites; b++) {
             for (var n = b + 1u; n < sites; n++) {
+                // Candidates have a detector, by definition.
                 if ((site_keys[a] | site_keys[b] | site_keys[n]) & SITE_DETECTOR) == 0u {
                     continue;
                 }
+
                 let origin = site_points[a];
                 let second = site_points[b] - origin;
                 let third = site_points[n] - origin;
                 if !may_lie_in(second, third, low - origin) {
                     continue;
                 }
+
                 let centre = circumcentre(second, third);
                 if centre.exists {
                     try_point(origin + centre.offset, low, a, b, n);
@@ -121,6 +136,7 @@ fn try_line(low: vec2<i32>, axis: u32, line: i32) {
     if line < low[axis] || line >= low[axis] + PIXEL_SIDE {
         return;
     }
+
     for (var a = 0u; a + 1u < sites; a++) {
         for (var b = a + 1u; b < sites; b++) {
             let origin = site_points[a];
@@ -142,6 +158,7 @@ fn try_borders(low: vec2<i32>) {
     try_line(low, 0u, last.x);
     try_line(low, 1u, first.y);
     try_line(low, 1u, last.y);
+
     for (var a = 0u; a < sites; a++) {
         try_point(vec2<i32>(first.x, first.y), low, a, a, a);
         try_point(vec2<i32>(last.x, first.y), low, a, a, a);
@@ -161,18 +178,22 @@ fn run(index: u32) {
     if (flags & FLAG_UNSURE) != 0u || (job.a > 1u && (flags & FLAG_FRESH) == 0u) {
         return;
     }
+
     let at = column_row(cell);
     let row = index % 8u;
     let pixels = open_pixels(at);
     var open = (select(pixels.upper, pixels.lower, row < 4u) >> (8u * (row % 4u))) & 255u;
+
     while open != 0u {
         let column = countTrailingZeros(open);
         open &= open - 1u;
         let low = (at << vec2<u32>(CELL_BITS)) + vec2<i32>(i32(column), i32(row)) * PIXEL_SIDE;
         find_sites(low + PIXEL_SIDE / 2, at);
+        // A pixel without a detector among its sites holds no candidate.
         if !has_detector {
             continue;
         }
+
         try_triples(low);
         if frame.periodic == 0u {
             try_borders(low);

@@ -26,10 +26,13 @@ fn run(index: u32) {
     if is_over() || index >= count || count > frame.proposal_capacity || state_of(index) != PROPOSAL_UNDECIDED {
         return;
     }
+
     let p = proposed_at(index);
     let at = cell_of(p);
     var undecided = false;
+    // Next to an unsure cell a sample that is unknown here may come first.
     var unknown = (grid[4u * cell_index(at.x, at.y) + 3u] & FLAG_HOT) != 0u;
+
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             var next = atomicLoad(&heads[cell_index(column, row)]);
@@ -40,6 +43,7 @@ fn run(index: u32) {
                 if other == index || !covers_offset(q - p) || !is_before(other, q, index, p) {
                     continue;
                 }
+
                 let state = state_of(other);
                 if state == PROPOSAL_KEPT || state == PROPOSAL_INSERTED {
                     set_state(index, PROPOSAL_REJECTED);
@@ -50,6 +54,7 @@ fn run(index: u32) {
             }
         }
     }
+
     if undecided {
         leave_undecided();
     } else {

@@ -37,14 +37,17 @@ fn round_half_up(numerator: vec2<u32>, denominator: vec2<u32>) -> Rounded {
     if all(d == vec2<u32>(0u, 0u)) {
         return Rounded(false, 0);
     }
+
     let estimate = wide_to_f32(n) / wide_to_f32(d);
     if abs(estimate) > f32(ROUNDED_LIMIT + 2) {
         return Rounded(false, 0);
     }
+
     let t = i32(round(estimate));
     let rest = wide_sub(n, wide_times(d, t));
     let twice = wide_add(rest, rest);
     let q = t + i32(!wide_less(twice, d)) - i32(wide_less(twice, wide_negate(d)));
+
     if abs(q) > ROUNDED_LIMIT {
         return Rounded(false, 0);
     }
@@ -59,6 +62,7 @@ fn circumcentre(a: vec2<i32>, b: vec2<i32>) -> Centre {
     let denominator = wide_add(cross, cross);
     let a2 = wide_norm_squared(a);
     let b2 = wide_norm_squared(b);
+
     let x = round_half_up(wide_sub(wide_times(a2, b.y), wide_times(b2, a.y)), denominator);
     if !x.exists {
         return Centre(false, vec2<i32>(0, 0));

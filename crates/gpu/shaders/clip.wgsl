@@ -30,8 +30,10 @@ fn clip_image(index: u32, at: vec2<i32>) {
     if low.x >= high.x || low.y >= high.y {
         return;
     }
+
     let period = vec2<u32>(pattern[image.shape], pattern[image.shape + 1u]);
     let start = vec2<u32>(vec2<i32>(image.start_x, image.start_y)) + vec2<u32>(low - clip_min);
+
     let before = found;
     var from_y = start.y % period.y;
     var y = low.y;
@@ -49,6 +51,8 @@ fn clip_image(index: u32, at: vec2<i32>) {
         y += i32(rows);
         from_y = 0u;
     }
+
+    // The pattern has its samples cell by cell, so those found are not yet in the order of rows.
     sort_found(before);
 }
 
@@ -57,6 +61,7 @@ fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, inde
     let columns = pattern[shape + 2u];
     let starts_at = pattern[shape + 3u];
     let points_at = pattern[shape + 4u];
+
     let first = start >> vec2<u32>(CELL_BITS);
     let last = (start + size - 1u) >> vec2<u32>(CELL_BITS);
     for (var row = first.y; row <= last.y; row++) {

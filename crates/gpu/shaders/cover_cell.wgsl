@@ -22,6 +22,7 @@ fn is_cell_covered(low: vec2<i32>, extent: vec2<i32>) -> bool {
             let cell = 4u * cell_index(column, row);
             let count = grid_word(cell + 3u) & COUNT_MASK;
             for (var k = 0u; k < count; k++) {
+                // If a sample covers the corner that is farthest from it, it covers the cell.
                 let s = unpack(grid_word(cell + k), vec2<i32>(column, row));
                 let away = max(abs(s - low), abs(s - low - extent));
                 if covers_offset(away) {

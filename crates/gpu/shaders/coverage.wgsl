@@ -19,13 +19,16 @@ fn open_in_row(s: vec2<i32>, row: i32) -> u32 {
     if away >= R {
         return 255u;
     }
+
     // Half the chord. The root of an integer below 2^30 is exact within 1/4 of a unit; subtract one unit to be safe.
     let half = i32(sqrt(f32(R * R - away * away)) - 1.0);
+
     let first = max((s.x - half + PIXEL_SIDE - 1) >> PIXEL_BITS, 0);
     let end = min((s.x + half + 1) >> PIXEL_BITS, 8);
     if half < 0 || first >= end {
         return 255u;
     }
+
     let covered = ((1u << u32(end)) - 1u) & ~((1u << u32(first)) - 1u);
     return 255u & ~covered;
 }
@@ -33,6 +36,8 @@ fn open_in_row(s: vec2<i32>, row: i32) -> u32 {
 // Returns the open pixels of a cell, rows from the lowest on, a byte each.
 fn open_pixels(at: vec2<i32>) -> OpenPixels {
     var open = OpenPixels(0xffffffffu, 0xffffffffu);
+
+    // Only samples of this cell and of adjacent ones cover places in it.
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             let first = 4u * cell_index(column, row);
@@ -50,6 +55,7 @@ fn open_pixels(at: vec2<i32>) -> OpenPixels {
             }
         }
     }
+
     let inside = pixels_inside(at);
     return OpenPixels(open.lower & inside.lower, open.upper & inside.upper);
 }
@@ -59,6 +65,7 @@ fn pixels_inside(at: vec2<i32>) -> OpenPixels {
     let room = vec2<i32>(frame.end_x, frame.end_y) - (at << vec2<u32>(CELL_BITS)) + PIXEL_SIDE - 1;
     let ends = clamp(room >> vec2<u32>(PIXEL_BITS), vec2<i32>(0), vec2<i32>(8));
     let row = ((1u << u32(ends.x)) - 1u) * 0x01010101u;
+
     // WGSL takes shifts modulo 32, so a shift by 32 bits needs its own case.
     let low = select((1u << u32(8 * min(ends.y, 3))) - 1u, 0xffffffffu, ends.y >= 4);
     let high = select((1u << u32(8 * clamp(ends.y - 4, 0, 3))) - 1u, 0xffffffffu, ends.y == 8);
@@ -72,6 +79,7 @@ fn is_square_open(low: vec2<i32>, side: i32, at: vec2<i32>) -> bool {
     if any(high < low) {
         return false;
     }
+
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             let first = 4u * cell_index(column, row);
@@ -91,11 +99,13 @@ fn is_square_open(low: vec2<i32>, side: i32, at: vec2<i32>) -> bool {
 // Nearly all that is left open then lies in a gap, so that cells without gaps seldom become unsure.
 fn may_be_uncovered(pixels: OpenPixels, at: vec2<i32>) -> bool {
     let corner = at << vec2<u32>(CELL_BITS);
+
     for (var pixel = 0u; pixel < 64u; pixel++) {
         let word = select(pixels.upper, pixels.lower, pixel < 32u);
         if ((word >> (pixel % 32u)) & 1u) == 0u {
             continue;
         }
+
         let low = corner + vec2<i32>(i32(pixel % 8u), i32(pixel / 8u)) * PIXEL_SIDE;
         for (var part = 0; part < 64; part++) {
             let part_low = low + vec2<i32>(part % 8, part / 8) * (PIXEL_SIDE / 8);

@@ -21,6 +21,7 @@ fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
             for (var k = starts[cell]; k < end; k++) {
                 let word = atomicLoad(&places[k]);
                 let fate = word & FATE_MASK;
+                // A sample that is lost eliminates no other.
                 if k == me || fate == FATE_LOST {
                     continue;
                 }
@@ -44,11 +45,13 @@ fn run(index: u32) {
     let cell = list[index];
     let at = column_row(cell);
     let edge = is_edge(at);
+
     for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
         let word = atomicLoad(&places[k]);
         if (word & FATE_MASK) != FATE_UNDECIDED {
             continue;
         }
+
         let p = unpack(word, at);
         let before = look_before(k, p, turn_of(p, origins[k * frame.origin_words]), at);
         var fate = FATE_KEPT;
@@ -61,6 +64,7 @@ fn run(index: u32) {
             // Samples beyond the edge of the frame are unknown.
             fate = FATE_UNKNOWN;
         }
+
         atomicStore(&places[k], word | fate);
     }
 }

@@ -6,6 +6,7 @@
 fn is_touched(low: vec2<i32>, extent: vec2<i32>) -> bool {
     let first = cell_of(low - GAP_REACH);
     let last = cell_of(low + extent + GAP_REACH);
+
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
             let cell = cell_index(column, row);
@@ -38,6 +39,8 @@ fn run(index: u32) {
     let at = vec2<i32>(i32(index % u32(frame.columns)), i32(index / u32(frame.columns)));
     let corner = at << vec2<u32>(CELL_BITS);
     let end = vec2<u32>(domain_end());
+
+    // Cells of the dart process begin at the edge of the domain and have half the sides of the grid's cells.
     var up = first_start(domain_point(corner).y, 1u);
     while up < u32(R) {
         var right = first_start(domain_point(corner).x, 0u);

@@ -10,11 +10,14 @@ fn run(index: u32) {
     if count == 0u || !touches_window(at) {
         return;
     }
+
+    // Sorts the three slots; free ones go to the end.
     var slots = vec3<u32>(grid[4u * index], grid[4u * index + 1u], grid[4u * index + 2u]) & vec3<u32>(POSITION_MASK);
     slots = select(slots, vec3<u32>(FREE), vec3<u32>(0u, 1u, 2u) >= vec3<u32>(count));
     slots = vec3<u32>(min(slots.x, slots.y), max(slots.x, slots.y), slots.z);
     slots = vec3<u32>(slots.x, min(slots.y, slots.z), max(slots.y, slots.z));
     slots = vec3<u32>(min(slots.x, slots.y), max(slots.x, slots.y), slots.z);
+
     var to = heads[index];
     for (var k = 0u; k < count; k++) {
         let p = unpack(slots[k], at);

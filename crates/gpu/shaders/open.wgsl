@@ -26,12 +26,15 @@ fn run(index: u32) {
     if !is_near_lost(at) {
         return;
     }
+
     let pixels = open_pixels(at);
     if !is_open(pixels) {
         return;
     }
+
     let cell = cell_index(at.x, at.y);
     let flags = grid_word(4u * cell + 3u);
+
     if (flags & FLAG_REACHED) != 0u && may_be_uncovered(pixels, at) {
         make_hot(cell, at);
     } else {

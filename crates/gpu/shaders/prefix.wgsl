@@ -7,6 +7,7 @@ var<workgroup> totals: array<u32, WORKGROUP>;
 fn sum_before(local: u32, total: u32) -> u32 {
     totals[local] = total;
     workgroupBarrier();
+    // After each step a total is the sum of twice as many invocations as before.
     for (var step = 1u; step < WORKGROUP; step *= 2u) {
         var before = 0u;
         if local >= step {

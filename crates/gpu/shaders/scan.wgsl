@@ -11,16 +11,19 @@ fn main(
     let part = group.y * groups.x + group.x;
     let first = part * SCAN_PART + local * SCAN_EACH;
     let length = job.a;
+
     var total = 0u;
     for (var k = first; k < min(first + SCAN_EACH, length); k++) {
         total += data[k];
     }
+
     var sum = sum_before(local, total);
     for (var k = first; k < min(first + SCAN_EACH, length); k++) {
         let value = data[k];
         data[k] = sum;
         sum += value;
     }
+
     if local == WORKGROUP - 1u && part * SCAN_PART < length {
         sums[part] = totals[local];
     }

@@ -8,6 +8,7 @@ fn run(index: u32) {
     let first = 4u * index;
     let last = grid[first + 3u];
     let count = last & COUNT_MASK;
+
     if (last & FLAG_FRESH) != 0u {
         grid[first + 3u] = last & ~FLAG_FRESH;
     }

@@ -16,6 +16,7 @@ fn widest() -> i32 {
 
 // Returns the squared distance of the nearest sample within some cells.
 fn nearest_to(centre: vec2<i32>, at: vec2<i32>, reach: i32) -> f32 {
+
     var nearest = 1e30;
     for (var row = at.y - reach; row <= at.y + reach; row++) {
         for (var column = at.x - reach; column <= at.x + reach; column++) {
@@ -60,12 +61,14 @@ fn find_sites(centre: vec2<i32>, at: vec2<i32>) {
     has_detector = false;
     // f32 holds offsets exactly and distances to 2^-22 of them: less than a tenth of a unit here, while a place
     // of the pixel is HALF_DIAGONAL from its centre at most and SITE_SLACK allows for the rounding of candidates.
+
     var reach = 2;
     var nearest = sqrt(nearest_to(centre, at, reach));
     if nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= f32(2 * R) {
         reach = widest();
         nearest = sqrt(nearest_to(centre, at, reach));
     }
+
     let farthest = f32(select(7 * R / 2, 2 * R + 16, frame.periodic != 0u));
     if nearest - HALF_DIAGONAL - 1.0 <= farthest {
         gather_sites(centre, at, reach, nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK);

@@ -6,6 +6,8 @@ fn run(index: u32) {
     }
     let first = index * TILE_WORDS + 1u;
     let count = min(tile_images[index * TILE_WORDS], TILE_WORDS - 1u);
+
+    // By insertion, as a list has at most 19 images.
     for (var k = 1u; k < count; k++) {
         let image = tile_images[first + k];
         var slot = k;

@@ -9,6 +9,7 @@ fn source_of(packed: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
             return vec2<u32>(0xffffffffu, iteration);
         }
     }
+
     for (var k = starts[index]; k < starts[index + 1u]; k++) {
         if places[k] == (packed | FATE_KEPT) {
             let origin = k * frame.origin_words;

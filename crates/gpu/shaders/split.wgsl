@@ -22,14 +22,17 @@ fn run(index: u32) {
     let corner = active_cells[index];
     let point = vec2<i32>(domain_point(corner));
     let half = i32(1u << job.c) / 2;
+
     for (var k = 0; k < 4; k++) {
         let offset = vec2<i32>(k % 2, k / 2) * half;
         let low = corner + offset;
         if any(point + offset >= domain_end()) {
             continue;
         }
+
         // The cell does not wrap around the domain, so its quarters do not either.
         let extent = min(vec2<i32>(half), domain_end() - point - offset) - 1;
+
         if !is_cell_covered(low, extent) && !is_unsure(low, half - 1) {
             let to = atomicAdd(&counters[COUNTER_NEXT_ACTIVE], 1u);
             if to < frame.active_capacity {

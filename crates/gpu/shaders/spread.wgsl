@@ -8,10 +8,13 @@ fn run(index: u32) {
     if k >= known {
         return;
     }
+
     let at = column_row(unsure[k]);
+    // Adjacent cells become hot whatever the reach.
     let reach = i32(job.a);
     let low = max(at - max(reach, 1), vec2<i32>(0));
     let high = min(at + max(reach, 1), vec2<i32>(frame.columns, frame.rows) - 1);
+
     for (var row = low.y; row <= high.y; row++) {
         for (var column = low.x; column <= high.x; column++) {
             let away = max(abs(row - at.y), abs(column - at.x));

@@ -10,10 +10,12 @@ fn run(index: u32) {
     var count = 0u;
     var flags = 0u;
     var eliminated = 0u;
+
     for (var k = starts[index]; k < starts[index + 1u]; k++) {
         let word = places[k];
         let fate = word & FATE_MASK;
         if fate == FATE_KEPT {
+            // Three samples fill a cell: a fourth would be in conflict, so this is a fault.
             if count == 3u {
                 atomicStore(&counters[COUNTER_FAULT], FAULT_FULL);
             } else {
@@ -34,17 +36,22 @@ fn run(index: u32) {
             flags |= FLAG_UNSURE;
         }
     }
+
     let inside = at.x >= 0 && at.y >= 0 && at.x < frame.columns && at.y < frame.rows;
+    // Samples beyond the edge of the frame, which are unknown, may be in conflict with these.
     if inside && is_edge(at) {
         flags |= FLAG_UNSURE;
     }
+
     grid[4u * index] = slots[0];
     grid[4u * index + 1u] = slots[1];
     grid[4u * index + 2u] = slots[2];
     grid[4u * index + 3u] = count | flags;
+
     if eliminated > 0u {
         atomicAdd(&counters[COUNTER_ELIMINATED], eliminated);
     }
+
     if (flags & FLAG_UNSURE) != 0u {
         let slot = atomicAdd(&counters[COUNTER_UNSURE], 1u);
         if slot < frame.unsure_capacity {

@@ -8,6 +8,7 @@ fn reaching(at: vec2<i32>) -> u32 {
     let high = low + 3 * R;
     let first = tile_of(at);
     let count = min(tile_images[first], TILE_WORDS - 1u);
+
     var reaching = 0u;
     for (var k = 0u; k < count; k++) {
         let image = images[tile_images[first + 1u + k]];
@@ -28,17 +29,22 @@ fn run(index: u32) {
     if found == 0u {
         return;
     }
+
     let first = starts[index];
     if first + found > frame.tiled_capacity {
         atomicStore(&counters[COUNTER_FAULT], FAULT_TILED);
         return;
     }
+
+    // Samples of one image are never in conflict. At the edge samples beyond the frame may be.
     let contested = is_edge(at) || reaching(at) > 1u;
     for (var k = 0u; k < found; k++) {
         var fate = select(FATE_KEPT, FATE_UNDECIDED, contested);
+        // Samples beyond a closed border are dropped.
         if !holds(unpack(found_words[k], at)) {
             fate = FATE_LOST;
         }
+
         places[first + k] = found_words[k] | fate;
         let origin = (first + k) * frame.origin_words;
         origins[origin] = found_images[k];
@@ -46,6 +52,7 @@ fn run(index: u32) {
             origins[origin + 1u] = found_ids[k];
         }
     }
+
     if contested {
         let slot = atomicAdd(&counters[COUNTER_CONTESTED], 1u);
         if slot < frame.cells {

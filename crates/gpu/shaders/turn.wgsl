@@ -13,6 +13,7 @@ struct Turn {
 fn turn_of(p: vec2<i32>, image_index: u32) -> Turn {
     // Where tiled samples did not fit their list, some have the images of an earlier window.
     let image = images[min(image_index, arrayLength(&images) - 1u)];
+
     var rank = 0u;
     if frame.order == ORDER_RANDOM {
         rank = threefry(vec2<u32>(frame.order_key_x, frame.order_key_y), domain_point(p)).x;
@@ -24,6 +25,7 @@ fn turn_of(p: vec2<i32>, image_index: u32) -> Turn {
         let cell = min(vec2<i32>(domain_point(p)) / vec2<i32>(frame.phase_cell_x, frame.phase_cell_y), count - 1) & vec2<i32>(1);
         rank = (frame.phase_sequence >> (4u * u32(cell.y * 2 + cell.x))) & 15u;
     }
+
     // Exact modulo 2^32, since positions in a clip are smaller.
     return Turn(rank, image.sequence, u32(p.y) - image.corner_y, u32(p.x) - image.corner_x);
 }
