@@ -33,7 +33,7 @@ impl Edges {
         self.brushed = cause.filter(|_| scene.stage >= Stage::Tile).and_then(short);
     }
 
-    /// Draws them.
+    /// Draws the edges in view.
     pub fn draw(&self, scene: &Scene<'_>, surface: &mut impl Surface) {
         parts::draw_pairs(scene, &self.ends, surface);
     }
@@ -45,6 +45,7 @@ impl Edges {
                 "Too many samples in view to join the brushed pairs by lines: zoom in.".to_owned(),
             );
         }
+
         let brushed = self.brushed.as_ref()?;
         if self.in_view > self.ends.len() {
             return Some(format!(

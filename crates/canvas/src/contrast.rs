@@ -18,22 +18,31 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     if scene.stage < tilescope_core::Stage::Tile {
         return None;
     }
+
+    // Narrower than r, so that the marks of neighbours do not touch.
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
-    let there = contrast.there.iter();
-    let there = there.map(|&id| (contrast.other.position(id), false));
-    let here = contrast.here.iter();
-    let here = here.map(|&id| (scene.session.position(id), true));
+    let there = contrast
+        .there
+        .iter()
+        .map(|&id| (contrast.other.position(id), false));
+    let here = contrast
+        .here
+        .iter()
+        .map(|&id| (scene.session.position(id), true));
     let seen: Vec<(Pos2, bool)> = there
         .chain(here)
         .map(|(position, whole)| (scene.at(position), whole))
         .filter(|(at, _)| view.contains(*at))
         .collect();
+
     let room = scene.domain().intersect(scene.rect).area();
+    // A mark has four sides.
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
     if !seen.is_empty() && (crowded || seen.len() > MAX_MARKS || ink > MAX_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
     }
+
     let mut mesh = Mesh::default();
     for (at, whole) in seen {
         let rect = Rect::from_center_size(at, vec2(2.0 * half, 2.0 * half));
@@ -60,6 +69,7 @@ fn add_square(mesh: &mut Mesh, rect: Rect, whole: bool, color: Color32) {
     } else {
         vec![0.0, side - arm]
     };
+
     for start in ends {
         for far in [0.0, side - WIDTH] {
             let row = rect.min + vec2(start, far);

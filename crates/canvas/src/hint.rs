@@ -8,7 +8,7 @@ use crate::overlay::tag;
 /// How long the hint stays after the last such gesture, in seconds.
 const SECS: f64 = 1.6;
 
-/// The gesture.
+/// A gesture that scrolls the page instead of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hint {
     /// The wheel without Ctrl.
@@ -49,6 +49,7 @@ pub fn given(ctx: &Context) -> Option<Hint> {
     if rest <= 0.0 {
         return None;
     }
+    // The hint ends without any input.
     ctx.request_repaint_after(std::time::Duration::from_secs_f64(rest));
     Some(hint)
 }

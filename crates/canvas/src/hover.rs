@@ -60,17 +60,19 @@ pub fn show(
 /// Returns the object under the pointer, if there is one.
 fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     let shown = subject.shown;
+    // The picture of the pattern has no samples, gaps and blocks of the run.
     if shown.stage == Stage::Pattern {
         return None;
     }
     let position = subject.camera.domain_from_screen(rect, pointer);
+
     // Where symbols overlap too much, no single sample can be pointed at.
     let fine = subject.camera.scale * shown.spacing() >= MIN_DISK_SCALE;
-    let hovered = subject.hovered.filter(|_| fine);
-    let hovered = hovered.map(|id| {
+    let hovered = subject.hovered.filter(|_| fine).map(|id| {
         let at = shown.session.position(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });
+
     // Within a gap a sample is named only if the pointer is on its symbol.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
     if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
@@ -82,6 +84,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
             reach: reach.clamp(NEAREST, MAX_DISTANCE),
         });
     }
+
     if let Some((id, at)) = hovered {
         let [brief, full] = sample(subject, id);
         return Some(Named {
@@ -91,6 +94,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
             reach: HALO,
         });
     }
+
     let [brief, full] = block(subject, position)?;
     Some(Named {
         brief,
@@ -110,10 +114,13 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Dropped => "dropped outside the domain".to_owned(),
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
+
+    // Nested sets have levels instead of blocks and iterations.
     if let Some(nested) = &shown.session.nested {
         let text = format!("Sample {number} of level {}", nested.level_of(id as usize));
         return [text.clone(), text];
     }
+
     let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
         Origin::Tiled {
@@ -127,8 +134,14 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
-    let exposed = (subject.layers.has(Layer::CoveredCircles)).then(|| exposed(subject, id));
-    let exposed = exposed.flatten().unwrap_or_default();
+
+    let exposed = subject
+        .layers
+        .has(Layer::CoveredCircles)
+        .then(|| exposed(subject, id))
+        .flatten()
+        .unwrap_or_default();
+
     [
         format!("Sample {number}: {stands}{exposed}"),
         format!("Sample {number} {from}: {stands}{exposed}"),
@@ -154,9 +167,11 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
     let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
+    // Before elimination nothing is called a gap, and the disks of a prefix of nested levels have another radius.
     if shown.stage < Stage::Eliminate || !is_inside || shown.prefix.is_some() {
         return None;
     }
+
     let gap = subject.geometry.gap_at(shown, position)?;
     let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
         Edge::Line { from, .. } => from,
@@ -165,6 +180,7 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
         } => center + DVec2::from_angle(from_angle),
     });
     let reach = ends.map(|end| end.distance(position));
+
     let (area, deepest) = (gap.area, gap.deepest.1);
     let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
     Some((text, reach.fold(0.0, f64::max) as f32))
@@ -182,9 +198,11 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
     let holds = |rect: &tilescope_core::Rect| {
+        // Half open, so that a place on an edge lies in one block.
         let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
         axis(rect.min.x, rect.max.x, position.x) && axis(rect.min.y, rect.max.y, position.y)
     };
+
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
     let leaf = &leaves[number];
@@ -192,6 +210,7 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
         Some(_) => format!("Piece {}", grouped(number)),
         None => format!("Block {}", grouped(number)),
     };
+
     let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
     let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
     // Deeper splits come later in the list than those above them.
@@ -209,6 +228,7 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
     let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
+
     let (anchor, x) = match (to_right, above) {
         (true, true) => (Align2::LEFT_BOTTOM, 1.0),
         (true, false) => (Align2::LEFT_TOP, 1.0),
@@ -216,12 +236,15 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
         (false, false) => (Align2::RIGHT_TOP, -1.0),
     };
     let y = if above { -1.0 } else { 1.0 };
+
     let margin = vec2(9.0, 5.0);
     let corner = named.at + vec2(x * (named.reach + margin.x), y * (named.reach + margin.y));
-    let text_rect = anchor.anchor_size(corner, galley.size());
+    let placed = anchor.anchor_size(corner, galley.size());
+
     // A narrow canvas has no room on either side.
-    let overhang = (rect.left() + margin.x - text_rect.left()).max(0.0);
-    let text_rect = text_rect.translate(vec2(overhang, 0.0));
+    let overhang = (rect.left() + margin.x - placed.left()).max(0.0);
+    let text_rect = placed.translate(vec2(overhang, 0.0));
+
     let ground = text_rect.expand2(margin);
     let stroke = Stroke::new(1.0, palette.line);
     painter.rect(ground, 6.0, palette.panel, stroke, StrokeKind::Inside);

@@ -65,7 +65,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// For a GPU.
+    /// The limits of a GPU.
     pub const GPU: Self = Self {
         symbols: 1_000_000,
         moving_symbols: 400_000,
@@ -158,21 +158,25 @@ impl InstancedCanvas {
         if self.generation == Some(generation) {
             return Ok(());
         }
+
         (self.generation, self.version) = (None, None);
+        // Positions in the buffers are numbers of 32 bits.
         if count > limit.min(u64::from(u32::MAX)) {
             self.order = CellOrder::default();
             self.looks = Vec::new();
             self.gpu.replace(&[], &[]);
             return Err(InstancedError::TooMany { count, limit });
         }
+
         self.order = CellOrder::new(domain, points, nested);
         self.size = units::size(domain);
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
-        let points: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
-        self.gpu.replace(&points, &self.order.ids);
-        self.looks = vec![SampleLook::HIDDEN.packed(); points.len()];
+        let ordered: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
+        self.gpu.replace(&ordered, &self.order.ids);
+        self.looks = vec![SampleLook::HIDDEN.packed(); ordered.len()];
         self.gpu.write_looks(0, &self.looks);
+
         self.generation = Some(generation);
         Ok(())
     }
@@ -208,6 +212,8 @@ impl InstancedCanvas {
                 changed.extend(self.restyle(index as usize, look));
             }
         }
+
+        // A sample may be listed twice, and `upload` needs ascending indices.
         changed.sort_unstable();
         changed.dedup();
         self.upload(&changed);
@@ -223,6 +229,7 @@ impl InstancedCanvas {
 
     /// Uploads the looks at `changed` indices, which ascend; ranges that are close together are joined.
     fn upload(&self, changed: &[usize]) {
+        // Many small writes would cost more than one of everything.
         if changed.len() > self.looks.len() / 4 {
             self.gpu.write_looks(0, &self.looks);
             return;
@@ -245,26 +252,34 @@ impl InstancedCanvas {
     ) -> bool {
         let view = PlaneView::of(painter, rect, camera);
         let frame = painter.ctx().cumulative_frame_nr();
+        // Counted also where nothing is drawn, so that the number of a layer does not depend on the view.
         let (moving, layer) = self.next_layer(frame, (view, options.shown));
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
         if !clip.is_positive() || copies.is_empty() || self.order.ids.is_empty() {
             return false;
         }
+
         let (all, seen) = self.seen(&copies, options);
         let Some((kind, limit)) = self.kind(options, view.scale(), seen, moving) else {
             return false;
         };
+
         let levels = self.levels_within(all, &copies, limit, options.cull);
         let parts = self.parts(&copies, levels, options.cull);
         let drawn = count(&parts);
+        // The picture of a layer is worth keeping only while the camera rests.
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
+
+        // Where samples are left out fewer points share a pixel, so each is more opaque.
         let shown = f64::from(options.shown) / self.order.ids.len() as f64;
         let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown.min(1.0) as f32;
         let opacity = self.point_opacity(view.scale(), share);
+
         let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
             let mut frame = view.frame(copy.shift, options);
             frame.scale[3] = opacity;
+            // The parameters of every part of a frame need a slot of their own.
             let number = self.drawn.replace(self.drawn.get().wrapping_add(1));
             InstanceRange {
                 number,
@@ -272,6 +287,7 @@ impl InstancedCanvas {
                 ranges,
             }
         });
+
         let drawing = self.gpu.drawing(kind, parts.collect(), still);
         painter.add(Callback::new_paint_callback(rect, drawing));
         moving && levels < all
@@ -298,6 +314,7 @@ impl InstancedCanvas {
     fn seen(&self, copies: &[Copy], options: &PaintOptions) -> (usize, usize) {
         let (levels, held) = self.order.levels_of(options.shown);
         let seen = count(&self.parts(copies, levels, options.cull));
+        // The last of these levels may be shown in part, and is taken to be spread evenly.
         let shown = u64::from(options.shown.min(held));
         (
             levels,
@@ -307,6 +324,7 @@ impl InstancedCanvas {
 
     /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
     fn next_layer(&self, frame: u64, view: (PlaneView, u32)) -> (bool, u32) {
+        // The first layer of a frame compares its view with that of the frame before; the others follow it.
         let last = self.motion.get();
         let next = if last.view.is_some() && last.frame == frame {
             Motion {
@@ -321,6 +339,7 @@ impl InstancedCanvas {
                 layers: 0,
             }
         };
+
         self.motion.set(next);
         (next.moving, next.layers)
     }
@@ -335,9 +354,12 @@ impl InstancedCanvas {
     ) -> Option<(InstanceKind, usize)> {
         let limit = |limit| if moving { limit } else { usize::MAX };
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
+
         // Where few samples of nested levels are shown, they have more room.
         let spacing = (self.order.ids.len() as f64 / f64::from(options.shown.max(1))).max(1.0);
+        // A share of the samples is farther apart, by the root of that share.
         let room = scale * spacing.sqrt();
+
         match options.marks {
             Marks::Disks if scale * options.disk_radius < MIN_DISK_PIXELS => None,
             Marks::Disks => Some((InstanceKind::Disk, limit(symbols))),
@@ -365,6 +387,7 @@ impl InstancedCanvas {
 
     fn levels_within(&self, all: usize, copies: &[Copy], limit: usize, cull: bool) -> usize {
         let fits = |levels: &usize| count(&self.parts(copies, *levels, cull)) <= limit;
+        // The coarsest level is drawn in any case.
         (1..=all).rev().find(fits).unwrap_or(1)
     }
 

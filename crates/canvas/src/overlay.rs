@@ -23,6 +23,7 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
     } else {
         "There is no session: choose parameters and run."
     };
+
     let font = FontId::proportional(15.0);
     painter.text(
         rect.center(),
@@ -38,16 +39,19 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
     if rect.height() < MIN_HEIGHT {
         return;
     }
+
     let (radii, length) = bar(subject);
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
     let to = from + vec2(length, 0.0);
     let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));
+
     painter.rect_filled(ground, 6.0, palette.panel.gamma_multiply(0.82));
     let stroke = Stroke::new(2.0, palette.text);
     painter.line_segment([from, to], stroke);
     for end in [from, to] {
         painter.line_segment([end - vec2(0.0, 4.0), end + vec2(0.0, 4.0)], stroke);
     }
+
     let middle = pos2(f32::midpoint(from.x, to.x), from.y - 6.0);
     let text = painter.ctx().words(format!("{radii} r"));
     let font = FontId::monospace(12.0);
@@ -81,14 +85,17 @@ pub fn cursor(
     if rect.height() < MIN_HEIGHT {
         return;
     }
+
     let shown = &subject.shown;
     let fitted = Camera::fitting(shown.session.size_at(Some(shown.stage)), rect).scale;
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
-    let position = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
-    let position = position.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
+    let position = pointer
+        .map(|pos| subject.camera.domain_from_screen(rect, pos))
+        .map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
     let both = position
         .as_ref()
         .map(|position| format!("{position}  {zoom}"));
+
     // A narrow picture has no room for all of it beside the scale bar.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
     let fits = |text: &String| {
@@ -96,6 +103,8 @@ pub fn cursor(
         let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
         galley.size().x <= room
     };
+
+    // The longest text that fits is shown.
     let texts = [both, position, Some(zoom.trim_start().to_owned())];
     if let Some(text) = texts.into_iter().flatten().find(fits) {
         let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
@@ -115,16 +124,18 @@ pub fn note(
         let font = FontId::proportional(12.5);
         let domain = subject.camera.screen_from_domain(rect, [0.0; 2]);
         let beside = domain.x - rect.left() - 2.0 * INSET;
+
         let (width, middle) = if beside >= MIN_WIDTH_BESIDE {
             (beside, rect.left() + INSET + 0.5 * beside)
         } else {
             (rect.width() - 2.0 * INSET, rect.center().x)
         };
+
         let galley = painter.layout(painter.ctx().words(text), font, palette.text, width);
         let pos = pos2(middle, rect.top() + INSET - 4.0);
-        let rect = Align2::CENTER_TOP.anchor_size(pos, galley.size());
-        painter.rect_filled(rect.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
-        painter.galley(rect.min, galley, palette.text);
+        let placed = Align2::CENTER_TOP.anchor_size(pos, galley.size());
+        painter.rect_filled(placed.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
+        painter.galley(placed.min, galley, palette.text);
     }
 }
 

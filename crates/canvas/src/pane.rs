@@ -51,15 +51,19 @@ impl Pane {
     ) -> Option<String> {
         let painter = ui.painter_at(rect);
         let scene = Scene::new(rect, *subject, palette);
+
         let mut sheet = Sheet::new(&painter, &mut self.sprites);
         scene.ground(&mut sheet);
         if scene.stage == Stage::Pattern {
             parts::pattern(&scene, &mut sheet);
         }
         painter.extend(sheet.into_shapes());
+
+        // Before the blocks there is nothing but the pattern.
         if scene.stage == Stage::Pattern {
             return None;
         }
+
         let frame = PixelGrid {
             camera: subject.camera,
             viewport: rect,
@@ -71,20 +75,27 @@ impl Pane {
     fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: PixelGrid) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, LooksKey::of(subject, palette));
+        // Geometry may become known later; the shapes that show it are then made again.
         let is_known = [
             subject.geometry.borders(&scene.shown).is_some(),
             subject.geometry.of(&scene.shown).is_some(),
         ];
+
         let old = self.kept.follow((made_from, is_known));
+        // The next shapes take over the memory of these.
         self.sprites.take_back(old);
+
         self.swatches.follow(subject, palette);
         let looks = Looks::new(subject, palette, &self.swatches);
         self.edges.follow(scene, made_from);
+
         let resident = self.resident.as_mut();
+        // Gaps are what elimination leaves uncovered; too far out they are smaller than a pixel.
         if scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
             let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
             self.gaps.paint(painter, made_from, make);
         }
+
         let mut stack = Stack {
             painter,
             scene,
@@ -94,6 +105,7 @@ impl Pane {
             edges: &self.edges,
             resident: resident.and_then(|resident| resident.follow(scene, &looks.of_all_levels())),
         };
+
         let crowded = stack.is_crowded();
         let points = &mut self.points;
         if crowded {
@@ -104,6 +116,7 @@ impl Pane {
         } else {
             stack.all();
         }
+
         let unmarked = crate::contrast::paint(painter, scene, crowded);
         let draws_points = crowded && stack.draws_points();
         let cut = self.edges.note(crowded);
@@ -137,6 +150,7 @@ impl PanePicture {
         let options = TextureOptions::NEAREST;
         let texture = match self.0.take() {
             Some((before, texture)) if before == made_from => texture,
+            // The texture is kept and filled again, so that egui need not make another.
             Some((_, mut texture)) => {
                 texture.set(make(), options);
                 texture
@@ -151,20 +165,24 @@ impl PanePicture {
 fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let (session, stage) = (shown.session, shown.stage);
     let mut coverage = Coverage::open(frame, session);
-    let inserted_now = match stage {
+    let iteration = match stage {
         Stage::Iterate(k) => session.iteration(k),
         _ => None,
     };
-    let inserted_now = inserted_now.map_or(0..0, |iteration| iteration.inserted.clone());
+    let inserted_now = iteration.map_or(0..0, |iteration| iteration.inserted.clone());
+
     let (low, high) = frame.camera.visible(frame.viewport);
     let radius = frame.scale();
+    // The disk of a sample reaches one radius into the part that is drawn.
     let beyond = drawn_around(session) + 1.0;
+
     session.index.visit_around(low, high, 1.0, beyond, |seen| {
         if shown.covers(seen.id) {
             let before = !inserted_now.contains(&seen.id);
             coverage.cover(frame.pixel_from_domain(seen.position), radius, before);
         }
     });
+
     coverage
 }
 

@@ -12,7 +12,7 @@ use tilescope_drawing::scene::drawn_around;
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGrid {
-    /// The view.
+    /// The camera, which gives places their pixels.
     pub camera: Camera,
     /// Where the canvas is, in screen points.
     pub viewport: Rect,
@@ -76,10 +76,12 @@ impl Coverage {
     pub fn open(frame: &PixelGrid, session: &Session) -> Self {
         let size = frame.size();
         let mut cells = vec![OUTSIDE; size[0] * size[1]];
+
         let domain = session.size_radii();
         let margin = drawn_around(session);
         let low = frame.pixel_from_domain(DVec2::new(-margin, domain.y + margin));
         let high = frame.pixel_from_domain(DVec2::new(domain.x + margin, -margin));
+
         let columns = centres(low[0], high[0], size[0]);
         for row in centres(low[1], high[1], size[1]) {
             cells[row * size[0]..][columns.clone()].fill(OPEN);
@@ -116,8 +118,10 @@ impl Coverage {
         let mut image = ColorImage::filled(self.size, Color32::TRANSPARENT);
         let (fill, hatch, edge) = (color.gamma_multiply(0.5), color.gamma_multiply(0.85), color);
         let fading = color.gamma_multiply(0.20);
+
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
+
         for first in (0..width * height).step_by(SKIP) {
             let pixels = first..(first + SKIP).min(width * height);
             // Most stretches are covered, and nothing is drawn there.
@@ -130,6 +134,7 @@ impl Coverage {
             for k in pixels {
                 image.pixels[k] = match self.cells[k] {
                     OPEN if self.is_edge(k) => edge,
+                    // Row plus column is the same along a diagonal.
                     OPEN if (k / width + k % width) % period < thick => hatch,
                     OPEN => fill,
                     NOW => fading,
@@ -137,6 +142,7 @@ impl Coverage {
                 };
             }
         }
+
         image
     }
 
@@ -185,12 +191,14 @@ impl Density {
     pub fn add(&mut self, at: DVec2, color: Color32) {
         let corner = (at - 0.5).floor();
         let [right, down] = (at - 0.5 - corner).as_vec2().to_array();
+        // A point lies between four pixels and is shared by them.
         let weights = [
             (0, 0, (1.0 - right) * (1.0 - down)),
             (1, 0, right * (1.0 - down)),
             (0, 1, (1.0 - right) * down),
             (1, 1, right * down),
         ];
+
         for (dx, dy, weight) in weights {
             let (column, row) = (corner.x as i64 + dx, corner.y as i64 + dy);
             let inside = |value: i64, count: usize| (0..count as i64).contains(&value);
@@ -211,6 +219,7 @@ impl Density {
             if sum[3] <= 0.0 {
                 return Color32::TRANSPARENT;
             }
+            // The transparencies of points on one pixel multiply.
             let alpha = 1.0 - (-strength * sum[3]).exp();
             let part = |k: usize| (sum[k] / sum[3]) as u8;
             Color32::from_rgb(part(0), part(1), part(2)).gamma_multiply(alpha)

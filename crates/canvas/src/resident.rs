@@ -38,13 +38,16 @@ impl Resident {
     /// their samples at every moment: which of them are shown is a number of the draw calls.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
+        // Samples that did not fit do not fit later.
         if self.refused == Some(generation) {
             return None;
         }
+
         let run = scene.session.run();
         let points = &run.samples.points;
         let nested = scene.session.nested.as_ref();
         let ends: Vec<usize> = nested.map_or_else(Vec::new, |nested| nested.ends().collect());
+
         let made = self
             .canvas
             .set_points(generation, points, &run.domain, &ends);
@@ -52,12 +55,15 @@ impl Resident {
             (self.refused, self.key) = (Some(generation), None);
             return None;
         }
+
         let key = LooksKey::of(looks.subject(), scene.palette);
         let before = self.key.replace(key);
         if before == Some(key) {
             return Some(self);
         }
+
         self.version += 1;
+        // Between two close moments only the samples of their events change.
         match before.and_then(|before| changed(scene, before, key)) {
             Some(ids) => {
                 let changes: Vec<(u32, SampleLook)> = ids.map(|id| (id, looks.of(id))).collect();
@@ -67,6 +73,7 @@ impl Resident {
                 self.canvas.set_looks(self.version, |id| looks.of(id));
             }
         }
+
         Some(self)
     }
 

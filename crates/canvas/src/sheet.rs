@@ -125,9 +125,9 @@ impl Surface for Sheet<'_> {
         self.add(circle.into());
     }
 
-    fn arc(&mut self, center: Pos2, radius: f32, Arc { from, sweep }: Arc, stroke: Stroke) {
+    fn arc(&mut self, center: Pos2, radius: f32, arc: Arc, stroke: Stroke) {
         self.strokes()
-            .arc(center, radius, [from, sweep], stroke.width, stroke.color);
+            .arc(center, radius, arc, stroke.width, stroke.color);
     }
 
     fn disk(&mut self, center: Pos2, radius: f32, color: Color32) {
@@ -163,11 +163,12 @@ impl Surface for Sheet<'_> {
             .painter
             .layout_no_wrap(self.words(&tag.text), font, tag.ink);
         let rect = tag.anchor.anchor_size(tag.pos, galley.size());
+
         let ground = rect.expand2(tag.padding);
         let border = tag.border.map_or(egui::Stroke::NONE, line);
         let kind = StrokeKind::Inside;
-        let ground = RectShape::new(ground, tag.rounding, tag.ground, border, kind);
-        self.add(ground.into());
+        let plate = RectShape::new(ground, tag.rounding, tag.ground, border, kind);
+        self.add(plate.into());
         self.add(Shape::galley(rect.min, galley, tag.ink));
     }
 

@@ -11,10 +11,10 @@ use tilescope_drawing::{DISK_FILL, DISK_RING};
 /// Number of meshes kept to reuse their memory.
 const MAX_SPARE: usize = 16;
 
-/// A symbol.
+/// A symbol that is drawn as a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sprite {
-    /// A sample.
+    /// A sample, as a full disk.
     Dot,
     /// A disk: a thin ring, faintly filled.
     Disk,
@@ -22,9 +22,9 @@ pub enum Sprite {
     Cross,
     /// A gap detector: a ring with a dot.
     Detector,
-    /// An inserted sample.
+    /// An inserted sample, as a diamond.
     Diamond,
-    /// A candidate.
+    /// A candidate, as a hollow triangle.
     Triangle,
     /// The ring around the current sample.
     Halo,
@@ -32,7 +32,7 @@ pub enum Sprite {
     Stroke,
 }
 
-/// Symbols as textures.
+/// The textures of symbols in use, and meshes to be used again.
 #[derive(Default)]
 pub struct Sprites {
     ready: HashMap<Sprite, Ready>,
@@ -50,7 +50,7 @@ struct Ready {
 /// A texture and half the side of the square that shows it at its true size.
 #[derive(Clone, Copy, Debug)]
 pub struct Stamp {
-    /// The texture.
+    /// The texture, white on transparent.
     pub texture: egui::TextureId,
     /// Half the side of its square, in screen points.
     pub half: f32,
@@ -78,6 +78,7 @@ impl Sprites {
                 self.spare.push(mesh);
             }
         }
+        // `mesh` takes the last, which is the largest.
         self.spare.sort_by_key(|mesh| mesh.vertices.capacity());
     }
 
@@ -85,14 +86,16 @@ impl Sprites {
     pub fn stamp(&mut self, ctx: &Context, sprite: Sprite, radius: f32) -> Stamp {
         let pixels_per_point = ctx.pixels_per_point();
         // Sizes are rounded to an eighth of a pixel, so that zooming seldom makes new textures.
-        let radius = (radius * pixels_per_point * 8.0).round() / 8.0;
-        let radius_bits = radius.to_bits();
+        let rounded = (radius * pixels_per_point * 8.0).round() / 8.0;
+        let radius_bits = rounded.to_bits();
+
         let fits = |ready: &Ready| {
             ready.radius_bits == radius_bits
                 && ready.pixels_per_point_bits == pixels_per_point.to_bits()
         };
+
         if !self.ready.get(&sprite).is_some_and(fits) {
-            let image = draw(sprite, radius, pixels_per_point);
+            let image = draw(sprite, rounded, pixels_per_point);
             let half_points = image.width() as f32 / 2.0 / pixels_per_point;
             let name = format!("{sprite:?}");
             let texture = ctx.load_texture(name, image, TextureOptions::LINEAR);
@@ -104,6 +107,7 @@ impl Sprites {
             };
             self.ready.insert(sprite, ready);
         }
+
         let ready = &self.ready[&sprite];
         Stamp {
             texture: ready.texture.id(),
@@ -114,6 +118,7 @@ impl Sprites {
 
 /// Returns the picture of a symbol of `radius` pixels; `unit` is a screen point in pixels.
 fn draw(sprite: Sprite, radius: f32, unit: f32) -> ColorImage {
+    // Rings reach beyond the radius, and their edges are soft.
     let half = (radius + 3.0 * unit).ceil() as i32;
     let side = (2 * half) as usize;
     let mut pixels = Vec::with_capacity(side * side);
@@ -131,6 +136,7 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
     let solid = |distance: f32| (0.5 - distance).clamp(0.0, 1.0);
     let line = |distance: f32, width: f32| solid(distance.abs() - width / 2.0);
     let from_middle = x.hypot(y);
+
     match sprite {
         Sprite::Dot => solid(from_middle - radius),
         Sprite::Disk => {
@@ -139,9 +145,11 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
+            // A small cross has thicker arms, to be seen at all.
             let arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
             let bar = |along: f32, across: f32| (along - radius).max(across - arm);
             let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));
+            // A small cross is filled, as its outline would leave nothing hollow.
             if radius < 4.0 * unit {
                 solid(distance)
             } else {

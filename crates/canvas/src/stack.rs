@@ -97,6 +97,7 @@ impl<K: PartialEq> Stack<'_, K> {
         let mut points = Some(points);
         for part in OF_CROWD {
             match (part, self.resident) {
+                // In a crowd without a device there are no disks.
                 (Part::Disks, None) => {}
                 (Part::Samples, None) => {
                     if let Some(points) = points.take().filter(|_| self.scene.has(Layer::Samples)) {
@@ -115,12 +116,15 @@ impl<K: PartialEq> Stack<'_, K> {
         let Some(part) = on().next() else {
             return;
         };
+
         let painter = &self.painter.with_clip_rect(part.clip(scene));
+        // The GPU draws these without shapes.
         match (part, self.resident) {
             (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
             (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),
             _ => {}
         }
+
         let (looks, edges) = (self.looks, self.edges);
         let sprites = &mut *self.sprites;
         let mut make = || {
@@ -133,6 +137,7 @@ impl<K: PartialEq> Stack<'_, K> {
             }
             sheet.into_shapes()
         };
+
         let shapes = if is_kept(part) {
             self.kept.layer(part as usize, make)
         } else {
@@ -155,12 +160,14 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
             "Too many samples in view to tell apart: drawn as points{others}. Zoom in."
         ));
     }
+
     if crowded && leaves_out(scene) {
         let most = tilescope_session::words::grouped(MAX_SYMBOLS);
         return Some(format!(
             "More than {most} samples in view: conflicts, detectors, candidates and triangles are left out. Zoom in."
         ));
     }
+
     (!scene.is_fine() && (has(Layer::Disks) || has(Layer::Gaps)))
         .then(|| "Zoom in to see disks and gaps.".to_owned())
 }

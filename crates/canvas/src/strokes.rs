@@ -1,6 +1,7 @@
 //! Meshes of many symbols, lines, dashes and arcs: one shape instead of thousands.
 
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
+use tilescope_drawing::surface::Arc;
 
 use crate::UNIT;
 use crate::sprites::{Sprite, Sprites, Stamp};
@@ -62,7 +63,7 @@ impl Strokes {
         self.mesh.indices.reserve(6 * count);
     }
 
-    /// Adds a line.
+    /// Adds a line of `width` screen points.
     pub fn segment(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
         let along = to - from;
         // `length` calls a function that guards against overflow.
@@ -100,16 +101,20 @@ impl Strokes {
     /// Adds a dashed line; dashes are shorter on short lines.
     pub fn dashes(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
         let length = (to - from).length_sq().sqrt();
+        // Less than a pixel is not seen.
         if length < 0.5 {
             return;
         }
+
         let (dash, gap) = if length > 24.0 {
             (6.0, 4.0)
         } else {
             (2.5, 1.5)
         };
+
         let along = (to - from) / length;
         let across = along.rot90() * (width * self.half_per_width);
+
         let mut start = 0.0;
         while start < length {
             let [from, to] = [start, (start + dash).min(length)].map(|t| from + along * t);
@@ -123,13 +128,14 @@ impl Strokes {
         &mut self,
         center: Pos2,
         radius: f32,
-        [from, sweep]: [f32; 2],
+        Arc { from, sweep }: Arc,
         width: f32,
         color: Color32,
     ) {
         // The polygon stays within a tenth of a point of the arc.
         let step = 2.0 * (2.0 * 0.1 / radius.max(1.0)).sqrt();
         let steps = (sweep.abs() / step).ceil().clamp(2.0, 512.0) as u32;
+
         for k in 0..=steps {
             let (sin, cos) = (from + sweep * k as f32 / steps as f32).sin_cos();
             let outwards = Vec2::new(cos, -sin);
@@ -214,7 +220,10 @@ mod tests {
         strokes.arc(
             center,
             radius,
-            [0.0, std::f32::consts::PI],
+            Arc {
+                from: 0.0,
+                sweep: std::f32::consts::PI,
+            },
             1.4,
             Color32::RED,
         );

@@ -6,7 +6,7 @@ use egui::{Event, Id, Pos2, RawInput, Response, TouchPhase, Ui, Vec2, pos2};
 /// A gesture of two or more fingers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinch {
-    /// Halfway between them.
+    /// The place halfway between the fingers.
     pub middle: Pos2,
     /// How far they moved together, in screen points.
     pub moved: Vec2,
@@ -54,11 +54,17 @@ impl Touch {
                 phase(TouchPhase::Cancel) > 0,
             )
         });
+
         let id = Id::unique("fingers").with(response.id);
         let before = ui
             .data(|data| data.get_temp::<Before>(id))
             .unwrap_or_default();
+
+        // A second finger makes a gesture, also if it comes down in the same frame. A gesture lasts until all fingers
+        // are lifted.
         let is_gesture = before.is_gesture || multi.is_some() || starts > 1;
+
+        // It belongs to the canvas on which it began.
         let begins_here = response.is_pointer_button_down_on() || before.is_here;
         let is_here = multi.is_some() && begins_here;
         let now = Before {
@@ -66,11 +72,13 @@ impl Touch {
             is_here,
         };
         ui.data_mut(|data| data.insert_temp(id, now));
+
         let pinch = multi.filter(|_| is_here).map(|touch| Pinch {
             middle: touch.center_pos,
             moved: touch.translation_delta,
             factor: touch.zoom_delta,
         });
+
         let hand = if is_cancelled {
             Hand::Cancelled
         } else if is_gesture {
@@ -80,8 +88,10 @@ impl Touch {
         } else {
             Hand::Mouse
         };
+
         Self {
             hand,
+            // Fingers at one place have no ratio of distances.
             pinch: pinch.filter(|pinch| pinch.factor.is_finite() && pinch.factor > 0.0),
         }
     }
@@ -110,6 +120,7 @@ pub fn release_cancelled(raw: &mut RawInput) {
         )
     };
     if raw.events.iter().any(cancelled) {
+        // The pointer moves away first, so that its release clicks nothing.
         raw.events.extend([
             Event::PointerMoved(NOWHERE),
             Event::PointerButton {

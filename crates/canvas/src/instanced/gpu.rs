@@ -88,6 +88,7 @@ impl Gpu {
             ids: sample_buffer(device, "samples: ids", 0),
             stills: Stills::new(render),
         };
+
         let gpu = Self {
             render: render.clone(),
             key: NEXT_KEY.fetch_add(1, Ordering::Relaxed),
@@ -95,9 +96,13 @@ impl Gpu {
             looks: resident.looks.clone(),
             revision: Cell::new(0),
         };
+
+        // Callbacks find the buffers in egui's resources, since they can borrow nothing from the canvas.
         let mut renderer = render.renderer.write();
-        let residents = renderer.callback_resources.entry::<Residents>();
-        let residents = residents.or_insert_with(Residents::default);
+        let residents = renderer
+            .callback_resources
+            .entry::<Residents>()
+            .or_insert_with(Residents::default);
         residents.0.insert(gpu.key, resident);
         gpu
     }
@@ -109,15 +114,19 @@ impl Gpu {
 
     /// Creates buffers for samples at `positions` with their ids; their styles are written later.
     pub fn replace(&mut self, positions: &[[i32; 2]], ids: &[u32]) {
+        // Pictures that are kept are of the samples before.
         self.revision.update(|revision| revision + 1);
+
         let device = &self.render.device;
         self.positions = sample_buffer(device, "samples: positions", positions.len());
         self.looks = sample_buffer(device, "samples: looks", positions.len());
         let bytes = bytemuck::cast_slice(positions);
         self.render.queue.write_buffer(&self.positions, 0, bytes);
+
         let id_buffer = sample_buffer(device, "samples: ids", ids.len());
         let bytes = bytemuck::cast_slice(ids);
         self.render.queue.write_buffer(&id_buffer, 0, bytes);
+
         let mut renderer = self.render.renderer.write();
         let residents = renderer.callback_resources.get_mut::<Residents>();
         if let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) {
@@ -192,9 +201,11 @@ impl Drawing {
         pass.set_vertex_buffer(2, resident.ids.slice(..));
         // A frame laid out before the samples were replaced must not draw beyond the new buffer.
         let count = (resident.positions.size() / BYTES_PER_SAMPLE) as u32;
+
         for part in &self.parts {
             pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
             for range in part.ranges.iter().filter(|range| range.end <= count) {
+                // A point is one vertex; disks and symbols have four, and the sample is their instance.
                 match self.kind {
                     InstanceKind::Point => pass.draw(range.clone(), 0..1),
                     InstanceKind::Disk | InstanceKind::Symbol => pass.draw(0..4, range.clone()),
@@ -228,20 +239,26 @@ impl CallbackTrait for Drawing {
         let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) else {
             return Vec::new();
         };
+
+        // The size of the target is known only now.
         let frame = |part: &InstanceRange| LayerUniforms {
             target_size: screen.size_in_pixels.map(|side| side as f32),
             ..part.frame
         };
+
         for part in &self.parts {
             let (offset, frame) = (u64::from(part.offset()), frame(part));
             queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&frame));
         }
+
+        // The picture that is kept has a pass of its own, which comes before the window's.
         if let Some(layer) = self.still {
             let (size, origin) = (screen.size_in_pixels, self.origin(frame));
             if let Some(mut pass) = resident.stills.renew(device, encoder, layer, size, origin) {
                 self.draw(resident, &mut pass);
             }
         }
+
         Vec::new()
     }
 
@@ -255,9 +272,11 @@ impl CallbackTrait for Drawing {
         let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) else {
             return;
         };
+
         // Positions are pixels of the target; the clip rectangle is set already.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+
         match self.still {
             Some(layer) => resident.stills.copy(pass, layer),
             None => self.draw(resident, pass),
@@ -282,6 +301,7 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
             visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
             ty: wgpu::BindingType::Buffer {
                 ty: wgpu::BufferBindingType::Uniform,
+                // One buffer holds the parameters of all parts; the offset chooses.
                 has_dynamic_offset: true,
                 min_binding_size: wgpu::BufferSize::new(size_of::<LayerUniforms>() as u64),
             },

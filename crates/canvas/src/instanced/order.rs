@@ -49,6 +49,7 @@ impl CellOrder {
             size,
             ..Self::default()
         };
+
         let by_cell = order.by_cell(points);
         let (levels, count) = if nested.is_empty() {
             (order.levels(points, &by_cell), LEVELS)
@@ -56,6 +57,7 @@ impl CellOrder {
             let level = |id: &u32| nested.partition_point(|&end| end <= *id as usize);
             (by_cell.iter().map(level).collect(), nested.len())
         };
+
         order.split_into_levels(points, &by_cell, &levels, count);
         order
     }
@@ -78,6 +80,7 @@ impl CellOrder {
             starts[self.cell_of(point) + 1] += 1;
         }
         accumulate(&mut starts);
+
         let mut next = starts.clone();
         let mut ids = vec![0_u32; points.len()];
         for (id, &point) in (0_u32..).zip(points) {
@@ -85,6 +88,7 @@ impl CellOrder {
             ids[*slot as usize] = id;
             *slot += 1;
         }
+
         for cell in 0..self.cell_count() {
             let cell = &mut ids[starts[cell] as usize..starts[cell + 1] as usize];
             cell.sort_unstable_by_key(|&id| (hash(points[id as usize]), id));
@@ -102,16 +106,23 @@ impl CellOrder {
     ) {
         let cells = self.cell_count();
         self.starts = vec![0_u32; count * cells + 1];
+
+        // Level by level, so that a coarser set is the beginning of the buffers.
         let slot = |level: usize, id: u32| level * cells + self.cell_of(points[id as usize]);
-        let slots = levels.iter().zip(by_cell);
-        let slots: Vec<usize> = slots.map(|(&level, &id)| slot(level, id)).collect();
+        let slots: Vec<usize> = levels
+            .iter()
+            .zip(by_cell)
+            .map(|(&level, &id)| slot(level, id))
+            .collect();
         for slot in &slots {
             self.starts[slot + 1] += 1;
         }
         accumulate(&mut self.starts);
+
         self.ends = (1..=count)
             .map(|level| self.starts[level * cells])
             .collect();
+
         let mut next = self.starts.clone();
         self.ids = vec![0; points.len()];
         self.positions = vec![0; points.len()];
@@ -126,21 +137,25 @@ impl CellOrder {
     /// Returns the level of each sample, in the order of `by_cell`.
     fn levels(&self, points: &[Point], by_cell: &[u32]) -> Vec<usize> {
         // In the order in which they are visited, which is faster.
-        let points: Vec<Point> = by_cell.iter().map(|&id| points[id as usize]).collect();
-        let mut levels = vec![LEVELS - 1; points.len()];
+        let visited: Vec<Point> = by_cell.iter().map(|&id| points[id as usize]).collect();
+        let mut levels = vec![LEVELS - 1; visited.len()];
+
         for (level, distance) in DISTANCES.into_iter().enumerate() {
             let mut taken = Taken::new(self.size, distance);
-            for (&before, &point) in levels.iter().zip(&points) {
+            // The samples of coarser levels come first, and keep those too near to them out of this one.
+            for (&before, &point) in levels.iter().zip(&visited) {
                 if before < level {
                     taken.take(point);
                 }
             }
-            for (sample, &point) in levels.iter_mut().zip(&points) {
+
+            for (sample, &point) in levels.iter_mut().zip(&visited) {
                 if *sample > level && taken.take(point) {
                     *sample = level;
                 }
             }
         }
+
         levels
     }
 
@@ -158,12 +173,14 @@ impl CellOrder {
         let (Some(columns), Some(rows)) = (self.span(low, high, 0), self.span(low, high, 1)) else {
             return ranges;
         };
+
         for level in 0..levels.min(self.ends.len()) {
             for row in rows.clone() {
                 let first = level * self.cell_count() + row * self.cells[0];
                 let range = self.starts[first + columns.start]..self.starts[first + columns.end];
                 match ranges.last_mut() {
                     _ if range.is_empty() => {}
+                    // A few samples out of view cost less than another call.
                     Some(last) if range.start - last.end <= MAX_SKIPPED => last.end = range.end,
                     _ => ranges.push(range),
                 }
@@ -225,20 +242,26 @@ impl Taken {
         let (column, row) = (cell(point.x, self.columns), cell(point.y, self.rows));
         let width = self.columns + 4;
         let own = (row + 2) * width + column + 2;
+
+        // The diagonal of a cell is the distance, so two points in one cell are too near.
         if self.cells[own] != Self::NONE {
             return false;
         }
+
         let is_near = |other: &Point| {
             let x = u64::from(point.x.abs_diff(other.x));
             let y = u64::from(point.y.abs_diff(other.y));
             x * x + y * y < self.square
         };
+
+        // Points nearer than the distance are at most two cells away. The empty cells around the grid save the checks.
         for row in row..row + 5 {
             let first = row * width + column;
             if self.cells[first..first + 5].iter().any(is_near) {
                 return false;
             }
         }
+
         self.cells[own] = point;
         true
     }

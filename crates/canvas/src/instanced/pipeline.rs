@@ -13,13 +13,15 @@ pub fn pipelines(
     render: &RenderState,
     layout: &wgpu::BindGroupLayout,
 ) -> [wgpu::RenderPipeline; 3] {
-    let shader = wgpu::include_wgsl!("shader.wgsl");
-    let shader = render.device.create_shader_module(shader);
+    let source = wgpu::include_wgsl!("shader.wgsl");
+    let shader = render.device.create_shader_module(source);
+    // Colours are computed as the interface blends them; a target that encodes by itself is given linear ones.
     let names = if render.target_format.is_srgb() {
         ["disk_linear", "symbol_linear", "point_linear"]
     } else {
         ["disk_gamma", "symbol_gamma", "point_gamma"]
     };
+
     [
         (InstanceKind::Disk, "disk_corner"),
         (InstanceKind::Symbol, "symbol_corner"),
@@ -37,6 +39,7 @@ pub fn pipelines(
                 wgpu::PrimitiveTopology::TriangleStrip,
             ),
         };
+
         let buffer = |array_stride, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride,
@@ -49,6 +52,7 @@ pub fn pipelines(
             buffer(BYTES_PER_SAMPLE, &LOOK),
             buffer(BYTES_PER_ID, &ID),
         ];
+
         let entries = [vertex, names[kind as usize]];
         pipeline(render, layout, &shader, entries, &buffers, topology)
     })
@@ -69,11 +73,14 @@ pub fn pipeline(
         bind_group_layouts: &[Some(layout)],
         immediate_size: 0,
     });
+
     let target = wgpu::ColorTargetState {
         format: render.target_format,
+        // The shaders return premultiplied colours, as egui's do.
         blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         write_mask: wgpu::ColorWrites::ALL,
     };
+
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(vertex),
         layout: Some(&layout),

@@ -7,7 +7,7 @@ use tilescope_drawing::look::Symbol;
 pub struct Symbols(pub(super) u32);
 
 impl Symbols {
-    /// Every symbol.
+    /// The set of every symbol.
     pub const ALL: Self = Self(0b1_1110);
 
     /// Returns the set of `symbol` alone.

@@ -42,6 +42,7 @@ impl Stills {
                 binding: 0,
                 visibility: wgpu::ShaderStages::FRAGMENT,
                 ty: wgpu::BindingType::Texture {
+                    // The picture is read pixel on pixel.
                     sample_type: wgpu::TextureSampleType::Float { filterable: false },
                     view_dimension: wgpu::TextureViewDimension::D2,
                     multisampled: false,
@@ -49,9 +50,11 @@ impl Stills {
                 count: None,
             }],
         });
+
         let shader = device.create_shader_module(wgpu::include_wgsl!("still.wgsl"));
         let triangles = wgpu::PrimitiveTopology::TriangleList;
         let entries = ["corner", "color"];
+
         Self {
             pipeline: pipeline(render, &layout, &shader, entries, &[], triangles),
             layout,
@@ -70,15 +73,18 @@ impl Stills {
         size: [u32; 2],
         origin: Origin,
     ) -> Option<wgpu::RenderPass<'static>> {
+        // After a change of the window's size the texture no longer fits.
         if self.pictures.get(&layer).is_none_or(|old| old.size != size) {
             let picture = self.blank(device, size);
             self.pictures.insert(layer, picture);
         }
+
         let picture = self.pictures.get_mut(&layer)?;
         if picture.origin.as_ref() == Some(&origin) {
             return None;
         }
         picture.origin = Some(origin);
+
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("samples at rest"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -119,6 +125,7 @@ impl Stills {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
+
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("samples at rest"),
@@ -128,6 +135,7 @@ impl Stills {
                 resource: wgpu::BindingResource::TextureView(&view),
             }],
         });
+
         StillPicture {
             origin: None,
             size: [width, height],

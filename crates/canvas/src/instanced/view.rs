@@ -149,11 +149,13 @@ impl PlaneView {
             .camera
             .domain_from_screen(self.rect, clip.left_bottom());
         let high = self.camera.domain_from_screen(self.rect, clip.right_top());
+
         let steps: &[f64] = if periodic && options.images {
             &[0.0, -1.0, 1.0]
         } else {
             &[0.0]
         };
+
         let mut copies = Vec::new();
         for up in steps {
             for right in steps {
@@ -165,21 +167,27 @@ impl PlaneView {
                 }
             }
         }
+
         copies
     }
 
     /// Returns the shader's parameters for a copy of the domain that is shifted by `shift` r.
     pub fn frame(&self, shift: DVec2, options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
+
+        // Whole radii and the rest are separate, since one float of 32 bits would be too coarse in a large domain.
         let center = self.camera.center - shift;
         // Clamped: beyond these bounds nothing is in view.
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
+
         let middle = self.rect.center();
         let (kinds, radii) = match options.marks {
             Marks::Disks => (0, [(self.scale() * options.disk_radius) as f32; 4]),
             Marks::Symbols(symbols) => (symbols.0, options.radii.map(|radius| radius * pixels)),
         };
+
         LayerUniforms {
+            // Known only when the callback is prepared.
             target_size: [0.0; 2],
             middle: [middle.x * pixels, middle.y * pixels],
             whole: whole.as_ivec2().to_array(),
@@ -188,6 +196,7 @@ impl PlaneView {
                 self.scale() as f32,
                 (self.scale() / f64::from(R)) as f32,
                 pixels,
+                // The opacity of points, which depends on how many are drawn.
                 1.0,
             ],
             radii,
