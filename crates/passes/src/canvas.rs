@@ -12,11 +12,11 @@ use super::table::{BufferTable, PassSide};
 /// The rows of a buffer that are shown on the canvas.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
-    /// The buffer.
+    /// The table of the buffer.
     pub table: &'a BufferTable,
     /// Where its rows lie.
     pub places: &'a RowPlaces,
-    /// The domain.
+    /// The rectangle of the domain.
     pub domain: &'a Rect,
     /// Which rows are shown, and how.
     pub shown: &'a ShownBuffer,
@@ -56,7 +56,7 @@ impl ShownBuffer {
 pub struct OnCanvas<'a> {
     /// The pass, by its index in the run.
     pub pass: usize,
-    /// Its name.
+    /// The name of its shader.
     pub name: &'a str,
     /// Its rows, once it was visited.
     pub rows: Option<Rows<'a>>,
@@ -73,12 +73,16 @@ impl OnCanvas<'_> {
         let (buffer, counts) = (rows.table.name.as_str(), rows.shown.counts());
         let side = side_text(rows.shown.side());
         let start = format!("{pass}, buffer {buffer}, {side}: ");
+
         if let Some(why) = rows.places.unplaced() {
             return [format!("{start}{why}"), String::new()];
         }
+
+        // Where every cell has a row, only rows that changed are drawn, or those that a filter selects.
         if rows.places.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
             return [start, "no row changed; a filter shows others".to_owned()];
         }
+
         let count = counted(counts.rows, "row", "rows");
         let changed = match counts.changed {
             0 => "none changed".to_owned(),

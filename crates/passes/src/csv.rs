@@ -11,12 +11,14 @@ use super::table::BufferTable;
 #[must_use]
 pub fn csv(table: &BufferTable, rows: &[u32]) -> String {
     let mut text = String::from("row,changed");
+    // Writing to a string never fails, so the results are ignored.
     for side in ["before", "after"] {
         for column in &table.columns {
             let _ = write!(text, ",{column} {side}");
         }
     }
     text.push('\n');
+
     for &row in rows {
         let row = row as usize;
         let _ = write!(text, "{row},{}", u8::from(table.is_changed(row)));

@@ -20,16 +20,16 @@ use super::table::{BufferTable, MAX_NUMBERS};
 pub struct Fault {
     /// The pass, by its index in the run.
     pub after: usize,
-    /// The buffer.
+    /// The buffer that holds the word.
     pub buffer: Name,
     /// The word's index in it.
     #[serde(rename = "place")]
     pub index: u64,
-    /// Its new value.
+    /// The value that the word gets.
     pub word: u32,
 }
 
-/// The run.
+/// The run that is inspected, and where it runs.
 #[derive(Clone)]
 pub(super) struct DeviceRun {
     pub gpu: Arc<Gpu>,
@@ -119,6 +119,7 @@ impl Walker {
 
     /// Reads back rows of a buffer.
     async fn table(&self, name: Name) -> Result<BufferRows, GpuError> {
+        // A table without rows has its columns, too.
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
         let rows = MAX_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
@@ -131,7 +132,9 @@ impl Walker {
         stage: Stage,
         monitor: &Monitor,
     ) -> Result<Vec<(BufferRows, RowPlaces)>, Stop> {
+        // The places and the tables are read between the same two passes.
         let locator = self.stepper.row_locator(stage).await?;
+
         let mut side = Vec::with_capacity(names.len());
         for &name in names {
             continue_unless_cancelled(monitor)?;
@@ -152,6 +155,7 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
         stop: None,
     };
     survey.stop = survey.run(&subject, &monitor).await.err();
+
     if let Some(walker) = &survey.walker {
         // Times arrive after the passes' reports.
         for (pass, report) in survey.passes.iter_mut().zip(walker.stepper.reports()) {
@@ -168,28 +172,34 @@ impl Survey {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
+
         monitor.set_activity("making the pattern");
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
         let mut cpu = CpuReference::new(parameters, &pattern)?;
         let walker = self.walker.insert(Walker::begin(subject, &pattern).await?);
+
         loop {
             continue_unless_cancelled(monitor)?;
             if !walker.step().await? {
                 return Ok(());
             }
+
             if walker.stepper.restarts() > self.restarts {
                 // The run was restarted, so its stages come again.
                 self.restarts = walker.stepper.restarts();
                 self.passes.clear();
                 cpu = CpuReference::new(parameters, &pattern)?;
             }
+
             let mut badge = Badge::Intermediate;
+            // In the middle of a stage the CPU has no state to compare with.
             if let Some(stage) = walker.stepper.ended_stage() {
                 cpu.advance(stage, &mut observer)?;
                 let run = walker.stepper.run().await?;
                 let difference = cpu.compare(stage, &run);
                 badge = difference.map_or(Badge::Equal, Badge::Differs);
             }
+
             if let Some(report) = walker.stepper.reports().last().cloned() {
                 monitor.set_activity(&format!("pass {}, {}", walker.passed(), report.stage));
                 monitor.set_fraction(share(report.stage));
@@ -231,6 +241,7 @@ pub(super) async fn visit(
         outcome: Err(Stop::Cancelled),
     };
     arrival.outcome = arrival.go(&subject, &goal, &monitor).await;
+
     if matches!(arrival.outcome, Err(Stop::Failed(_))) {
         // The state of the device is unknown after an error.
         arrival.walker = None;
@@ -245,7 +256,9 @@ impl Arrival {
         goal: &Goal,
         monitor: &Monitor,
     ) -> Result<Visit, Stop> {
+        // The device cannot step backwards, so it begins again.
         let replayed = self.walker.as_ref().is_none_or(|w| w.passed() > goal.pass);
+
         let walker = if let Some(walker) = &mut self.walker {
             if replayed {
                 monitor.set_activity("going back to the beginning");
@@ -257,6 +270,7 @@ impl Arrival {
             let pattern = Pattern::of_spec(&subject.parameters.pattern, observer)?;
             self.walker.insert(Walker::begin(subject, &pattern).await?)
         };
+
         while walker.passed() < goal.pass {
             continue_unless_cancelled(monitor)?;
             let (next, last) = (walker.passed() + 1, goal.pass + 1);
@@ -266,6 +280,7 @@ impl Arrival {
                 return Err(other_passes(goal));
             }
         }
+
         between(walker, goal, replayed, monitor).await
     }
 }
@@ -280,13 +295,17 @@ async fn between(
     monitor.set_activity("reading buffers");
     let (buffers, stage) = (goal.entry.buffers(), goal.entry.report.stage);
     let names: Vec<Name> = buffers.iter().map(|&(name, ..)| name).collect();
+
     let before = walker.side(&names, stage, monitor).await?;
     let is_there = walker.step().await? && walker.passed() == goal.pass + 1;
+
     let reports = walker.stepper.reports();
+    // The run may have restarted in between, with other passes.
     let same = |name| name == goal.entry.report.name;
     if !is_there || !reports.last().is_some_and(|report| same(report.name)) {
         return Err(other_passes(goal));
     }
+
     let after = walker.side(&names, stage, monitor).await?;
     let mut visit = Visit {
         pass: goal.pass,
@@ -295,12 +314,14 @@ async fn between(
         domain: walker.domain,
         replayed,
     };
+
     let sides = before.into_iter().zip(after);
     for ((name, access, bytes), (before, after)) in buffers.into_iter().zip(sides) {
         let table = BufferTable::new(name, access, bytes, &before.0, &after.0);
         visit.buffers.push(table);
         visit.placed.push(PlacedRows::new(before.1, after.1));
     }
+
     Ok(visit)
 }
 

@@ -19,9 +19,9 @@ pub enum FilterError {
     /// No column has the name.
     #[error("no column is called {name:?}; there are: {}", columns.join(", "))]
     NoSuchColumn {
-        /// The unknown name.
+        /// The name that no column has.
         name: String,
-        /// The existing names.
+        /// The names of the columns.
         columns: Vec<String>,
     },
     /// The other side is not a whole number of 64 bits.
@@ -118,21 +118,26 @@ fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     if text.eq_ignore_ascii_case("changed") {
         return Ok(Condition::Changed);
     }
+
     let no_comparison = || FilterError::NoComparison(text.to_owned());
     let at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
     let (name, rest) = (text[..at].trim(), &text[at..]);
-    let mut comparisons = COMPARISONS.into_iter();
-    let comparison = comparisons.find(|(sign, _)| rest.starts_with(sign));
-    let (sign, comparison) = comparison.ok_or_else(no_comparison)?;
-    let number = rest[sign.len()..].trim();
-    let not_a_number = |_| FilterError::NotANumber(number.to_owned());
-    let number = number.parse().map_err(not_a_number)?;
+    let (sign, comparison) = COMPARISONS
+        .into_iter()
+        .find(|(sign, _)| rest.starts_with(sign))
+        .ok_or_else(no_comparison)?;
+    let digits = rest[sign.len()..].trim();
+    let not_a_number = |_| FilterError::NotANumber(digits.to_owned());
+    let number = digits.parse().map_err(not_a_number)?;
+
+    // A column called like the pseudo-column wins.
     if let Some(column) = columns.iter().position(|c| c.eq_ignore_ascii_case(name)) {
         return Ok(Condition::Column(column, comparison, number));
     }
     if name.eq_ignore_ascii_case(ROW) {
         return Ok(Condition::Row(comparison, number));
     }
+
     Err(FilterError::NoSuchColumn {
         name: name.to_owned(),
         columns: columns.to_vec(),

@@ -113,6 +113,7 @@ impl Passes {
         if let Some(refusal) = model::refusal(parameters) {
             return Err(refusal);
         }
+
         let mut passes = Self {
             subject: DeviceRun {
                 gpu: Arc::clone(gpu),
@@ -139,6 +140,7 @@ impl Passes {
             export_result: None,
             download: None,
         };
+
         passes.survey();
         Ok(passes)
     }
@@ -147,6 +149,7 @@ impl Passes {
     pub fn apply(&mut self, command: PassCommand) {
         let last = self.entries.len().saturating_sub(1);
         let at = self.selected.unwrap_or(0);
+
         match command {
             PassCommand::Select(pass) => self.select(pass),
             PassCommand::Previous => self.select(at.saturating_sub(1)),
@@ -162,11 +165,13 @@ impl Passes {
             PassCommand::PickRow(row) => self.shown.pick(row),
             PassCommand::PointRow(row) => self.shown.point(row),
             PassCommand::OnCanvas(is_on_canvas) => self.is_on_canvas = is_on_canvas,
+            // The rest of this command is the workbench's: the canvas, its camera, the clock.
             PassCommand::ShowCanvas => self.shown.point(None),
             PassCommand::Cancel => self.cancel(),
             PassCommand::Again => self.survey(),
             PassCommand::Path(path) => self.path = Some(path),
             PassCommand::Export => self.export(),
+            // The fault changes the run, so that all passes run again.
             PassCommand::Fault(fault) => {
                 self.subject.fault = fault;
                 self.survey();
@@ -182,6 +187,7 @@ impl Passes {
             self.export = None;
             self.export_result = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
         }
+
         let has_arrived = match &self.work {
             PassWork::Idle => false,
             PassWork::Survey(job) => {
@@ -193,6 +199,8 @@ impl Passes {
                 outcome.is_some_and(|outcome| self.visited(outcome))
             }
         };
+
+        // A visit that was asked for meanwhile can begin now.
         self.go_on();
         is_written || has_arrived
     }

@@ -60,9 +60,9 @@ impl PassEntry {
 /// A line of the list of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PassLine {
-    /// A stage begins.
+    /// The heading of a stage.
     Stage {
-        /// Which.
+        /// The stage that begins.
         stage: Stage,
         /// How many passes it has.
         passes: usize,
@@ -96,11 +96,11 @@ pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
 pub struct Visit {
     /// Its index in the run.
     pub pass: usize,
-    /// Its buffers.
+    /// The tables of its buffers.
     pub buffers: Vec<BufferTable>,
     /// Where the rows of each lie.
     pub placed: Vec<PlacedRows>,
-    /// The domain.
+    /// The rectangle of the domain.
     pub domain: Rect,
     /// Whether the run was restarted to get there.
     pub replayed: bool,

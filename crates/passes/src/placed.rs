@@ -52,6 +52,7 @@ pub(super) fn marks<'a>(
 ) -> &'a [RowPlace] {
     let all = places.of(row);
     if places.are_cells() && !is_filtered && !table.is_changed(row) {
+        // The cell comes first and is left out; its samples are drawn in any case.
         return all.get(1..).unwrap_or_default();
     }
     all
@@ -74,6 +75,7 @@ pub(super) fn count(
             counts.inside += usize::from(domain.contains(first_point(first)));
         }
     }
+
     counts
 }
 

@@ -39,7 +39,7 @@ impl ShownBuffer {
         visit?.buffers.get(self.buffer)
     }
 
-    /// Returns the side.
+    /// Returns the side of the pass that is shown.
     #[must_use]
     pub const fn side(&self) -> PassSide {
         self.side
@@ -99,14 +99,20 @@ impl ShownBuffer {
         let changed = |table: &BufferTable| {
             table.changed_count() > 0 && !matches!(table.access, Access::Read | Access::Uniform)
         };
-        let index = visit.buffers.iter().position(chosen);
-        let index = index.or_else(|| visit.buffers.iter().position(changed));
-        let index = index.unwrap_or(0);
+
+        let index = visit
+            .buffers
+            .iter()
+            .position(chosen)
+            .or_else(|| visit.buffers.iter().position(changed))
+            .unwrap_or(0);
+
         let entered = visit.buffers.get(index).map(|table| table.name);
         if entered != self.entered {
             // The selected row belongs to the former buffer.
             self.picked = None;
         }
+
         self.entered = entered;
         self.buffer = index;
         self.pointed = None;
@@ -147,18 +153,22 @@ impl ShownBuffer {
     fn refresh(&mut self, visit: Option<&Visit>) {
         (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
         self.counts = PlacedCounts::default();
+
         let Some(table) = self.table(visit) else {
             return;
         };
+
         // A table with a single row is shown field by field and never filtered.
         let text = if table.total > 1 { &self.text } else { "" };
         let filter = match Filter::parse(text, &table.columns) {
             Ok(filter) => filter,
             Err(error) => {
+                // With a filter that cannot be read all rows are shown.
                 self.error = Some(error);
                 Filter::default()
             }
         };
+
         self.widths = table.widths(self.side);
         let passes = |&row: &u32| {
             let row = row as usize;
@@ -166,6 +176,7 @@ impl ShownBuffer {
         };
         self.rows = (0..table.rows() as u32).filter(passes).collect();
         self.is_filtered = !filter.is_empty();
+
         if let Some(visit) = visit
             && let Some(placed) = visit.placed.get(self.buffer)
         {

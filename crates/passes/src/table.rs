@@ -11,9 +11,9 @@ pub const MAX_NUMBERS: u64 = 500_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassSide {
-    /// Before the pass.
+    /// The buffer before the pass.
     Before,
-    /// After the pass.
+    /// The buffer after the pass.
     After,
     /// Both, where they differ.
     #[default]
@@ -24,7 +24,7 @@ impl PassSide {
     /// All sides, in the order of the menu.
     pub const ALL: [Self; 3] = [Self::Before, Self::After, Self::Both];
 
-    /// Returns its name.
+    /// Returns its name, as the menu shows it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl PassSide {
 /// A buffer before and after a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BufferTable {
-    /// Which buffer.
+    /// The name of the buffer.
     pub name: Name,
     /// Whether the pass reads or writes it.
     pub access: Access,
@@ -48,7 +48,7 @@ pub struct BufferTable {
     pub columns: Vec<String>,
     /// The rows of the buffer; only the first ones may have been read.
     pub total: u64,
-    /// Row by row.
+    /// The numbers before the pass, row by row.
     before: Vec<i64>,
     /// `None` if equal to `before`.
     after: Option<Vec<i64>>,
@@ -70,6 +70,7 @@ impl BufferTable {
         let pairs = before.rows.iter().zip(&after.rows);
         let changed: Vec<bool> = pairs.map(|(a, b)| a != b).collect();
         let changed_count = changed.iter().filter(|&&changed| changed).count();
+
         let flat = |table: &BufferRows| table.rows[..rows].concat();
         Self {
             name,
@@ -78,6 +79,7 @@ impl BufferTable {
             columns: after.columns.clone(),
             total: after.total,
             before: flat(before),
+            // Most buffers are only read; equal sides are kept once.
             after: (changed_count > 0).then(|| flat(after)),
             changed,
             changed_count,
@@ -148,18 +150,21 @@ impl BufferTable {
             let log = value.unsigned_abs().checked_ilog10().unwrap_or(0);
             log as usize + 1 + usize::from(value < 0)
         };
+
         for row in 0..self.rows() {
             let both = side == PassSide::Both && self.is_changed(row);
             for (column, width) in widths.iter_mut().enumerate() {
                 let (before, after) = (self.before(row)[column], self.after(row)[column]);
                 let needed = match side {
                     PassSide::Before => digits(before),
+                    // An arrow between two spaces stands between the numbers.
                     PassSide::Both if both && before != after => digits(before) + digits(after) + 3,
                     PassSide::After | PassSide::Both => digits(after),
                 };
                 *width = needed.max(*width);
             }
         }
+
         widths
     }
 }

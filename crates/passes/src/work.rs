@@ -38,10 +38,13 @@ impl Passes {
             }
             Err(failure) => self.unlisted = Some(sentence(&failure)),
         }
+
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
+        // The selected pass stays selected as far as the new list has it.
         self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
         self.is_wanted = self.selected.is_some();
+
         if let Some(stage) = self.wanted_stage.take() {
             self.select_stage(stage);
         }
@@ -56,7 +59,9 @@ impl Passes {
         self.selected = Some(pass);
         self.notice = None;
         self.export_result = None;
+        // The pass that was visited last is still at hand.
         self.is_wanted = self.visit().is_none();
+        // A visit under way is of another pass.
         if let PassWork::Visit(job) = &self.work {
             job.cancel();
         }
@@ -71,10 +76,12 @@ impl Passes {
         let (PassWork::Idle, Some(entry)) = (&self.work, self.entries.get(pass)) else {
             return;
         };
+
         let goal = Goal {
             pass,
             entry: entry.clone(),
         };
+        // The walker goes with the work and comes back with its outcome.
         let (subject, walker) = (self.subject.clone(), self.walker.take());
         let work = move |monitor| device::visit(subject, walker, goal, monitor);
         self.work = PassWork::Visit(Job::start_future(&self.wake, work));
@@ -89,6 +96,7 @@ impl Passes {
             }
             Err(failure) => Err(Stop::Failed(sentence(&failure))),
         };
+
         match outcome {
             Ok(visit) => {
                 if Some(visit.pass) == self.selected {
