@@ -24,9 +24,12 @@ pub fn ring(ctx: &Context, palette: &Palette) {
     if !seen.is_positive() {
         return;
     }
+
     let window = ctx.content_rect().shrink(WIDTH);
     let place = seen.expand(AROUND).intersect(window);
     let painter = ctx.layer_painter(response.layer_id);
+
+    // A wider line in the colour of panels sets the ring off from its surroundings.
     let ground = Stroke::new(WIDTH + 2.0, palette.panel);
     let line = Stroke::new(WIDTH, palette.accent);
     painter.rect_stroke(place, 6.0, ground, StrokeKind::Middle);
@@ -43,6 +46,7 @@ pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     if is_theirs || is_covered {
         return;
     }
+
     let filter = EventFilter {
         horizontal_arrows: true,
         ..EventFilter::default()
@@ -59,8 +63,10 @@ pub fn follow(ui: &Ui) {
     let Some(response) = ui.ctx().read_response(focused) else {
         return;
     };
+
     let is_here = response.layer_id == ui.layer_id() && ui.min_rect().contains_rect(response.rect);
     let before = ui.data(|data| data.get_temp::<egui::Id>(id));
+    // Once for each focus, so that the user can scroll away from it.
     if is_here && before != Some(focused) {
         ui.data_mut(|data| data.insert_temp(id, focused));
         ui.scroll_to_rect(response.rect.expand(AROUND + WIDTH), None);
@@ -72,12 +78,17 @@ pub fn name_tiles(ctx: &Context) {
     let taking: Vec<WidgetRect> = ctx.viewport(|viewport| {
         let layers = viewport.this_pass.widgets.layers();
         let widgets = layers.flat_map(|(_, widgets)| widgets);
-        let taking = widgets.filter(|widget| widget.enabled && widget.sense.is_focusable());
-        taking.copied().collect()
+        widgets
+            .filter(|widget| widget.enabled && widget.sense.is_focusable())
+            .copied()
+            .collect()
     });
+
+    // Before the closure below, which is called under the lock that `words` takes.
     let (border, tabs) = (ctx.words("Border between panels"), ctx.words("Row of tabs"));
     for widget in taking {
         ctx.accesskit_node_builder(widget.id, |node| {
+            // Widgets with a role or a name of their own need none.
             if node.role() != Role::Unknown || node.label().is_some() {
                 return;
             }
@@ -98,9 +109,9 @@ const ROW_OF_TABS: f32 = 20.0;
 /// An end of the Tab order of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The first widget.
+    /// The widget that Tab reaches first.
     First,
-    /// The last widget.
+    /// The widget that Tab reaches last.
     Last,
 }
 
@@ -116,10 +127,13 @@ fn at(ctx: &Context, end: End) -> Option<Id> {
         });
         focusable.collect()
     });
+
+    // Layers below a modal one get no input.
     layers.retain(|(layer, ids)| {
         !ids.is_empty() && ctx.memory(|memory| memory.allows_interaction(*layer))
     });
     layers.sort_by_key(|(layer, _)| layer.order);
+
     let mut ids = layers.iter().flat_map(|(_, ids)| ids);
     match end {
         End::First => ids.next().copied(),

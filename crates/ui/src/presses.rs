@@ -15,7 +15,7 @@ pub struct Presses {
     before_secs: Option<f64>,
 }
 
-/// A pointer event.
+/// What an event does with the pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PointerAction {
     Moves,

@@ -4,7 +4,7 @@
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, FullOutput, Plugin};
 
-/// An announcement.
+/// An announcement, as texts for a screen reader.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spoken {
     /// The text that changed; empty after a text field was left and nothing else changed.
@@ -13,7 +13,7 @@ pub struct Spoken {
     pub field: String,
 }
 
-/// Receives the announcements.
+/// The function that receives the announcements.
 type Callback = Box<dyn Fn(&Spoken) + Send + Sync>;
 
 /// Derives announcements from the tree after each frame.
@@ -38,6 +38,8 @@ impl Speaker {
     fn follow(&mut self, tree: &TreeUpdate) {
         let now = SpokenFocus::of(tree);
         let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));
+
+        // If the focus has not moved, only a value or a state has changed.
         let is_of_value = match (&now, &self.before) {
             (Some(now), Some(before)) => now.focus == before.focus,
             _ => false,
@@ -46,6 +48,7 @@ impl Speaker {
             |focus: &Option<SpokenFocus>| focus.as_ref().is_some_and(|focus| focus.is_field);
         let is_left = now.is_none() && writes(&self.before);
         self.before = now;
+
         if is_left {
             (self.callback)(&Spoken::default());
         }
@@ -88,11 +91,13 @@ impl SpokenFocus {
     /// Returns the description of the focused node; `None` for the window itself.
     fn of(tree: &TreeUpdate) -> Option<Self> {
         let root = tree.tree.as_ref().map(|tree| tree.root);
+        // The root has the focus when no widget has it.
         if root == Some(tree.focus) {
             return None;
         }
         let node = find(tree, tree.focus)?;
         let chosen = node.active_descendant().and_then(|id| find(tree, id));
+
         Some(Self {
             focus: tree.focus,
             is_field: matches!(node.role(), Role::TextInput | Role::MultilineTextInput),
@@ -116,6 +121,7 @@ impl SpokenFocus {
             ];
             parts.map(str::to_owned)
         };
+
         let old = before
             .filter(|before| before.focus == self.focus)
             .map(parts)
@@ -123,14 +129,17 @@ impl SpokenFocus {
         let new: Vec<String> = parts(self)
             .into_iter()
             .zip(old)
+            // A part that is empty now has no words.
             .filter(|(now, old)| now != old && !now.is_empty())
             .map(|(now, _)| now)
             .collect();
+
         let field = if self.is_field {
             self.name.as_str()
         } else {
             ""
         };
+
         (!new.is_empty()).then(|| Spoken {
             text: new.join(", "),
             field: field.to_owned(),

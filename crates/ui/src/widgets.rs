@@ -53,6 +53,7 @@ impl<T: Debug> Display for Kebab<T> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let (mut last, mut is_apart) = (None::<char>, false);
         for c in format!("{:?}", self.0).chars() {
+            // A minus sign would be lost among the separators.
             if c == '-' {
                 formatter.write_str("-minus")?;
             }
@@ -60,6 +61,7 @@ impl<T: Debug> Display for Kebab<T> {
                 is_apart = true;
                 continue;
             }
+
             let is_word = c.is_ascii_uppercase() && last.is_some_and(|c| !c.is_ascii_uppercase());
             if last.is_some() && (is_apart || is_word) {
                 formatter.write_char('-')?;
@@ -137,6 +139,7 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
                     None => Shape::closed_line(corners, line),
                 });
             }
+
             SymbolShape::Line {
                 points,
                 stroke: line,
@@ -150,6 +153,7 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
                     None => drop(painter.add(Shape::line(points, stroke(line)))),
                 }
             }
+
             SymbolShape::Circle {
                 center,
                 radius,
@@ -165,26 +169,30 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
 
 /// Returns a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
 pub fn chip((layer, name): (Option<Layer>, &str), on: bool, palette: &Palette) -> impl Widget {
-    move |ui: &mut Ui| show_chip(ui, (layer, name), on, palette)
+    move |ui: &mut Ui| show_chip(ui, layer, name, on, palette)
 }
 
 fn show_chip(
     ui: &mut Ui,
-    (layer, name): (Option<Layer>, &str),
+    layer: Option<Layer>,
+    name: &str,
     on: bool,
     palette: &Palette,
 ) -> Response {
+    // Here, since the closure of `widget_info` is called under the lock that `words` takes.
     let name = ui.words(name);
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
     let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
+
     let size = vec2(
         galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
         row_height(ui.ctx(), 26.0),
     );
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, response.enabled(), on, &name));
-    let (fill, line) = if on {
+
+    let (fill, edge) = if on {
         (
             palette.accent.gamma_multiply(0.16),
             palette.accent.gamma_multiply(0.75),
@@ -192,11 +200,13 @@ fn show_chip(
     } else {
         (Color32::TRANSPARENT, palette.line)
     };
+
     let line = if response.hovered() || response.has_focus() {
         palette.accent
     } else {
-        line
+        edge
     };
+
     let painter = ui.painter();
     let round = rect.height() / 2.0;
     painter.rect(
@@ -206,6 +216,7 @@ fn show_chip(
         Stroke::new(1.0, line),
         StrokeKind::Inside,
     );
+
     let mut text = rect.left_center() + vec2(10.0, -galley.size().y / 2.0);
     if let Some(layer) = layer {
         let mut shaded = painter.clone();
@@ -216,6 +227,7 @@ fn show_chip(
         symbol(&shaded, layer, at, palette);
         text.x += 14.0;
     }
+
     painter.galley(text, galley, color);
     response.on_hover_cursor(CursorIcon::PointingHand)
 }
@@ -223,31 +235,31 @@ fn show_chip(
 /// What an icon button shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
-    /// To the first stage.
+    /// Goes to the first stage.
     First,
-    /// One stage back.
+    /// Goes one stage back.
     Back,
-    /// Play.
+    /// Begins to play the run.
     Play,
-    /// Stop playing.
+    /// Stops playing the run.
     Pause,
-    /// One stage forward.
+    /// Goes one stage forward.
     Forward,
-    /// To the last stage.
+    /// Goes to the last stage.
     Last,
-    /// Close.
+    /// Closes or removes something.
     Close,
-    /// To the light theme.
+    /// Changes to the light theme.
     Sun,
-    /// To the dark theme.
+    /// Changes to the dark theme.
     Moon,
-    /// Fit the whole domain.
+    /// Fits the whole domain into the canvas.
     Fit,
-    /// The menu of all actions.
+    /// Opens the menu of all actions.
     Menu,
-    /// Enlarge.
+    /// An arrow up: enlarges something, or moves it up.
     Taller,
-    /// Shrink.
+    /// An arrow down: shrinks something, or moves it down.
     Shorter,
 }
 
@@ -266,18 +278,22 @@ pub fn icon_button(
     } else {
         30.0
     };
+
     let (rect, response) = allocate_button(ui, Vec2::splat(side), name, enabled);
     let hot = enabled && (response.hovered() || response.has_focus());
     let painter = ui.painter();
     if hot {
         painter.rect_filled(rect, 7.0, palette.text.gamma_multiply(0.09));
     }
+
     let color = if enabled {
         palette.text
     } else {
         palette.muted.gamma_multiply(0.4)
     };
+
     paint_icon(painter, icon, rect.center(), color, palette.panel);
+    // A button that is off says why.
     response.on_hover_text(refusal.map_or_else(|| name.clone(), |refusal| ui.words(refusal)))
 }
 
@@ -288,20 +304,21 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
             vec2(-3.5 * way, -5.5),
             vec2(5.0 * way, 0.0),
             vec2(-3.5 * way, 5.5),
-        ];
-        let corners = corners.map(|v| middle + v).to_vec();
-        painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
+        ]
+        .map(|v| middle + v);
+        painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
     };
     // Steps look different from play.
     let chevron = |way: f32| {
-        let corners = [(-2.5, -5.5), (3.0, 0.0), (-2.5, 5.5)];
-        let corners = corners.map(|(x, y)| at + vec2(x * way, y)).to_vec();
-        painter.add(Shape::line(corners, Stroke::new(2.2, color)));
+        let points = [(-2.5, -5.5), (3.0, 0.0), (-2.5, 5.5)];
+        let line = points.map(|(x, y)| at + vec2(x * way, y)).to_vec();
+        painter.add(Shape::line(line, Stroke::new(2.2, color)));
     };
     let bar = |x: f32| {
         let ends = [at + vec2(x, -5.5), at + vec2(x, 5.5)];
         painter.line_segment(ends, Stroke::new(2.2, color));
     };
+
     match icon {
         Icon::First => {
             triangle(at + vec2(1.5, 0.0), -1.0);
@@ -323,13 +340,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
                 painter.line_segment([at - side, at + side], stroke);
             }
         }
-        Icon::Sun => {
-            painter.circle_stroke(at, 3.6, stroke);
-            for k in 0..8 {
-                let ray = Vec2::angled(k as f32 * std::f32::consts::TAU / 8.0);
-                painter.line_segment([at + ray * 6.0, at + ray * 8.2], Stroke::new(1.4, color));
-            }
-        }
+        Icon::Sun => paint_sun(painter, at, stroke),
         Icon::Moon => {
             painter.circle_filled(at, 7.0, color);
             painter.circle_filled(at + vec2(3.6, -2.6), 5.6, ground);
@@ -342,19 +353,32 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         }
         Icon::Taller | Icon::Shorter => {
             let way = if icon == Icon::Taller { 1.0 } else { -1.0 };
-            let line = [vec2(-6.0, 3.0), vec2(0.0, -3.0), vec2(6.0, 3.0)];
-            let line = line.map(|v| at + vec2(v.x, way * v.y)).to_vec();
+            let points = [vec2(-6.0, 3.0), vec2(0.0, -3.0), vec2(6.0, 3.0)];
+            let line = points.map(|v| at + vec2(v.x, way * v.y)).to_vec();
             painter.add(Shape::line(line, stroke));
         }
-        Icon::Fit => {
-            // The domain under a lens, since four corners would suggest full screen.
-            let middle = at - Vec2::splat(1.5);
-            painter.circle_stroke(middle, 5.8, stroke);
-            painter.line_segment([at + Vec2::splat(2.7), at + Vec2::splat(7.0)], stroke);
-            let domain = Rect::from_center_size(middle, Vec2::splat(4.4));
-            painter.rect_filled(domain, 0.0, color);
-        }
+        Icon::Fit => paint_fit(painter, at, stroke),
     }
+}
+
+/// Draws a disk with eight rays.
+fn paint_sun(painter: &Painter, at: Pos2, stroke: Stroke) {
+    painter.circle_stroke(at, 3.6, stroke);
+    for k in 0..8 {
+        let ray = Vec2::angled(k as f32 * std::f32::consts::TAU / 8.0);
+        let ends = [at + ray * 6.0, at + ray * 8.2];
+        painter.line_segment(ends, Stroke::new(1.4, stroke.color));
+    }
+}
+
+/// Draws the domain under a lens, since four corners would suggest full screen.
+fn paint_fit(painter: &Painter, at: Pos2, stroke: Stroke) {
+    let middle = at - Vec2::splat(1.5);
+    painter.circle_stroke(middle, 5.8, stroke);
+    painter.line_segment([at + Vec2::splat(2.7), at + Vec2::splat(7.0)], stroke);
+
+    let domain = Rect::from_center_size(middle, Vec2::splat(4.4));
+    painter.rect_filled(domain, 0.0, stroke.color);
 }
 
 /// Draws a check mark or a cross, for verdicts.
@@ -393,11 +417,13 @@ pub fn primary_button(
     let text = &ui.words(text);
     let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
     let (rect, response) = allocate_button(ui, size, text, enabled);
+
     let strength = match (enabled, response.hovered()) {
         (false, _) => 0.25,
         (true, false) => 0.92,
         (true, true) => 1.0,
     };
+
     let painter = ui.painter();
     painter.rect_filled(rect, 8.0, palette.accent.gamma_multiply(strength));
     let color = if enabled {
@@ -407,7 +433,9 @@ pub fn primary_button(
     };
     let font = FontId::new(14.0, semibold());
     painter.text(rect.center(), Align2::CENTER_CENTER, text, font, color);
+
     match refusal {
+        // A button that is off says why.
         Some(refusal) => response.on_hover_text(ui.words(refusal)),
         None => response.on_hover_cursor(CursorIcon::PointingHand),
     }

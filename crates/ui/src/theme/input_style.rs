@@ -105,6 +105,7 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
         fonts.font_data.insert((*name).to_owned(), data);
         let others = embedded.iter().map(|(other, ..)| *other);
         let own = std::iter::once(*name).chain(others.filter(|other| other != name));
+        // The family of headings is not one of egui's, so it falls back as the text does.
         let names = fonts
             .families
             .entry(family.clone())
@@ -120,8 +121,10 @@ fn code_points() -> GlyphRasterizer {
     GlyphRasterizer::new("tilescope::code-points", |request| {
         let stamp = stamp(request.cluster, f64::from(request.font_size_px))?;
         let size = [stamp.pixels.width, stamp.pixels.height].map(|side| side as usize);
+        // The opacities suffice, since egui gives letters their colour.
         let opacities = stamp.pixels.rgba.chunks_exact(4).map(|pixel| pixel[3]);
         let image = ColorImage::new(size, opacities.map(Color32::from_white_alpha).collect());
+
         let bitmap = GlyphBitmap {
             image,
             offset_px: vec2(request.subpixel_offset_px, -(stamp.baseline as f32)),
@@ -140,6 +143,7 @@ fn style(palette: &Palette, input: InputStyle) -> Style {
         animation_time: if input.still { 0.0 } else { 0.12 },
         ..Style::default()
     };
+
     let fonts = [
         (TextStyle::Small, 11.5, FontFamily::Proportional),
         (TextStyle::Body, 13.5, FontFamily::Proportional),
@@ -150,11 +154,14 @@ fn style(palette: &Palette, input: InputStyle) -> Style {
     for (name, size, family) in fonts {
         style.text_styles.insert(name, FontId::new(size, family));
     }
+
     style.spacing.item_spacing = vec2(8.0, 5.0);
     style.spacing.button_padding = vec2(9.0, 4.0);
     style.spacing.interact_size.y = 24.0;
     style.spacing.window_margin = Margin::same(18);
     style.interaction.tooltip_delay = 0.25;
+
+    // A finger needs larger targets than a mouse.
     if input.touch {
         style.spacing.button_padding = vec2(12.0, 8.0);
         style.spacing.interact_size = vec2(48.0, FINGER - 4.0);
@@ -162,9 +169,12 @@ fn style(palette: &Palette, input: InputStyle) -> Style {
         style.spacing.icon_width_inner = 12.0;
         style.spacing.window_margin = Margin::same(12);
     }
+
     if input.still {
+        // Scrolling is an animation, too.
         style.scroll_animation = egui::style::ScrollAnimation::none();
     }
+
     style
 }
 
@@ -175,6 +185,7 @@ fn visuals(palette: &Palette) -> Visuals {
         Visuals::light()
     };
     let corner = CornerRadius::same(6);
+
     visuals.panel_fill = palette.panel;
     visuals.window_fill = palette.panel;
     visuals.window_stroke = Stroke::new(1.0, palette.line);
@@ -186,6 +197,7 @@ fn visuals(palette: &Palette) -> Visuals {
         spread: 0,
         color: Color32::from_black_alpha(if palette.dark { 130 } else { 50 }),
     };
+
     visuals.extreme_bg_color = palette.raised;
     visuals.faint_bg_color = palette.raised;
     visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
@@ -194,6 +206,7 @@ fn visuals(palette: &Palette) -> Visuals {
     visuals.weak_text_color = Some(palette.muted);
     visuals.error_fg_color = palette.conflict;
     visuals.warn_fg_color = palette.margin;
+
     let hover = palette.text.gamma_multiply(0.08);
     let states = [
         (
@@ -214,14 +227,17 @@ fn visuals(palette: &Palette) -> Visuals {
         ),
         (&mut visuals.widgets.open, palette.raised, 1.0),
     ];
+
     for (state, fill, width) in states {
         state.bg_fill = fill;
         state.weak_bg_fill = fill;
         state.bg_stroke = Stroke::new(width, palette.line);
         state.fg_stroke = Stroke::new(1.0, palette.text);
         state.corner_radius = corner;
+        // By itself egui enlarges widgets below the pointer.
         state.expansion = 0.0;
     }
+
     visuals.widgets.hovered.bg_stroke.color = palette.muted;
     visuals.widgets.active.bg_stroke.color = palette.accent;
     visuals.disabled_alpha = 0.45;
