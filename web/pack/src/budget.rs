@@ -49,7 +49,7 @@ impl Table {
         sum
     }
 
-    /// Checks the limit.
+    /// Fails when the program needs more than `most` bytes, compressed by brotli, to start.
     pub fn check(&self, most: usize) -> Result<()> {
         let [_, gzip, brotli] = self.to_start();
         ensure!(
@@ -62,12 +62,13 @@ impl Table {
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = self.0.iter().map(|row| row.path.len()).max();
-        let width = width.unwrap_or(0).max("needed to start".len());
+        let longest = self.0.iter().map(|row| row.path.len()).max();
+        let width = longest.unwrap_or(0).max("needed to start".len());
         let mut line = |name: &str, sizes: [String; 3]| {
             let [plain, gzip, brotli] = sizes;
             writeln!(f, "{name:width$} {plain:>10} {gzip:>10} {brotli:>10}")
         };
+
         line("file", ["bytes", "gzip", "brotli"].map(str::to_owned))?;
         for row in &self.0 {
             line(&row.path, row.sizes.map(|size| size.to_string()))?;

@@ -12,11 +12,11 @@ use crate::page::File;
 /// A file with its compressed copies, which are missing if they would not be smaller.
 #[derive(Debug)]
 pub struct Packed {
-    /// The file.
+    /// The file without compression.
     pub file: File,
-    /// By gzip.
+    /// The copy by gzip.
     pub gzip: Option<Vec<u8>>,
-    /// By brotli.
+    /// The copy by brotli.
     pub brotli: Option<Vec<u8>>,
 }
 
@@ -35,14 +35,16 @@ impl Packed {
 /// Compresses files. Copies in `earlier`, from an earlier run, are reused if they decompress to the same bytes.
 pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     let packed = files.into_iter().map(|file| {
+        // Pictures are compressed already.
         let worth = names::is_compressed(&file.path);
         let smaller = |copy: Vec<u8>| (worth && copy.len() < file.bytes.len()).then_some(copy);
         let gzip = worth.then(|| gzip(&file.bytes)).and_then(smaller);
-        let brotli = worth.then(|| {
-            let copy = earlier.join(format!("{}.br", file.path));
-            kept(&copy, &file.bytes).unwrap_or_else(|| brotli(&file.bytes))
-        });
-        let brotli = brotli.and_then(smaller);
+        let brotli = worth
+            .then(|| {
+                let copy = earlier.join(format!("{}.br", file.path));
+                kept(&copy, &file.bytes).unwrap_or_else(|| brotli(&file.bytes))
+            })
+            .and_then(smaller);
         Packed { file, gzip, brotli }
     });
     packed.collect()

@@ -13,6 +13,7 @@ pub fn may_replace(out: &Path) -> Result<()> {
         ensure!(!out.exists(), "{} is not a folder", out.display());
         return Ok(());
     };
+    // An earlier run has left these two files.
     let ours = ["index.html", "sw.js"]
         .iter()
         .all(|name| out.join(name).is_file());
@@ -32,6 +33,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         _ => Path::new("."),
     };
     fs::create_dir_all(parent).with_context(|| parent.display().to_string())?;
+
     // Both are removed with this folder in any case.
     let beside = tempfile::Builder::new()
         .prefix(".dist-")
@@ -40,6 +42,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         .with_context(|| format!("cannot write to {}", parent.display()))?;
     let (new, old) = (beside.path().join("new"), beside.path().join("old"));
     fs::create_dir(&new)?;
+
     for packed in files {
         let path = new.join(&packed.file.path);
         let copies = [
@@ -56,6 +59,8 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
             fs::write(&path, bytes).with_context(|| path.display().to_string())?;
         }
     }
+
+    // The old folder is moved away and not yet removed, so that it can be put back.
     if out.exists() {
         fs::rename(out, &old).with_context(|| format!("cannot move {}", out.display()))?;
     }
@@ -64,6 +69,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         let _ = fs::rename(&old, out);
         return Err(error).with_context(|| out.display().to_string());
     }
+
     Ok(())
 }
 

@@ -62,6 +62,7 @@ fn main() -> ExitCode {
 }
 
 fn pack(arguments: &Arguments) -> Result<()> {
+    // Checked first, since compressing the module takes half a minute.
     folder::may_replace(&arguments.out)?;
     let mut sources = page::read(&arguments.page)?;
     let module = std::fs::read(&arguments.wasm)
@@ -69,6 +70,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for (name, bytes) in binding::bind(module)? {
         sources.insert(name, page::Source::made(bytes));
     }
+
     let tables = language::TABLES.iter();
     let lessons = shipped::to_json(&shipped::Loaded {
         lessons: shipped::all(),
@@ -83,8 +85,10 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for &(language, table) in language::TABLES {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
+
     let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
     files.extend(page::example(&arguments.example)?);
+
     let packed = compress::all(files, &arguments.out);
     let table = budget::Table::of(&packed);
     print!("{table}");

@@ -42,7 +42,7 @@ pub fn is_later(name: &str) -> bool {
 /// The lessons, the voting card, the notes of a talk, and the texts of these two.
 const LATER: [&str; 4] = [LESSONS, "card.js", "notes.js", "words.js"];
 
-/// The lessons.
+/// The file that holds the lessons and their translations.
 pub const LESSONS: &str = "lessons.json";
 
 /// Whether compressed copies of a file are made.

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail, ensure};
 use crate::names;
 use crate::rewrite::{Placeholder, rewrite};
 
-/// A source file.
+/// A file from which the page is made.
 pub struct Source {
     bytes: Vec<u8>,
     /// Whether two opening braces begin a placeholder in it, as in the page's own text files.
@@ -39,7 +39,7 @@ impl Source {
 pub struct File {
     /// Its path in the folder, with slashes.
     pub path: String,
-    /// Its content.
+    /// The bytes of its content.
     pub bytes: Vec<u8>,
     /// Whether the program needs it to start.
     pub to_start: bool,
@@ -74,12 +74,16 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(context)? {
         let path = entry.with_context(context)?.path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        let name = name.with_context(|| format!("{} is not named in UTF-8", path.display()))?;
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .with_context(|| format!("{} is not named in UTF-8", path.display()))?;
+
         // Hidden files and backups of editors.
         if name.starts_with('.') || name.ends_with('~') {
             continue;
         }
+
         ensure!(path.is_file(), "{} is not a file", path.display());
         let bytes =
             std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -100,13 +104,17 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
         done: BTreeMap::new(),
         open: Vec::new(),
     };
+
+    // First what the page leads to by itself: that is needed to start.
     assembly.finish("index.html")?;
     let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
+
     for name in sources.keys().filter(|name| *name != WORKER) {
         if assembly.finish(name)? {
             eprintln!("warning: nothing that index.html leads to refers to {name}");
         }
     }
+
     let mut files: Vec<File> = Vec::new();
     for (name, (path, bytes)) in assembly.done {
         files.push(File {
@@ -116,6 +124,8 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
             bytes,
         });
     }
+
+    // The service worker comes last, as it lists all other files.
     if let Some(worker) = sources.get(WORKER) {
         let bytes = service_worker(worker, &files)?;
         files.push(File {
@@ -125,6 +135,7 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
             hashed: false,
         });
     }
+
     Ok(files)
 }
 
@@ -138,15 +149,19 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
         path => path.to_owned(),
     };
     let addresses: Vec<String> = files.iter().map(address).collect();
+
+    // The version depends on every name and every content, so that no change goes unnoticed.
     let mut all = Vec::new();
     for file in files {
         all.extend_from_slice(file.path.as_bytes());
+        // The end of a name must be seen, or names and hashes could run into each other.
         all.push(0);
         all.extend_from_slice(blake3::hash(&file.bytes).as_bytes());
     }
     all.extend_from_slice(&source.bytes);
+
     let text = std::str::from_utf8(&source.bytes).context(WORKER)?;
-    let text = rewrite(text, |placeholder| match placeholder {
+    let filled = rewrite(text, |placeholder| match placeholder {
         Placeholder::Address => Ok(String::new()),
         Placeholder::Precache => Ok(serde_json::to_string(&addresses)?),
         Placeholder::Version => Ok(names::digest(&all)),
@@ -154,7 +169,8 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
             bail!("{name} is in the list; the service worker names no file by itself")
         }
     });
-    Ok(text.context(WORKER)?.into_bytes())
+
+    Ok(filled.context(WORKER)?.into_bytes())
 }
 
 struct Assembly<'a> {
@@ -172,22 +188,29 @@ impl Assembly<'_> {
         if self.done.contains_key(name) {
             return Ok(false);
         }
-        let source = self.sources.get(name);
-        let source = source.with_context(|| format!("there is no file {name}"))?;
+
+        let source = self
+            .sources
+            .get(name)
+            .with_context(|| format!("there is no file {name}"))?;
+
+        // Names are hashes of contents, so files that hold each other's names cannot be named.
         if let Some(start) = self.open.iter().position(|open| open == name) {
             bail!(
                 "{} and {name} refer to each other",
                 self.open[start..].join(", ")
             );
         }
+
         self.open.push(name.to_owned());
         let bytes = if source.has_placeholders {
             let text = std::str::from_utf8(&source.bytes).with_context(|| name.to_owned())?;
-            let text = rewrite(text, |placeholder| self.value(placeholder));
-            text.with_context(|| name.to_owned())?.into_bytes()
+            let filled = rewrite(text, |placeholder| self.value(placeholder));
+            filled.with_context(|| name.to_owned())?.into_bytes()
         } else {
             source.bytes.clone()
         };
+
         self.open.pop();
         let path = names::final_name(name, &bytes);
         self.done.insert(name.to_owned(), (path, bytes));

@@ -3,7 +3,7 @@
 
 use anyhow::{Context, Result, bail};
 
-/// A placeholder.
+/// A placeholder of one of the page's files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placeholder<'a> {
     /// The name under which a file is served.
@@ -55,6 +55,7 @@ pub fn rewrite(
         written.push_str(&value);
         rest = after;
     }
+
     written.push_str(rest);
     Ok(written)
 }
