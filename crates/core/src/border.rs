@@ -54,11 +54,13 @@ impl Border {
         if domain.is_periodic() {
             return Self::default();
         }
+
         let line = |axis, at: i32, inward| BorderLine {
             axis,
             at: i64::from(at) - origin[axis],
             inward,
         };
+
         let (width, height) = (domain.width(), domain.height());
         let lines = [
             line(0, 0, 1),
@@ -66,6 +68,7 @@ impl Border {
             line(1, 0, 1),
             line(1, height, -1),
         ];
+
         Self {
             lines: lines.map(Some),
         }
@@ -95,7 +98,7 @@ impl Border {
         self.lines.iter().flatten().any(|line| line.meets(rect))
     }
 
-    /// Returns the lines.
+    /// Returns the lines that the list holds: left, right, lower, upper.
     pub fn lines(&self) -> impl Iterator<Item = BorderLine> + use<> {
         self.lines.into_iter().flatten()
     }
@@ -109,6 +112,8 @@ impl Border {
         position: impl Fn(&T) -> I64Vec2,
     ) -> impl Iterator<Item = (I64Vec2, Option<&'a T>)> {
         let border = *self;
+
+        // Along a line the distance to the nearest sample is largest where two samples are as near, or at its ends.
         let between = others.iter().flat_map(move |other| {
             let b = position(other);
             let places = border

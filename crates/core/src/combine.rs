@@ -81,9 +81,9 @@ impl Default for CombineOptions {
 /// A sample that was eliminated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EliminatedSample {
-    /// Where it was.
+    /// Where it was in the result's domain.
     pub point: Point,
-    /// Its piece.
+    /// The piece whose set it belongs to.
     pub piece: u32,
     /// Its index in the piece's set.
     pub index: u32,
@@ -94,7 +94,7 @@ pub struct EliminatedSample {
 /// One set, made of pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Combined {
-    /// The result's domain.
+    /// The domain that the rectangles of the pieces partition.
     pub domain: Domain,
     /// The samples in canonical order.
     pub points: Vec<Point>,
@@ -175,8 +175,10 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let (points, sources) = in_order(glued);
     let eliminated = glued.eliminated();
     let fates = &glued.samples.fates;
-    let inserted = glued.iterations.iter().map(|made| made.inserted.len());
-    let inserted: Vec<usize> = inserted.collect();
+    let iterations = glued.iterations.iter();
+    let inserted: Vec<usize> = iterations.map(|made| made.inserted.len()).collect();
+
+    // Inserted samples are never eliminated, so that all others were tiled, those far from the seams included.
     let summary = Summary {
         blocks: pieces.len(),
         tiled: points.len() + eliminated.len() - inserted.iter().sum::<usize>(),
@@ -185,6 +187,7 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
         inserted,
         count: points.len(),
     };
+
     Combined {
         domain,
         points,
@@ -198,16 +201,20 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
 /// Returns the samples of the result in canonical order, with their sources.
 fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
     let samples = &glued.samples;
-    let near = samples.points.par_iter().zip(&samples.origins);
-    let near = near.zip(&samples.fates);
-    let near = near.filter(|&(_, fate)| *fate == Fate::Kept);
-    let deep = glued.deep.par_iter().enumerate();
-    let deep = deep.flat_map_iter(|(block, samples)| {
+    let placed = samples.points.par_iter().zip(&samples.origins);
+    let near = placed
+        .zip(&samples.fates)
+        .filter(|&(_, fate)| *fate == Fate::Kept)
+        .map(|((point, origin), _)| (*point, Source::from(*origin)));
+
+    // Farther from the seams nothing was examined, and everything stays.
+    let pieces = glued.deep.par_iter().enumerate();
+    let deep = pieces.flat_map_iter(|(block, samples)| {
         let block = block as u32;
         let of = move |&(point, pattern)| (point, Source::Tiled { block, pattern });
         samples.iter().map(of)
     });
-    let near = near.map(|((point, origin), _)| (*point, Source::from(*origin)));
+
     let mut all: Vec<(Point, Source)> = near.chain(deep).collect();
     all.par_sort_unstable_by_key(|(point, _)| point.canonical());
     all.into_iter().unzip()
@@ -225,7 +232,7 @@ pub enum CombineError {
     TooManyPieces {
         /// How many there are.
         count: usize,
-        /// The limit.
+        /// The largest number of pieces, [`MAX_PIECES`].
         maximum: usize,
     },
     /// A rectangle holds no lattice point or reaches beyond the domain.
@@ -234,19 +241,19 @@ pub enum CombineError {
         low[0], low[1], high[0], high[1]
     )]
     Rectangle {
-        /// The piece.
+        /// Which piece it is of.
         piece: usize,
-        /// Its lowest corner.
+        /// The lowest corner of its rectangle.
         low: [f64; 2],
-        /// Its highest corner.
+        /// The highest corner of its rectangle.
         high: [f64; 2],
     },
-    /// Two rectangles overlap.
+    /// A lattice point lies in two rectangles.
     #[error("the rectangles of pieces {first} and {second} overlap at ({}, {})", at[0], at[1])]
     Overlap {
-        /// One piece.
+        /// The piece that comes first in the list.
         first: usize,
-        /// The other.
+        /// The piece that comes later in the list.
         second: usize,
         /// A point in both.
         at: [f64; 2],
@@ -254,7 +261,7 @@ pub enum CombineError {
     /// A point is in no rectangle.
     #[error("no piece covers ({}, {}): the rectangles must fill the domain", at[0], at[1])]
     Uncovered {
-        /// The point.
+        /// A point that no rectangle holds.
         at: [f64; 2],
     },
     /// A bounded set ends inside its rectangle.
@@ -263,7 +270,7 @@ pub enum CombineError {
         has[0], has[1], needs[0], needs[1]
     )]
     TooSmall {
-        /// The piece.
+        /// Which piece the set is of.
         piece: usize,
         /// How far the set reaches from its start, in radii.
         has: [f64; 2],

@@ -11,7 +11,7 @@ use crate::stage::Stage;
 pub use parameters::ParameterError;
 pub use pattern::PatternError;
 
-/// Why sampling failed.
+/// Why a set could not be sampled.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SampleError {

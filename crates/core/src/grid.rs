@@ -8,13 +8,13 @@ use crate::lattice::{Domain, Point, R, covers_offset};
 /// Cells have sides of 2^15 units, one radius.
 const CELL_BITS: u32 = 15;
 
-/// No entry.
+/// Ends the list of a cell.
 const NONE: u32 = u32::MAX;
 
 /// A sample found by the grid.
 #[derive(Clone, Copy, Debug)]
 pub struct NearSample {
-    /// The sample's id.
+    /// The id under which it was inserted.
     pub id: u32,
     /// Its offset from the query's point, the shortest way around.
     pub offset: IVec2,
@@ -84,6 +84,7 @@ impl SampleGrid {
         let periodic = self.domain.is_periodic();
         let (rows, row_spans) = spans(centre.y, reach, rect.max.y, periodic);
         let (columns, column_spans) = spans(centre.x, reach, rect.max.x, periodic);
+
         for &(row_min, row_max) in &rows[..row_spans] {
             for row in row_min..=row_max {
                 for &(column_min, column_max) in &columns[..column_spans] {
@@ -94,7 +95,9 @@ impl SampleGrid {
                         while next != NONE {
                             let entry = self.entries[next as usize];
                             next = entry.next;
+                            // A sample counts once, with its shortest offset, however many images are in reach.
                             let offset = self.domain.difference(centre, entry.point);
+
                             if offset.x.abs() <= reach
                                 && offset.y.abs() <= reach
                                 && visit(NearSample {
@@ -109,6 +112,7 @@ impl SampleGrid {
                 }
             }
         }
+
         false
     }
 
@@ -133,26 +137,33 @@ pub(crate) fn spans(
         i64::from(centre) - i64::from(reach),
         i64::from(centre) + i64::from(reach),
     );
+
     let last = extent - 1;
     let cell = |x: i64| (x >> CELL_BITS) as i32;
     let all = ([(0, last >> CELL_BITS), (0, 0)], 1);
+
     if low >= 0 && high <= i64::from(last) {
         return ([(cell(low), cell(high)), (0, 0)], 1);
     }
+
     if !periodic {
         let (low, high) = (low.max(0), high.min(i64::from(last)));
         return ([(cell(low), cell(high)), (0, 0)], usize::from(low <= high));
     }
+
+    // Places beyond one end of a periodic axis lie at its other end.
     let extent = i64::from(extent);
     let (upper, lower) = if low < 0 {
         (low + extent, high)
     } else {
         (low, high - extent)
     };
+
     // Two ranges that meet in one cell would visit its samples twice.
     if upper < 0 || cell(lower) >= cell(upper) {
         return all;
     }
+
     ([(0, cell(lower)), (cell(upper), cell(extent - 1))], 2)
 }
 

@@ -9,7 +9,7 @@ use crate::error::ParameterError;
 /// The Poisson-disk radius in lattice units: 2^15.
 pub const R: i32 = 1 << 15;
 
-/// `R` squared: 2^30.
+/// The radius in lattice units, squared: 2^30.
 pub const R_SQUARED: i64 = (R as i64) * (R as i64);
 
 /// The longest side of a domain, in radii: 2^31 - 2^17 units, so that places up to three radii
@@ -228,6 +228,7 @@ impl Domain {
         if !radius.is_finite() || radius <= 0.0 {
             return Err(ParameterError::Radius { radius });
         }
+
         Ok(Self {
             width: side_units("width", size[0], radius, boundary)?,
             height: side_units("height", size[1], radius, boundary)?,
@@ -259,6 +260,7 @@ impl Domain {
     ///
     /// Fails when the rectangle is too small or too large for a domain of its own.
     pub fn of_rect(rect: &Rect, boundary: Boundary) -> Result<Self, ParameterError> {
+        // A closed border has one more point than units.
         let closed = i32::from(boundary == Boundary::Bounded);
         let radii = |points: i32| f64::from(points - closed) / f64::from(R);
         Self::from_size([radii(rect.width()), radii(rect.height())], 1.0, boundary)
@@ -401,8 +403,10 @@ impl Domain {
             min: I64Vec2::ZERO,
             max: I64Vec2::ZERO,
         };
+
         for (axis, name) in ["width", "height"].into_iter().enumerate() {
             let (side, low, high) = (self.size[axis], low[axis], high[axis]);
+
             let finite = low.is_finite() && high.is_finite();
             if !finite || low >= high || high - low > side {
                 return Err(ParameterError::Window {
@@ -412,22 +416,29 @@ impl Domain {
                     maximum: side,
                 });
             }
+
+            // Farther away the rounding of the bounds would change the window.
             let limit = MAX_WINDOW_SIDES * side;
             if low.abs() > limit {
                 return Err(ParameterError::FarWindow { name, low, limit });
             }
+
             let units = [self.width, self.height][axis];
             window.min[axis] = first_unit(low, side, units);
             window.max[axis] = first_unit(high, side, units);
+
+            // A bounded plane ends at its borders, which belong to it: a window that reaches the upper one includes it.
             if self.boundary == Boundary::Bounded {
                 let end = i64::from(units) + i64::from(high >= side);
                 window.min[axis] = window.min[axis].max(0);
                 window.max[axis] = if high >= side { end } else { window.max[axis] };
             }
+
             // Two bounds a hair less than a side apart may round to more than the domain's units.
             window.max[axis] =
                 window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
         }
+
         Ok(window)
     }
 
@@ -443,15 +454,18 @@ impl Domain {
             let units_along = position / self.size[axis] * f64::from(units);
             (units_along - EXACT_UNITS).ceil().clamp(0.0, units.into()) as i32
         };
+
         let end = |position: f64, axis: usize| {
             let units = [self.width, self.height][axis];
             let last = first(position, axis);
+            // A rectangle that reaches a closed border includes it.
             if last == units {
                 self.rect_side(axis)
             } else {
                 last
             }
         };
+
         Rect {
             min: Point::new(first(low[0], 0), first(low[1], 1)),
             max: Point::new(end(high[0], 0), end(high[1], 1)),
@@ -468,8 +482,10 @@ impl Domain {
     #[must_use]
     pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
         let axis = |value: f64, side: f64, total: i32| {
-            let units = (value / side * f64::from(total)).round();
-            let units = units.clamp(-f64::from(i32::MAX), f64::from(i32::MAX)) as i64;
+            let limit = f64::from(i32::MAX);
+            let units = (value / side * f64::from(total))
+                .round()
+                .clamp(-limit, limit) as i64;
             match self.boundary {
                 Boundary::Periodic => units.rem_euclid(i64::from(total)) as i32,
                 Boundary::Bounded => units.clamp(0, i64::from(total)) as i32,
@@ -537,10 +553,14 @@ fn side_units(
     boundary: Boundary,
 ) -> Result<i32, ParameterError> {
     check_side(name, side)?;
+
+    // In a periodic domain a detector must see one image of each sample; in a bounded one a unit of the side must stay
+    // small beside the promised covering radius (crates/decisions/arithmetic-and-bits.md).
     let minimum = match boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => SHORTEST_SIDE_RADII_BOUNDED,
     };
+
     let radii = side / radius;
     if radii < minimum {
         return Err(ParameterError::SideTooShort {
@@ -549,6 +569,7 @@ fn side_units(
             minimum,
         });
     }
+
     if radii > MAX_SIDE_RADII {
         return Err(ParameterError::SideTooLong {
             name,
@@ -556,11 +577,13 @@ fn side_units(
             maximum: MAX_SIDE_RADII,
         });
     }
+
     let mut units = (radii * f64::from(R)).floor();
     // The quotient may have been rounded up, but a unit must not be shorter than radius / R.
     while side / units * f64::from(R) < radius {
         units -= 1.0;
     }
+
     Ok(units as i32)
 }
 

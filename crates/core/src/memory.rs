@@ -20,15 +20,15 @@ pub struct NoMemory {
 /// A way to make a whole set in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Making {
-    /// By [`crate::Sweep::finish`].
+    /// The parallel engine makes it ([`crate::Sweep::finish`]).
     Sweep,
     /// By [`crate::Sequential`], which keeps the origin and the fate of every sample.
     Sequential,
-    /// By [`crate::NestedRequest::make`].
+    /// It has nested levels ([`crate::NestedRequest::make`]).
     Levels,
-    /// By [`crate::exact_sample`].
+    /// It is tiled exactly ([`crate::exact_sample`]).
     Exact,
-    /// By [`crate::reference_sample`].
+    /// The reference sampler makes it ([`crate::reference_sample`]).
     Reference,
 }
 

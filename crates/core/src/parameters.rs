@@ -122,7 +122,7 @@ pub struct Parameters {
     pub pattern: PatternSpec,
     /// Whether each block clips from one of the pattern's 8 rotations and mirror images.
     pub dihedral: bool,
-    /// Order of elimination.
+    /// The order in which tiled samples claim their disks.
     pub order: Order,
     /// How gaps are filled.
     pub insertion: Insertion,

@@ -71,7 +71,7 @@ impl Symmetry {
 pub struct PatternVariant {
     /// Lattice columns: the period in a periodic pattern.
     pub width: i32,
-    /// Lattice rows.
+    /// Lattice rows: the period in a periodic pattern.
     pub height: i32,
     /// Whether the pattern repeats.
     pub periodic: bool,
@@ -128,22 +128,27 @@ impl Pattern {
     pub fn variant(&self, symmetry: Symmetry) -> PatternVariant {
         let extent = self.domain.rect().max;
         let corner = symmetry.corner(extent);
+
         let map = |p: Point| {
             let turned = symmetry.turn(IVec2::new(p.x, p.y)) + corner;
             Point::new(turned.x, turned.y)
         };
+
         let mut samples: Vec<(Point, u32)> = self
             .samples
             .iter()
             .zip(0..)
             .map(|(&p, index)| (map(p), index))
             .collect();
+        // Clips find their rows by bisection.
         samples.sort_unstable_by_key(|(p, _)| p.row_major());
+
         let far = if symmetry.0 & 4 == 0 {
             extent
         } else {
             Point::new(extent.y, extent.x)
         };
+
         PatternVariant {
             width: far.x,
             height: far.y,
@@ -167,15 +172,20 @@ impl PatternVariant {
         // longest domain and a pattern's side together exceed 32 bits.
         let (mut row, mut up) = (i64::from(start.y), 0);
         let (width, height) = (i64::from(width), i64::from(height));
+
         while up < height {
             let end = (row + (height - up)).min(i64::from(self.height));
+
             let from = self.samples.partition_point(|(p, _)| i64::from(p.y) < row);
             let to = self.samples.partition_point(|(p, _)| i64::from(p.y) < end);
             for &(p, index) in &self.samples[from..to] {
+                // The first place at or right of the clip's corner that shows the sample; a periodic pattern repeats it
+                // from there.
                 let mut right = i64::from(p.x) - i64::from(start.x);
                 if right < 0 && self.periodic {
                     right += i64::from(self.width);
                 }
+
                 while (0..width).contains(&right) {
                     visit(right as i32, (up + i64::from(p.y) - row) as i32, index);
                     if !self.periodic {
@@ -184,6 +194,8 @@ impl PatternVariant {
                     right += i64::from(self.width);
                 }
             }
+
+            // After its last row a periodic pattern begins again. The clips of a bounded one end before.
             up += end - row;
             row = 0;
         }

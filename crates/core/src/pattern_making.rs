@@ -22,10 +22,13 @@ impl Pattern {
         let domain = Domain::from_units(side, side, spec.boundary);
         let [low, high] = spec.key().words();
         let seed = u64::from(low) | u64::from(high) << 32;
+
+        // The reference sampler reports iterations. To a run they are one stage.
         let mut restage = |mut progress: Progress| {
             progress.stage = Stage::Pattern;
             observer.observe(progress)
         };
+
         let samples =
             reference_sample(domain, seed, &mut restage).map_err(|error| match error {
                 SampleError::Cancelled { .. } => SampleError::Cancelled {
@@ -33,6 +36,7 @@ impl Pattern {
                 },
                 other => other,
             })?;
+
         Ok(Self::of_samples(&domain, samples, true))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Idle buffers.
+/// Buffers that no thread works in at the moment.
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 
 impl<T> Default for Pool<T> {
@@ -18,7 +18,7 @@ impl<T> Pool<T> {
         idle.unwrap_or_else(make)
     }
 
-    /// Takes buffers back.
+    /// Takes buffers back for later work.
     pub(crate) fn give(&self, buffers: T) {
         self.idle().push(buffers);
     }

@@ -93,16 +93,20 @@ pub const fn below(word: u32, n: u32) -> u32 {
 #[inline]
 #[must_use]
 pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
+    // Rotations and parity word of Threefry (Salmon et al. 2011), as in Random123.
     const ROTATIONS: [u32; 8] = [13, 15, 26, 6, 17, 29, 16, 24];
     const PARITY: u32 = 0x1BD1_1BDA;
+
     let keys = [key[0], key[1], PARITY ^ key[0] ^ key[1]];
     let mut x0 = counter[0].wrapping_add(keys[0]);
     let mut x1 = counter[1].wrapping_add(keys[1]);
     let mut round = 0;
+
     while round < 20 {
         x0 = x0.wrapping_add(x1);
         x1 = x1.rotate_left(ROTATIONS[round % 8]) ^ x0;
         round += 1;
+        // After every fourth round the key is injected again, turned and numbered, so that rounds differ.
         if round % 4 == 0 {
             let injection = round / 4;
             x0 = x0.wrapping_add(keys[injection % 3]);
@@ -111,6 +115,7 @@ pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
                 .wrapping_add(injection as u32);
         }
     }
+
     [x0, x1]
 }
 

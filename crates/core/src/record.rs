@@ -23,7 +23,7 @@ pub enum Verdict {
     },
     /// Another sample is clearly nearer to it than the samples that made it.
     NotNearest {
-        /// That sample's id.
+        /// The id of that sample.
         nearer: u32,
     },
 }
@@ -31,7 +31,7 @@ pub enum Verdict {
 /// An event of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunEvent {
-    /// A stage begins.
+    /// A stage of the run begins.
     Begin(Stage),
     /// A node of the KD-tree is cut.
     Split {
@@ -42,56 +42,56 @@ pub enum RunEvent {
     },
     /// A node of the KD-tree is a block.
     Leaf {
-        /// The block's index.
+        /// The index of the block.
         block: u32,
     },
     /// A block's clip is placed in the pattern.
     Clip {
-        /// The block's index.
+        /// The index of the block.
         block: u32,
     },
     /// A sample is tiled.
     Tiled {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
-        /// Its block.
+        /// The index of its block.
         block: u32,
         /// Whether it lies in the domain; otherwise it is dropped.
         inside: bool,
     },
     /// Elimination takes a sample.
     Take {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
         /// Whether it is still valid.
         valid: bool,
     },
     /// A sample is kept.
     Keep {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
         /// Whether it was never contested.
         rest: bool,
     },
     /// A kept sample is compared with another.
     Test {
-        /// The kept sample.
+        /// The id of the kept sample.
         pivot: u32,
-        /// The other one.
+        /// The id of the other one.
         other: u32,
         /// Whether the first covers the second.
         covers: bool,
     },
     /// A sample is eliminated.
     Eliminate {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
         /// The kept sample that covers it.
         by: u32,
     },
     /// A sample becomes a gap detector.
     Mark {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
         /// The eliminated, dropped or inserted sample that is the reason.
         because: u32,
@@ -105,7 +105,7 @@ pub enum RunEvent {
     },
     /// A detector begins to look for gaps.
     Detect {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
     },
     /// The valid samples around a sample are gathered.
@@ -119,14 +119,14 @@ pub enum RunEvent {
     },
     /// A detector's neighbours prove that it has no gap.
     NoGap {
-        /// The detector.
+        /// The id of the detector.
         sample: u32,
     },
     /// Gaps are searched between a sample and all pairs of the test buffer.
     Call {
-        /// That sample.
+        /// The id of that sample.
         pivot: u32,
-        /// The iteration.
+        /// The number of the iteration, from 1.
         iteration: u32,
     },
     /// The pairs of the test buffer are about to be examined.
@@ -154,21 +154,21 @@ pub enum RunEvent {
     },
     /// A candidate is skipped, since a sample inserted before it covers it.
     Pass {
-        /// The place.
+        /// The place of the candidate.
         point: Point,
-        /// The inserted sample.
+        /// The id of the inserted sample.
         by: u32,
     },
     /// A sample is inserted.
     Insert {
-        /// Its id.
+        /// The id of the sample.
         sample: u32,
-        /// The iteration.
+        /// The number of the iteration, from 1.
         iteration: u32,
     },
     /// A dart is thrown.
     Dart {
-        /// Where it lands.
+        /// The place where it lands.
         point: Point,
         /// Whether it was sorted by rank, to be examined again in that order.
         ranked: bool,
@@ -177,16 +177,16 @@ pub enum RunEvent {
     },
     /// An active cell is cut in four.
     Cut {
-        /// Its lowest point.
+        /// The lowest point of the cell.
         cell: Point,
-        /// Its side.
+        /// The side of the cell, in units.
         side: i32,
         /// How many quarters are not covered.
         kept: u32,
     },
-    /// An iteration ends.
+    /// An iteration of detection and insertion ends.
     IterationEnd {
-        /// Its number.
+        /// The number of the iteration, from 1.
         number: u32,
         /// How many samples it inserted.
         inserted: u32,

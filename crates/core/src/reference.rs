@@ -11,9 +11,9 @@ use crate::stages::darts::{DartGround, DartProcess};
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
 ///
-/// No two samples cover each other, and *no lattice point* of the domain is uncovered, which is stricter than what KDRT
-/// promises. Equal seeds and domains give equal sets. Fails only when `observer` stops it; progress is reported as
-/// [`Stage::Iterate`], one iteration for each throw.
+/// No two samples cover each other, and *no lattice point* of the domain is uncovered, which is stricter than the
+/// promise of KDRT. Equal seeds and domains give equal sets. Fails only when `observer` stops it; progress is reported
+/// as [`Stage::Iterate`], one iteration for each throw.
 pub fn reference_sample(
     domain: Domain,
     seed: u64,
@@ -45,6 +45,7 @@ pub(crate) fn finished<G: DartGround, T: Recorder>(
     let mut samples = Vec::new();
     let mut throw = 0;
 
+    // This ends: cells become smaller level by level, and one of a single point throws exactly it.
     while !process.is_finished() {
         throw += 1;
         recorder.record(RunEvent::Iteration {

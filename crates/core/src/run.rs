@@ -36,11 +36,11 @@ pub enum Standing {
     Absent,
     /// It exists, and nothing has been decided.
     Tiled,
-    /// It is valid.
+    /// It is valid: kept by elimination, or inserted.
     Valid,
     /// It was eliminated by a sample.
     Eliminated {
-        /// That sample's id.
+        /// The id of that sample.
         by: u32,
     },
     /// It lies outside a bounded domain.
@@ -50,17 +50,17 @@ pub enum Standing {
 /// A run in progress or finished.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Run {
-    /// The parameters.
+    /// The parameters from which it was made.
     pub parameters: Parameters,
     /// The domain on the lattice.
     pub domain: Domain,
-    /// The pattern.
+    /// The pattern from which its blocks clip.
     pub pattern: Arc<Pattern>,
     /// The KD-tree; empty before [`Stage::Blocks`].
     pub blocks: Blocks,
     /// A tile per block; empty before [`Stage::Tile`].
     pub tiles: Vec<Tile>,
-    /// All samples.
+    /// All samples by id, with those that were dropped or eliminated.
     pub samples: Samples,
     /// The iterations so far.
     pub iterations: Vec<Iteration>,
@@ -73,13 +73,13 @@ pub struct Run {
 /// The counts of a run.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
-    /// Building blocks.
+    /// The number of building blocks.
     pub blocks: usize,
     /// Samples tiled inside the domain.
     pub tiled: usize,
     /// Samples tiled outside a bounded domain.
     pub dropped: usize,
-    /// Samples eliminated.
+    /// Samples eliminated by another one.
     pub eliminated: usize,
     /// Samples inserted, by iteration, up to the last one that inserted any.
     pub inserted: Vec<usize>,
@@ -135,13 +135,17 @@ impl Run {
                 sites: Sites::Unrecorded,
             },
         };
+
         let origins: Vec<Origin> = points.iter().zip(sources).map(origin).collect();
         let count = origins.len();
+
         self.samples = Samples {
             points,
             origins,
             fates: vec![Fate::Kept; count],
         };
+
+        // Only the result is kept, so that ids are places in it.
         self.result = (0..count as u32).collect();
         self.counted = Some(counted);
     }
@@ -156,6 +160,7 @@ impl Run {
             pattern: 0,
             own: true,
         };
+
         Self {
             parameters,
             domain,
@@ -200,19 +205,24 @@ impl Run {
     pub fn stages(&self) -> Vec<Stage> {
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
         stages.push(Stage::Pattern);
+
         if !self.blocks.leaves.is_empty() {
             stages.push(Stage::Blocks);
         }
+
         if !self.tiles.is_empty() {
             stages.push(Stage::Tile);
+            // Dropped samples were decided by tiling.
             let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
             if self.samples.fates.iter().any(decided) {
                 stages.push(Stage::Eliminate);
             }
         }
+
         // In Algorithm 4 as printed iteration 1 is part of elimination.
         let arrivals = (1..=self.iterations.len() as u32).map(|k| self.arrival(k));
         stages.extend(arrivals.filter(|&stage| stage != Stage::Eliminate));
+
         if !self.result.is_empty() {
             stages.push(Stage::Finish);
         }
@@ -253,11 +263,15 @@ impl Run {
         if let Some(counted) = &self.counted {
             return counted.clone();
         }
+
         let count = |test: fn(&Fate) -> bool| self.samples.fates.iter().filter(|f| test(f)).count();
         let mut inserted: Vec<usize> = self.iterations.iter().map(|i| i.inserted.len()).collect();
+        // Uniform insertion also throws in vain, and how often depends on the engine, which may skip covered cells
+        // (crates/decisions/arithmetic-and-bits.md).
         while inserted.last() == Some(&0) {
             inserted.pop();
         }
+
         let dropped = count(|f| *f == Fate::Dropped);
         Summary {
             blocks: self.blocks.leaves.len(),

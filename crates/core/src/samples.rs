@@ -64,7 +64,7 @@ pub enum Fate {
     Kept,
     /// A kept sample that covers it claimed its disk first.
     Eliminated {
-        /// That sample's id.
+        /// The id of that sample.
         by: u32,
     },
     /// It was tiled outside a bounded domain.
@@ -75,16 +75,16 @@ pub enum Fate {
 /// order of their insertion.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Samples {
-    /// Positions.
+    /// The position of each sample.
     pub points: Vec<Point>,
-    /// Origins.
+    /// The origin of each sample.
     pub origins: Vec<Origin>,
-    /// Fates.
+    /// The fate of each sample, so far as it is decided.
     pub fates: Vec<Fate>,
 }
 
 impl Samples {
-    /// Adds a sample.
+    /// Adds a sample, whose id is the number of samples before it.
     pub fn push(&mut self, point: Point, origin: Origin, fate: Fate) {
         self.points.push(point);
         self.origins.push(origin);
@@ -95,6 +95,7 @@ impl Samples {
     pub(crate) fn kept(&self) -> Vec<u32> {
         let each = (0..).zip(self.points.iter().zip(&self.fates));
         let kept = each.filter(|(_, (_, fate))| **fate == Fate::Kept);
+
         let mut keyed: Vec<(u64, u32)> = kept
             .map(|(id, (point, _))| (point.canonical(), id))
             .collect();
@@ -156,7 +157,7 @@ impl From<Origin> for Source {
 /// Samples in canonical order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sampled {
-    /// Positions.
+    /// The position of each sample.
     pub points: Vec<Point>,
     /// The source of each, if wanted.
     pub sources: Option<Vec<Source>>,

@@ -47,6 +47,7 @@ impl Pattern {
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
         let domain = parameters.validate_sequential()?;
+
         let samples = match parameters.variant {
             Variant::Staged => {
                 let sweep = Sweep::new(parameters, pattern, false)?;
@@ -57,7 +58,9 @@ impl Pattern {
                 engine.finish(observer)?.points()
             }
         };
+
         match parameters.search {
+            // Valid by construction. It may miss lattice points by a hair, since insertion tests rounded circumcentres.
             Search::Complete => Ok(Self::of_samples(&domain, samples, false)),
             Search::TwoRadii => Ok(Self::checked(&domain, samples)?),
         }

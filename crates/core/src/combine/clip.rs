@@ -9,12 +9,12 @@ use super::layout::continues;
 use crate::lattice::{Domain, Point, R, Rect64};
 use crate::pattern::Symmetry;
 
-/// A piece's contribution.
+/// The samples that a piece contributes.
 pub(super) struct Clip {
     /// Samples in the margin and near it, by y, then x, each with its index in the set. Positions are in the result,
     /// before a periodic domain wraps them.
     pub near: Vec<(I64Vec2, u32)>,
-    /// Samples deeper inside.
+    /// Samples deeper inside, each with its index in the set.
     pub deep: Vec<(Point, u32)>,
 }
 
@@ -28,6 +28,7 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let continuations = continuations(domain, pieces, piece);
+
     // The rectangle enlarged by r, as far as the set extends, in the set.
     let start = I64Vec2::from(piece.start);
     let (mut low, mut high) = (start - i64::from(R), start + i64::from(R));
@@ -36,10 +37,12 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     if !variant.periodic {
         (low, high) = (low.max(I64Vec2::ZERO), high.min(extent));
     }
+
     let corner = I64Vec2::from(rect.min) - start + low;
-    let first = low.rem_euclid(extent);
-    let first = Point::new(first.x as i32, first.y as i32);
+    let wrapped = low.rem_euclid(extent);
+    let first = Point::new(wrapped.x as i32, wrapped.y as i32);
     let [width, height] = (high - low).to_array().map(|side| side as i32);
+
     let (mut near, mut deep) = (Vec::new(), Vec::new());
     variant.clip(first, width, height, |right, up, index| {
         let at = corner + I64Vec2::new(right.into(), up.into());
@@ -52,6 +55,8 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
             near.push((at, index));
         }
     });
+
+    // As the clips of blocks are, so that ids follow the rows of the piece.
     near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
     Clip { near, deep }
 }
@@ -61,11 +66,14 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
 fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Rect64> {
     let mut continuations = Vec::new();
     let periodic = domain.is_periodic();
+
+    // In a periodic domain a piece may continue across the border, and continue itself.
     let shifts = |side: i32| {
         let side = i64::from(side);
         let sides: &[i64] = if periodic { &[-1, 0, 1] } else { &[0] };
         sides.iter().map(move |k| k * side)
     };
+
     for other in pieces {
         for dx in shifts(domain.width()) {
             for dy in shifts(domain.height()) {

@@ -82,7 +82,7 @@ pub struct PlacedPiece {
 /// A layout with its rectangles and sources computed.
 #[derive(Clone, Debug)]
 pub struct PlacedLayout {
-    /// The result's domain.
+    /// The domain of the result.
     pub domain: Domain,
     /// The pieces; their rectangles partition the domain.
     pub pieces: Vec<PlacedPiece>,
@@ -97,6 +97,7 @@ impl Layout {
             let bytes = bytes.len() as u64;
             return Err(LayoutError::TooLong { bytes });
         }
+
         let Version { version } = json::from_bytes(bytes).map_err(LayoutError::NoLayout)?;
         if version != VERSION {
             return Err(LayoutError::Version { version });
@@ -122,13 +123,18 @@ impl Layout {
     pub fn placed(&self) -> Result<PlacedLayout, LayoutError> {
         let (domain, rects) = self.rects()?;
         check_rects(&domain, &rects)?;
+
         let mut pieces = Vec::with_capacity(rects.len());
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
+        // Before the pieces, whose own sets add to it below: an impossible domain is named first.
         limit(expected)?;
+
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
-            let source = entry.source(self.boundary, &rect);
-            let source = source.map_err(|error| error.of_piece(k))?;
+            let source = entry
+                .source(self.boundary, &rect)
+                .map_err(|error| error.of_piece(k))?;
             expected += source.expected_beside();
+
             let offset = entry.offset.unwrap_or_default();
             pieces.push(PlacedPiece {
                 rect,
@@ -136,7 +142,9 @@ impl Layout {
                 offset,
             });
         }
+
         limit(expected)?;
+
         Ok(PlacedLayout {
             domain,
             pieces,
@@ -159,6 +167,7 @@ impl Layout {
     /// Returns the rectangles of columns and rows.
     fn grid(&self, columns: &[f64], rows: &[f64]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let (across, up, pieces) = (columns.len(), rows.len(), self.pieces.len());
+        // In 32 bits the product may be too large.
         let rectangles = across.saturating_mul(up);
         if rectangles != pieces {
             return Err(LayoutError::Count {
@@ -168,29 +177,37 @@ impl Layout {
                 pieces,
             });
         }
+
+        // A rectangle of a piece could contradict the columns and rows.
         let placed = self.pieces.iter().position(|entry| entry.rect.is_some());
         if let Some(k) = placed {
             return Err(LayoutError::RectInGrid.of_piece(k));
         }
+
         let (x, y) = (edges("columns", columns)?, edges("rows", rows)?);
         let size = [&x, &y].map(|edges| edges.last().copied().unwrap_or(0.0));
         let domain = Domain::from_size(size, self.radius, self.boundary)?;
+
         let cell = |row: &[f64], column: &[f64]| {
             domain.rect_from_user([column[0], row[0]], [column[1], row[1]])
         };
+
         let rects = y
             .windows(2)
             .flat_map(|row| x.windows(2).map(move |column| cell(row, column)));
+
         Ok((domain, rects.collect()))
     }
 
     /// Returns the rectangles that the pieces name.
     fn free(&self, size: [f64; 2]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let domain = Domain::from_size(size, self.radius, self.boundary)?;
+
         let rect = |(k, entry): (usize, &PieceEntry)| {
             let Some(rect) = entry.rect else {
                 return Err(LayoutError::NoRect.of_piece(k));
             };
+
             let [x0, y0, x1, y1] = rect;
             let inside = |low: f64, high: f64, side: f64| 0.0 <= low && low < high && high <= side;
             if inside(x0, x1, size[0]) && inside(y0, y1, size[1]) {
@@ -198,6 +215,7 @@ impl Layout {
             }
             Err(LayoutError::Rect { rect, size }.of_piece(k))
         };
+
         let rects = self.pieces.iter().enumerate().map(rect);
         Ok((domain, rects.collect::<Result<_, _>>()?))
     }

@@ -52,6 +52,7 @@ impl Glued {
             origins,
             fates,
         } = &self.samples;
+
         let each = points.iter().zip(origins).zip(fates);
         each.filter_map(|((&point, &origin), fate)| match (origin, fate) {
             (
@@ -70,6 +71,7 @@ impl Glued {
                     own,
                 })
             }
+            // Inserted samples are never eliminated.
             _ => None,
         })
         .collect()
@@ -89,7 +91,10 @@ pub(super) fn glue(
 ) -> Result<Glued, CombineError> {
     loop {
         let (glued, deepest) = glue_within(domain, pieces, options, near, observer)?;
+
         let sides = domain.rect().max;
+        // A detector reads up to `READ` around itself, and inserted samples are the next detectors. Beyond the longest
+        // side all samples were considered.
         if deepest <= near - READ || near > sides.x.max(sides.y) {
             return Ok(glued);
         }
@@ -110,17 +115,23 @@ fn glue_within(
     let clips = clips(&domain, pieces, near);
     let mut glued = placed(&domain, pieces, clips);
     meter.end()?;
+
     let first = glued.samples.len();
     sieve(&domain, pieces, options, &mut glued.samples, observer)?;
+
     match options.insertion {
         Insertion::Circumcentre => fill(domain, options, &mut glued, observer)?,
         Insertion::Uniform => throw(domain, options, &mut glued, observer)?,
     }
+
+    // The last throws of darts may have hit nothing.
     let last = |glued: &Glued| glued.iterations.last().map(|last| last.inserted.len());
     while last(&glued) == Some(0) {
         glued.iterations.pop();
     }
+
     let inserted = &glued.samples.points[first..];
+    // Each lies in one of the rectangles, which partition the domain.
     let depth = |p: &Point| {
         let mut rects = pieces.iter().map(|piece| piece.rect);
         rects.find(|rect| rect.contains(*p)).map(|r| r.depth(*p))
@@ -136,12 +147,15 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
         Vec::with_capacity(clips.len()),
         Vec::with_capacity(clips.len()),
     );
+
     for ((piece, clip), index) in pieces.iter().zip(clips).zip(0..) {
         let first = samples.len() as u32;
         for (at, pattern) in clip.near {
             push_tiled(domain, &piece.rect, at, index, pattern, &mut samples);
         }
+
         tiles.push(Tile {
+            // As for blocks, the place of the set on the corner of the enlarged rectangle.
             start: Point::new(
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),
@@ -151,6 +165,7 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
         });
         deep.push(clip.deep);
     }
+
     Glued {
         samples,
         tiles,
@@ -199,10 +214,13 @@ fn fill(
     let samples = &mut glued.samples;
     let mut survivors = survivors(domain, samples);
     let mut detectors = first_detectors(samples, &survivors, &mut Unrecorded);
+
     for k in 1.. {
         let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
+        // Each task has its own, since it keeps buffers.
         let detection = || Detection::new(domain, options.search, &survivors);
         let candidates = detect(detection, samples, &detectors, meter)?;
+
         let inserted = insert(
             samples,
             &mut survivors,
@@ -211,9 +229,13 @@ fn fill(
             key,
             &mut Unrecorded,
         );
+
+        // The first candidate is always inserted, so that there was none.
         if inserted.is_empty() {
             break;
         }
+
+        // Gaps that are left touch a sample inserted just now, as in the sequential engine.
         let looked = std::mem::replace(&mut detectors, inserted.clone().collect());
         glued.iterations.push(Iteration {
             detectors: looked,
@@ -222,6 +244,7 @@ fn fill(
             inserted,
         });
     }
+
     Ok(())
 }
 
@@ -234,6 +257,7 @@ fn throw(
 ) -> Result<(), SampleError> {
     let samples = &mut glued.samples;
     let mut process = gap_process(domain, samples, Key::from_seed(options.seed));
+
     for k in 1.. {
         if process.is_finished() {
             break;
@@ -241,6 +265,7 @@ fn throw(
         let made = uniform(&mut process, k, samples, observer, &mut Unrecorded)?;
         glued.iterations.push(made);
     }
+
     Ok(())
 }
 
@@ -252,7 +277,10 @@ fn detect<'a>(
     mut meter: Meter<'_>,
 ) -> Result<Vec<Candidate>, SampleError> {
     let mut candidates = Vec::new();
+
+    // The observer is asked between batches, since threads cannot share it.
     for batch in detectors.chunks(BATCH) {
+        // Which thread finds a candidate does not matter: they are sorted below.
         let turns = batch.par_chunks(TURN).map(|turn| {
             let (mut detection, mut found) = (detection(), Vec::new());
             for &id in turn {
@@ -261,11 +289,13 @@ fn detect<'a>(
             }
             found
         });
+
         candidates.par_extend(turns.flatten_iter());
         for _ in batch {
             meter.tick()?;
         }
     }
+
     unique(&mut candidates);
     meter.end()?;
     Ok(candidates)

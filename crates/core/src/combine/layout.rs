@@ -10,7 +10,7 @@ use crate::stages::blocks::Axis;
 /// left or lower border, between a piece there and one at the opposite border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Seam {
-    /// Its lowest end.
+    /// The lowest point of it.
     pub from: Point,
     /// Its highest end: `x` or `y` is that of the lowest.
     pub to: Point,
@@ -41,12 +41,14 @@ pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     if rects.is_empty() {
         return Err(CombineError::NoPieces);
     }
+
     if rects.len() > MAX_PIECES {
         return Err(CombineError::TooManyPieces {
             count: rects.len(),
             maximum: MAX_PIECES,
         });
     }
+
     let all = domain.rect().max;
     for (piece, Rect { min, max }) in rects.iter().enumerate() {
         let inside = 0 <= min.x && 0 <= min.y && max.x <= all.x && max.y <= all.y;
@@ -58,6 +60,7 @@ pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
             });
         }
     }
+
     check_partition(domain, rects)
 }
 
@@ -74,18 +77,24 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     let all = domain.rect().max;
     let mut by_column: Vec<usize> = (0..rects.len()).collect();
     by_column.sort_by_key(|&k| rects[k].min.x);
-    let edges = rects.iter().flat_map(|rect| [rect.min.y, rect.max.y]);
-    let mut edges: Vec<i32> = edges.chain([0]).filter(|&y| y < all.y).collect();
+
+    // Between two edges of rectangles all rows are alike: the lowest one stands for its strip.
+    let ends = rects.iter().flat_map(|rect| [rect.min.y, rect.max.y]);
+    let mut edges: Vec<i32> = ends.chain([0]).filter(|&y| y < all.y).collect();
     edges.sort_unstable();
     edges.dedup();
+
     for y in edges {
         let (mut end, mut last) = (0, 0);
         let at = |x: i32| domain.user_from_lattice(Point::new(x, y));
+
         for &k in &by_column {
             let Rect { min, max } = rects[k];
             if !(min.y..max.y).contains(&y) {
                 continue;
             }
+
+            // Each rectangle must begin where the one before it ended.
             if min.x > end {
                 return Err(CombineError::Uncovered { at: at(end) });
             }
@@ -98,10 +107,12 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
             }
             (end, last) = (max.x, k);
         }
+
         if end < all.x {
             return Err(CombineError::Uncovered { at: at(end) });
         }
     }
+
     Ok(())
 }
 
@@ -112,15 +123,18 @@ const SHORT: i32 = 2;
 /// Refuses a bounded set that does not cover its rectangle.
 fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
     let own = placed.set.domain();
+    // It repeats without end.
     if own.is_periodic() {
         return Ok(());
     }
     let (start, max) = (placed.start, own.rect().max);
+
     // The number of points from the start on; 0 for a start outside.
-    let has = |start: i32, max: i32| if start < 0 { 0 } else { (max - start).max(0) };
-    let has = [has(start.x, max.x), has(start.y, max.y)];
+    let points = |start: i32, max: i32| if start < 0 { 0 } else { (max - start).max(0) };
+    let has = [points(start.x, max.x), points(start.y, max.y)];
     let needs = [placed.rect.width(), placed.rect.height()];
     let short = [needs[0] - has[0], needs[1] - has[1]];
+
     if short.iter().any(|&units| units > SHORT) || !covers_beyond(placed, short) {
         let radii = |units: i32| f64::from(units) / f64::from(R);
         return Err(CombineError::TooSmall {
@@ -129,6 +143,7 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
             needs: needs.map(radii),
         });
     }
+
     Ok(())
 }
 
@@ -155,19 +170,23 @@ fn covers_line(
     let mut covered: Vec<(i64, i64)> = samples
         .filter_map(|(along, across)| {
             let apart = i64::from(across) - i64::from(line);
+            // Half of the chord that the disk cuts from the line, rounded down: its lattice points are covered.
             let left = R_SQUARED - apart * apart;
             let half = (left >= 0).then(|| left.isqrt())?;
             Some((i64::from(along) - half, i64::from(along) + half))
         })
         .collect();
+
     covered.sort_unstable();
     let mut next = i64::from(start);
     for (first, last) in covered {
+        // The next point is in none of the chords, which are sorted by their beginning.
         if first > next {
             break;
         }
         next = next.max(last + 1);
     }
+
     next >= i64::from(start) + i64::from(length)
 }
 
@@ -191,14 +210,18 @@ pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
         let edges = pieces.iter().map(|piece| across(axis, piece.rect.min));
         let mut by_edge: Vec<(i32, u32)> = edges.zip(0..).collect();
         by_edge.sort_unstable();
+
         let side = across(axis, Point::new(domain.width(), domain.height()));
         for left in 0..pieces.len() as u32 {
             let edge = across(axis, pieces[left as usize].rect.max);
+            // In a periodic domain pieces at the upper border meet those at the lower one.
             let wraps = domain.is_periodic() && edge == side;
             let edge = if wraps { 0 } else { edge };
+
             let first = by_edge.partition_point(|&(min, _)| min < edge);
             let beyond = by_edge[first..].iter().take_while(|&&(min, _)| min == edge);
             let shift = if wraps { side } else { 0 };
+
             seams.extend(beyond.filter_map(|&(_, right)| seam(axis, pieces, [left, right], shift)));
         }
     }
@@ -221,16 +244,20 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
         Axis::X => (Axis::Y, I64Vec2::new(shift, 0)),
         Axis::Y => (Axis::X, I64Vec2::new(0, shift)),
     };
+
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));
+    // They do not lie beside each other, or they show one set, which has no conflicts where it continues.
     if from >= to || continues(a, b, shift) {
         return None;
     }
+
     let edge = across(axis, b.rect.min);
     let point = |along: i32| match axis {
         Axis::X => Point::new(edge, along),
         Axis::Y => Point::new(along, edge),
     };
+
     Some(Seam {
         from: point(from),
         to: point(to),

@@ -33,13 +33,17 @@ pub fn combine_in_stages(
     observer: &mut dyn Observer,
 ) -> Result<Staged, CombineError> {
     check(&domain, pieces)?;
+
+    // All samples count as near: the stages are to be looked at everywhere.
     let glued = glue(i32::MAX, domain, pieces, options, observer)?;
+
     let meter = Meter::begin(observer, Stage::Finish, 1)?;
     let mut run = empty(domain, pieces, options);
     run.result = glued.samples.kept();
     run.samples = glued.samples;
     run.tiles = glued.tiles;
     run.iterations = glued.iterations;
+
     let seams = layout::seams(&domain, pieces);
     meter.end()?;
     Ok(Staged { run, seams })
@@ -60,10 +64,13 @@ impl Combined {
 /// Returns a run that has only its blocks yet.
 fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
     let [width, height] = domain.size();
+
+    // A leaf says how short edges may be: the pieces' shortest.
     let sides = pieces.iter().map(|piece| {
         let rect = piece.rect;
         rect.width().min(rect.height())
     });
+
     let parameters = Parameters {
         width,
         height,
@@ -77,6 +84,7 @@ fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
         // Nothing is tiled, so that all else is without effect.
         ..Parameters::default()
     };
+
     let mut run = Run::new(&parameters, domain, Arc::clone(&pieces[0].set));
     run.blocks = blocks(pieces, Key::from_seed(options.seed));
     run

@@ -33,10 +33,12 @@ impl AsPrinted {
     pub fn new(domain: Domain, search: Search, samples: &Samples) -> Self {
         let mut grid = SampleGrid::with_capacity(domain, samples.len());
         for (id, &fate) in (0..).zip(&samples.fates) {
+            // Eliminated samples stay in the grid, and searches pass them by. Dropped ones lie where it has no cells.
             if fate != Fate::Dropped {
                 grid.insert(id, samples.points[id as usize]);
             }
         }
+
         let is_detector = vec![false; samples.len()];
         Self {
             domain,
@@ -55,22 +57,31 @@ impl AsPrinted {
         recorder: &mut T,
     ) -> Result<Iteration, SampleError> {
         let first = samples.len() as u32;
+
         for &pivot in contested {
             let sample = pivot;
+            // A sample that was eliminated takes no turn, although line 2 names all.
             let valid = is_valid(samples.fates[pivot as usize]);
             recorder.record(RunEvent::Take { sample, valid });
+
             if valid {
                 samples.fates[pivot as usize] = Fate::Kept;
                 let rest = false;
                 recorder.record(RunEvent::Keep { sample, rest });
+                // Line 3 marks the pivot, whether it has conflicts or not.
                 self.mark(pivot, pivot, recorder);
                 self.claim(samples, pivot, recorder);
             }
+
             meter.tick()?;
         }
+
+        // Outside of the conflict area nothing happens (paper, section 3.2.3).
         keep_rest(samples, recorder);
+        // The paper has no closed borders: samples that are dropped there open gaps, too.
         self.mark_around_dropped(samples, recorder);
         meter.end()?;
+
         let inserted = first..samples.len() as u32;
         Ok(Iteration {
             inserted,
@@ -87,20 +98,27 @@ impl AsPrinted {
         recorder: &mut T,
     ) -> Result<Iteration, SampleError> {
         let first = samples.len() as u32;
+        // The stream compaction of lines 14 and 15. Marked samples may have been eliminated since, and those inserted
+        // in this round wait for the next one.
         let detectors: Vec<u32> = (0..first)
             .filter(|&id| self.is_detector[id as usize] && samples.fates[id as usize] == Fate::Kept)
             .collect();
+
         meter.set_total(detectors.len() as u64);
         recorder.record(RunEvent::Iteration {
             number: iteration,
             detectors: detectors.len() as u32,
         });
+
         for &detector in &detectors {
             let at = samples.points[detector as usize];
+            // Line 17 with 4r, and 7r near a closed border, around the detector itself.
             let radius = Reach::new(&self.domain, self.search, at).search;
+
             recorder.record(RunEvent::Detect { sample: detector });
             let buffer = self.radius_search(samples, at, radius);
             record_search(detector, radius, &buffer, recorder);
+
             recorder.record(RunEvent::Call {
                 pivot: detector,
                 iteration,
@@ -108,6 +126,7 @@ impl AsPrinted {
             self.detect_and_insert(samples, &buffer, detector, iteration, recorder);
             meter.tick()?;
         }
+
         meter.end()?;
         let inserted = first..samples.len() as u32;
         Ok(Iteration {
@@ -121,7 +140,9 @@ impl AsPrinted {
     fn claim<T: Recorder>(&mut self, samples: &mut Samples, pivot: u32, recorder: &mut T) {
         let conflicts = self.radius_search(samples, samples.points[pivot as usize], R);
         record_search(pivot, R, &conflicts, recorder);
+
         for conflict in conflicts {
+            // The search of line 4 finds the pivot, too.
             if conflict.id != pivot {
                 recorder.record(RunEvent::Test {
                     pivot,
@@ -133,6 +154,7 @@ impl AsPrinted {
                     sample: conflict.id,
                     by: pivot,
                 });
+
                 self.fill_around(samples, pivot, conflict.id, recorder);
             }
         }
@@ -155,14 +177,19 @@ impl AsPrinted {
     ) {
         let centre = samples.points[conflict as usize];
         let at = samples.points[pivot as usize];
+
+        // Line 7 with 4 units more than 2r, since patterns cover lattice points alone.
         let mut buffer = self.radius_search(samples, centre, DETECTOR_REACH);
         record_search(conflict, DETECTOR_REACH, &buffer, recorder);
+
+        // Algorithm 3 looks for circumcentres with the pivot, so that offsets are taken from it.
         for member in &mut buffer {
             self.mark(member.id, conflict, recorder);
             member.offset = self
                 .domain
                 .difference(at, samples.points[member.id as usize]);
         }
+
         recorder.record(RunEvent::Call {
             pivot,
             iteration: 1,
@@ -180,20 +207,24 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let others: Vec<NearSample> = buffer.iter().copied().filter(|m| m.id != pivot).collect();
+
         recorder.record(RunEvent::Pairs {
             pivot,
             others: others.len() as u32,
         });
+
         for (k, m) in others.iter().enumerate() {
             for n in &others[k + 1..] {
                 if let Some(centre) = circumcentre(m.offset.as_i64vec2(), n.offset.as_i64vec2()) {
                     let mut ids = [pivot, m.id, n.id];
                     ids.sort_unstable();
                     let sites = Sites::Three(ids);
+                    // Takes effect at once: the next place is examined with the sample.
                     self.insert(samples, pivot, centre, sites, iteration, recorder);
                 }
             }
         }
+
         self.insert_on_border(samples, &others, pivot, iteration, recorder);
     }
 
@@ -208,6 +239,7 @@ impl AsPrinted {
         let at = samples.points[pivot as usize];
         let reach = Reach::new(&self.domain, self.search, at);
         let border = border_in_reach::<T>(&self.domain, at, reach);
+
         let position = |m: &NearSample| m.offset.as_i64vec2();
         for (place, other) in border.places(I64Vec2::ZERO, others, position) {
             let sites = match other {
@@ -230,6 +262,7 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let examined = self.examine(samples, samples.points[pivot as usize], centre);
+
         if T::ENABLED {
             recorder.record(RunEvent::Candidate {
                 detector: pivot,
@@ -238,9 +271,11 @@ impl AsPrinted {
                 verdict: examined.err().unwrap_or(Verdict::Accepted),
             });
         }
+
         if let Ok(point) = examined {
             let sample = samples.len() as u32;
             self.grid.insert(sample, point);
+            // Inserted samples are detectors (lines 12 and 19).
             self.is_detector.push(true);
             samples.push(point, Origin::Inserted { iteration, sites }, Fate::Kept);
             recorder.record(RunEvent::Insert { sample, iteration });
@@ -252,16 +287,20 @@ impl AsPrinted {
     #[inline]
     fn examine(&self, samples: &Samples, at: Point, centre: I64Vec2) -> Result<Point, Verdict> {
         let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
+        // Three samples nearly in line have a centre so far away that its square is no number.
         if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }
+
         let place = I64Vec2::from(at) + centre;
         let point = self.domain.wrap(place).ok_or(Verdict::Outside)?;
+
         let mut by = u32::MAX;
         let covered = self.grid.any_near(point, R, |near| {
             by = near.id;
             is_valid(samples.fates[near.id as usize]) && covers_offset(near.offset)
         });
+
         if covered {
             Err(Verdict::Covered { by })
         } else {
@@ -273,6 +312,7 @@ impl AsPrinted {
     fn radius_search(&self, samples: &Samples, centre: Point, radius: i32) -> Vec<NearSample> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut members = Vec::new();
+
         self.grid.any_near(centre, radius, |near| {
             let distance_squared = near.offset.as_i64vec2().length_squared();
             if distance_squared <= limit && is_valid(samples.fates[near.id as usize]) {
@@ -280,6 +320,8 @@ impl AsPrinted {
             }
             false
         });
+
+        // The grid has no order, and Algorithm 3 inserts at once, so that the result depends on it.
         members.sort_unstable_by_key(|m| m.id);
         members
     }

@@ -121,11 +121,13 @@ impl Sequential {
         let Some(mut stage) = self.next else {
             return Ok(None);
         };
+
         match stage {
             Stage::Pattern | Stage::Blocks => self.split(observer, recorder)?,
             Stage::Tile => self.tile(observer, recorder)?,
             Stage::Eliminate => self.eliminate(observer, recorder)?,
             Stage::Iterate(k) => {
+                // Without a gap nothing is left to do: the same step ends the run.
                 if !self.iterate(k, observer, recorder)? {
                     stage = Stage::Finish;
                     self.gather(observer, recorder)?;
@@ -133,13 +135,16 @@ impl Sequential {
             }
             Stage::Regions | Stage::Finish => self.gather(observer, recorder)?,
         }
+
         self.next = match stage {
             Stage::Pattern | Stage::Blocks => Some(Stage::Tile),
             Stage::Tile => Some(Stage::Eliminate),
+            // Algorithm 4 as printed has made iteration 1 by now: its first loop inserts, too.
             Stage::Eliminate => Some(Stage::Iterate(self.run.iterations.len() as u32 + 1)),
             Stage::Iterate(k) => Some(Stage::Iterate(k + 1)),
             Stage::Regions | Stage::Finish => None,
         };
+
         Ok(Some(stage))
     }
 
@@ -175,6 +180,7 @@ impl Sequential {
             parameters,
             ..
         } = &mut self.run;
+
         let meter = Meter::begin(observer, Stage::Tile, blocks.leaves.len() as u64)?;
         self.run.tiles = tile(
             domain,
@@ -185,6 +191,7 @@ impl Sequential {
             meter,
             recorder,
         )?;
+
         Ok(())
     }
 
@@ -202,10 +209,13 @@ impl Sequential {
             variant,
             ..
         } = run.parameters;
+
         let ranking = Ranking::new(order, &run.domain, self.key);
         let contested = contested(&run.samples, &run.blocks, &ranking);
         let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
+
         self.filling = match (variant, insertion) {
+            // Lines 2 to 11 of Algorithm 4, which eliminate and insert in turn.
             (Variant::AsPrinted, _) => {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
                 run.iterations.push(printed.first_loop(
@@ -218,6 +228,7 @@ impl Sequential {
             }
             (Variant::Staged, Insertion::Circumcentre) => {
                 eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
+                // Detection asks for valid samples alone, and the grid of elimination also holds lost ones.
                 let survivors = survivors(run.domain, &run.samples);
                 let detectors = first_detectors(&run.samples, &survivors, recorder);
                 Filling::Circumcentres {
@@ -230,6 +241,7 @@ impl Sequential {
                 Filling::Uniform(gap_process(run.domain, &run.samples, self.key))
             }
         };
+
         Ok(())
     }
 
@@ -241,7 +253,9 @@ impl Sequential {
         recorder: &mut T,
     ) -> Result<bool, SampleError> {
         let run = &mut self.run;
+
         let iteration = match &mut self.filling {
+            // Elimination, which comes before, replaces it.
             Filling::NotYet => return Ok(false),
             Filling::Circumcentres {
                 survivors,
@@ -252,6 +266,7 @@ impl Sequential {
                     number: k,
                     detectors: detectors.len() as u32,
                 });
+
                 let candidates = detect(run, survivors, detectors, meter, recorder)?;
                 let inserted = insert(
                     &mut run.samples,
@@ -261,7 +276,11 @@ impl Sequential {
                     self.key,
                     recorder,
                 );
+
+                // A gap that is left touches a sample inserted just now: any other had a candidate, which was inserted
+                // or is covered by one that was. So these samples alone detect next (paper, Algorithm 4, line 19).
                 let detectors = std::mem::replace(detectors, inserted.clone().collect());
+
                 Iteration {
                     detectors,
                     candidates,
@@ -276,14 +295,18 @@ impl Sequential {
                 printed.second_loop(k, &mut run.samples, meter, recorder)?
             }
         };
+
         recorder.record(RunEvent::IterationEnd {
             number: k,
             inserted: iteration.inserted.len() as u32,
         });
+
+        // A throw that hits nothing is not the end of uniform insertion: its cells are cut and throw again.
         let found = !iteration.inserted.is_empty() || !iteration.cells.is_empty();
         if found {
             run.iterations.push(iteration);
         }
+
         Ok(found)
     }
 
@@ -298,6 +321,7 @@ impl Sequential {
         recorder.record(RunEvent::Finish {
             count: result.len() as u32,
         });
+
         self.run.result = result;
         meter.end()
     }
@@ -323,11 +347,14 @@ fn detect<T: Recorder>(
 ) -> Result<Vec<Candidate>, SampleError> {
     let mut detection = Detection::new(run.domain, run.parameters.search, survivors);
     let mut candidates = Vec::new();
+
     for &id in detectors {
         let at = run.samples.points[id as usize];
         detection.find(id, at, &mut candidates, recorder);
         meter.tick()?;
     }
+
+    // A place is found by each of its sites that is a detector.
     unique(&mut candidates);
     meter.end()?;
     Ok(candidates)
@@ -341,16 +368,19 @@ pub(crate) fn uniform<T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Iteration, SampleError> {
+    // Read before the step, which may cut them.
     let cells: Vec<_> = process.active_cells().collect();
     recorder.record(RunEvent::Iteration {
         number: k,
         detectors: cells.len() as u32,
     });
+
     let first = samples.len() as u32;
     for point in process.step_recorded(Stage::Iterate(k), observer, first, recorder)? {
         let (iteration, sites) = (k, Sites::Dart);
         samples.push(point, Origin::Inserted { iteration, sites }, Fate::Kept);
     }
+
     Ok(Iteration {
         cells,
         inserted: first..samples.len() as u32,

@@ -24,6 +24,7 @@ impl fmt::Display for Number {
         if size >= WITHOUT_DECIMALS {
             return write!(f, "{sign}{}", grouped(size.round() as u64));
         }
+
         let text = size.to_string();
         let (whole, decimals) = text.split_at(text.find('.').unwrap_or(text.len()));
         let whole = whole.parse().map_or_else(|_| whole.to_owned(), grouped);
@@ -62,7 +63,7 @@ pub enum ParameterError {
     /// The radius is not a positive finite number.
     #[error("the radius is {}; it must be a finite number above 0", Number(*.radius))]
     Radius {
-        /// What was given.
+        /// The value as given.
         radius: f64,
     },
     /// A side of the domain is not a number within [`crate::SIDE_LIMITS`].
@@ -71,13 +72,13 @@ pub enum ParameterError {
         Number(*.side)
     )]
     Side {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
-        /// What was given.
+        /// The value as given.
         side: f64,
-        /// The lower limit.
+        /// The lower limit, in user units.
         shortest: f64,
-        /// The upper limit.
+        /// The upper limit, in user units.
         longest: f64,
     },
     /// A side is too short for its radius.
@@ -87,7 +88,7 @@ pub enum ParameterError {
         Number(*.minimum)
     )]
     SideTooShort {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
         /// Its length in radii.
         radii: f64,
@@ -101,7 +102,7 @@ pub enum ParameterError {
         Number(*.maximum)
     )]
     SideTooLong {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
         /// Its length in radii.
         radii: f64,
@@ -111,7 +112,7 @@ pub enum ParameterError {
     /// The leaf is not a finite number of at least 6.
     #[error("the leaf is {} r; it must be a finite number of at least {minimum} r", Number(*.leaf))]
     Leaf {
-        /// What was given, in radii.
+        /// The value as given, in radii.
         leaf: f64,
         /// The limit in radii.
         minimum: f64,
@@ -124,7 +125,7 @@ pub enum ParameterError {
         Number(*.maximum)
     )]
     PatternSide {
-        /// What was given, in radii.
+        /// The value as given, in radii.
         side: f64,
         /// The lower limit in radii.
         minimum: f64,
@@ -147,13 +148,13 @@ pub enum ParameterError {
         Number(*.low), Number(*.high), Number(*.maximum)
     )]
     Window {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
-        /// Where it begins.
+        /// Where it begins, in user units.
         low: f64,
-        /// Where it ends.
+        /// Where it ends, in user units.
         high: f64,
-        /// The domain's side.
+        /// The side of the domain, in user units.
         maximum: f64,
     },
     /// A window lies so far from the domain that rounding would change it.
@@ -162,9 +163,9 @@ pub enum ParameterError {
         Number(*.low), Number(-.limit), Number(*.limit)
     )]
     FarWindow {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
-        /// Where it begins.
+        /// Where it begins, in user units.
         low: f64,
         /// The limit on either side of 0.
         limit: f64,
@@ -174,9 +175,9 @@ pub enum ParameterError {
         "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"
     )]
     TooManySamples {
-        /// The expected count.
+        /// The number of samples that is expected.
         samples: f64,
-        /// The limit.
+        /// The largest number of samples.
         maximum: f64,
     },
     /// A wanted number of samples is out of range.
@@ -185,11 +186,11 @@ pub enum ParameterError {
         grouped(*.count), grouped(*.minimum), grouped(*.maximum)
     )]
     Count {
-        /// The wanted number.
+        /// The number of samples that was asked for.
         count: u64,
-        /// The fewest possible.
+        /// The fewest that the sides allow.
         minimum: u64,
-        /// The most possible.
+        /// The most that the sides allow.
         maximum: u64,
     },
     /// No radius that was tried gave the wanted number of samples.
@@ -198,7 +199,7 @@ pub enum ParameterError {
         grouped(*.count), grouped(*.nearest)
     )]
     CountMissed {
-        /// The wanted number.
+        /// The number of samples that was asked for.
         count: u64,
         /// The nearest count found.
         nearest: u64,
@@ -206,9 +207,9 @@ pub enum ParameterError {
     /// The number of nested levels is out of range.
     #[error("{levels} levels were asked for; there must be between 1 and {maximum}")]
     Levels {
-        /// What was asked for.
+        /// The number of levels as given.
         levels: u32,
-        /// The most possible.
+        /// The most levels that there may be.
         maximum: u32,
     },
     /// Exactly so many samples were asked for with one level.
@@ -217,7 +218,7 @@ pub enum ParameterError {
         grouped(*.count as u64)
     )]
     OneLevel {
-        /// The wanted number.
+        /// The number of samples that was asked for.
         count: usize,
     },
     /// A side is too short for the coarsest of nested levels.
@@ -227,7 +228,7 @@ pub enum ParameterError {
         rounded_up(*.minimum)
     )]
     TooManyLevels {
-        /// Which side.
+        /// The name of the side: "width" or "height".
         name: &'static str,
         /// How many levels were asked for.
         levels: u32,
@@ -244,7 +245,7 @@ pub enum ParameterError {
         rounded_up(*.minimum)
     )]
     TooFewForLevels {
-        /// The wanted number.
+        /// The number of samples that was asked for.
         count: usize,
         /// How many levels were asked for.
         levels: u32,
@@ -258,7 +259,7 @@ pub enum ParameterError {
     /// Nested levels are made in one way only.
     #[error("nested levels need the default for {name}")]
     NestedChoice {
-        /// What was chosen otherwise.
+        /// The choice that differs from its default.
         name: &'static str,
     },
 }

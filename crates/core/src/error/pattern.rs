@@ -19,9 +19,9 @@ pub enum PatternError {
     Outside {
         /// Index of the position as given.
         index: usize,
-        /// The position.
+        /// The position as given.
         position: [f64; 2],
-        /// The pattern's size.
+        /// The sides of the pattern.
         size: [f64; 2],
     },
     /// Two samples are no farther apart than the radius.
@@ -29,7 +29,7 @@ pub enum PatternError {
     Conflict {
         /// One sample, in the pattern's units.
         first: [f64; 2],
-        /// The other.
+        /// The other sample, in the same units.
         second: [f64; 2],
         /// Their distance in radii.
         radii: f64,

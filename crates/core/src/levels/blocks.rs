@@ -25,7 +25,7 @@ pub(super) struct BlockDraws {
     pub leaf: i32,
     pub key: Key,
     pub symmetries: u32,
-    /// The pattern's side.
+    /// The side of the periodic pattern, in units.
     pub period: i32,
 }
 
@@ -43,12 +43,16 @@ impl BlockDraws {
         out.clear();
         let mut sequence = 0;
         let mut stack = vec![Node::root(&self.domain, self.key)];
+
         while let Some(node) = stack.pop() {
             let found = self.images(&node.block.rect, target, origin, reach, images);
             let mut rects = found.peekable();
+            // No leaf of such a node reaches into the frame. Those that do are still numbered in the order of their
+            // indices.
             if rects.peek().is_none() {
                 continue;
             }
+
             if let Some(cut) = node.cut(self.leaf) {
                 stack.push(cut.upper);
                 stack.push(cut.lower);
@@ -62,7 +66,7 @@ impl BlockDraws {
     fn place(&self, block: &Block, rect: Rect64, sequence: u32) -> NestedBlock {
         let symmetry = below(block.key.draw(Stream::Dihedral, 0)[0], self.symmetries);
         let words = block.key.draw(Stream::Offset, 0);
-        // As in a run of one level, what is drawn lies on the corner of the block enlarged by the finest radius.
+        // As in a run of one level, the place drawn comes to lie on the corner of the block enlarged by the finest radius.
         let start = words.map(|word| i64::from(below(word, self.period as u32)));
         NestedBlock {
             rect,
@@ -82,10 +86,12 @@ impl BlockDraws {
         images: bool,
     ) -> impl Iterator<Item = Rect64> + use<> {
         let rect = Rect64::from(*rect).moved(-origin);
+
         let (grown, target) = (
             rect.grown(reach.into(), reach.into()),
             Rect64::from(*target),
         );
+
         let sides = I64Vec2::new(self.domain.width().into(), self.domain.height().into());
         let shifts = [0, 1].map(|axis| {
             let (low, high) = (grown.min[axis], grown.max[axis]);
@@ -97,6 +103,7 @@ impl BlockDraws {
                 0..=i64::from(low < end && first < high) - 1
             }
         });
+
         let [columns, rows] = shifts;
         rows.flat_map(move |j| {
             let columns = columns.clone();

@@ -17,8 +17,8 @@
 //!
 //! *Unknowns.* A pixel is itself an unknown if an unknown reaches into that circle, or the strip of width R along the
 //! frame's edges in which tiled samples beyond may have been lost. Since d + h > R in an open pixel, the circle also holds
-//! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
-//! depends on no unknown, in any iteration.
+//! every place at which an insertion would cover a place of the pixel. Insertions in the other pixels therefore
+//! depend on no unknown, in any iteration.
 
 use glam::{DVec2, I64Vec2, IVec2};
 use rayon::prelude::*;
@@ -37,8 +37,8 @@ const PIXEL_SLACK: f64 = 16.0;
 /// How often a cell is halved.
 const HALVINGS: u32 = 3;
 
-/// How often it is where unknowns may spread from pixel to pixel: small ones are fewer beside each other. What is
-/// inserted does not depend on it.
+/// How often it is where unknowns may spread from pixel to pixel: fewer of the small ones lie beside each other.
+/// Insertions do not depend on it.
 const MORE_HALVINGS: u32 = 5;
 
 /// A square in which there may be a gap.
@@ -95,9 +95,11 @@ impl LevelRegion {
     /// only when the observer of `meter` stops it.
     pub fn fill(&mut self, key: Key, meter: &mut Meter<'_>) -> Result<(), SampleError> {
         let mut pixels = self.open_pixels(meter)?;
+        // Only where the plane goes on beyond the frame something is unknown.
         if self.frame.ends_inside() {
             self.doubt_pixels(&mut pixels);
         }
+
         for iteration in 1.. {
             let (mut open, mut found) = (Vec::new(), Vec::new());
             for some in pixels.chunks(SHIFT) {
@@ -110,16 +112,20 @@ impl LevelRegion {
                     }
                     (open, found)
                 });
+
                 let (still_open, candidates): (Vec<_>, Vec<_>) = searched.unzip();
                 open.append(&mut still_open.concat());
                 found.append(&mut candidates.concat());
                 meter.ask()?;
             }
+
             pixels = open;
             if found.is_empty() {
                 break;
             }
+
             self.insert(key.derive(Stream::Iteration, iteration), &found);
+
             // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
             let farther = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
@@ -128,6 +134,7 @@ impl LevelRegion {
                 self.flags.has(cell, flag::CHANGED) || pixel.sight > farther
             });
         }
+
         Ok(())
     }
 
@@ -135,6 +142,7 @@ impl LevelRegion {
     fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
         // Near the frame's edges nothing can be known.
         let inside = self.frame.inside(self.grid.radius().units);
+
         let mut pixels = Vec::new();
         for some in self.dirty.chunks(SHIFT) {
             let open = some.par_chunks(TURN).map(|cells| {
@@ -149,9 +157,11 @@ impl LevelRegion {
                 }
                 around.pixels
             });
+
             pixels.append(&mut open.collect::<Vec<_>>().concat());
             meter.ask()?;
         }
+
         Ok(pixels)
     }
 
@@ -160,6 +170,7 @@ impl LevelRegion {
         let side = radius.side();
         around.across.clear();
         around.up.clear();
+
         let middle = Point::new(cell.min.x + side / 2, cell.min.y + side / 2);
         self.grid
             .any_near(middle, gathered(radius) + side / 2, |offset| {
@@ -167,6 +178,7 @@ impl LevelRegion {
                 around.up.push((offset.y + side / 2) as f32);
                 false
             });
+
         self.divide(cell, Point::default(), side, around);
     }
 
@@ -174,28 +186,36 @@ impl LevelRegion {
     fn divide(&self, cell: &Rect, corner: Point, side: i32, around: &mut Gathered) {
         let radius = self.grid.radius();
         let min = Point::new(cell.min.x + corner.x, cell.min.y + corner.y);
+        // Cells at the upper edges are cut off by the frame.
         if min.x >= cell.max.x || min.y >= cell.max.y {
             return;
         }
+
         let middle = (side - 1) as f32 / 2.0;
         // Four units outweigh the rounding of squares below 2^44 to 24 bits.
         let limit = radius.units as f32 - middle * std::f32::consts::SQRT_2 - 4.0;
+
         let (x, y) = (corner.x as f32 + middle, corner.y as f32 + middle);
         let square = |(&across, &up): (&f32, &f32)| {
             let (across, up) = (across - x, up - y);
             across * across + up * up
         };
+
         let squares = around.across.iter().zip(&around.up).map(square);
         // `f32::min` is not vectorized.
         let nearest = squares.fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+
+        // One sample covers the whole square.
         if limit > 0.0 && nearest <= limit * limit {
             return;
         }
+
         let halvings = if self.frame.ends_inside() {
             MORE_HALVINGS
         } else {
             HALVINGS
         };
+
         if side > radius.side() >> halvings {
             let half = side / 2;
             for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
@@ -204,22 +224,28 @@ impl LevelRegion {
             }
             return;
         }
+
         let mut pixel = GapPixel {
             min,
             side,
             sight: f64::INFINITY,
             is_due: true,
         };
+
         // Four units more for the rounding of squares.
         let sight = nearest.sqrt() + (2.0 * pixel.half_diagonal() + PIXEL_SLACK) as f32 + 4.0;
         if sight < gathered(radius) as f32 {
             pixel.sight = sight.into();
             let squares = around.across.iter().zip(&around.up).map(square);
+            // Without three sites, and without a border, there is nothing to find in it, until a sample is inserted
+            // nearby.
             let sites = squares.filter(|&square| square <= sight * sight).count();
             pixel.is_due = sites >= 3 || self.frame.border.meets(&pixel.rect());
         } else {
+            // Its sites may lie beyond the samples gathered around the cell.
             self.look(&mut pixel, &mut Vec::new());
         }
+
         around.pixels.push(pixel);
     }
 
@@ -227,27 +253,35 @@ impl LevelRegion {
     fn doubt_pixels(&mut self, pixels: &mut Vec<GapPixel>) {
         let radius = self.grid.radius();
         let farthest = self.frame.sight(radius);
+
+        // A pixel that becomes unknown may be in sight of pixels that were known so far.
         loop {
             let before = pixels.len();
             pixels.retain(|pixel| {
                 let middle = (pixel.side - 1) / 2;
                 let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
+
                 // The centre is half a unit off on either axis, at most.
                 let is_far = pixel.sight > f64::from(farthest);
                 let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
+
                 let edge = self.frame.inside(sight + radius.units);
                 let doubtful = self
                     .flags
                     .has(self.grid.layout().cell_at(pixel.min), flag::DOUBTFUL);
+
                 let is_known = edge.contains(centre)
                     && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));
+
                 if !is_known {
                     let (at, reach) = (centre, pixel.half_diagonal() as i32 + 2);
                     self.doubt(UnknownDisk { at, radius: reach });
                 }
+
                 is_known
             });
+
             if pixels.len() == before {
                 break;
             }
@@ -261,6 +295,7 @@ impl LevelRegion {
         let centre = pixel.side / 2;
         let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
         let square = |site: &IVec2| (site.as_dvec2() - middle).length_squared();
+
         let mut reach = radius.units + radius.units / 2;
         let limit = loop {
             sites.clear();
@@ -268,9 +303,11 @@ impl LevelRegion {
                 sites.push(offset + centre);
                 false
             });
+
             let squares = sites.iter().map(square);
             let nearest = squares.fold(f64::INFINITY, f64::min).sqrt();
             let limit = nearest + 2.0 * half + PIXEL_SLACK;
+
             // The centre is half a unit off.
             if limit < f64::from(reach) - 1.0 {
                 break limit;
@@ -278,10 +315,13 @@ impl LevelRegion {
             if reach > 5 * radius.units {
                 break f64::INFINITY;
             }
+
             reach *= 2;
         };
+
         pixel.sight = limit;
         sites.retain(|site| square(site) <= limit * limit);
+
         // d + h <= R, less a unit for rounding.
         limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
     }
@@ -291,39 +331,50 @@ impl LevelRegion {
         if !self.look(pixel, sites) {
             return false;
         }
+
         let places = Candidates {
             region: self,
             pixel,
             sites,
         };
+
         for (k, &a) in sites.iter().enumerate() {
             for (l, &b) in sites.iter().enumerate().skip(k + 1) {
                 for &c in &sites[l + 1..] {
+                    // A filter in floating point; integers decide on the triples that it lets pass.
                     if may_hold(pixel.side, [a, b, c]) {
                         places.consider(circumcentre([a, b, c]), &[a, b, c], found);
                     }
                 }
             }
         }
+
         if self.frame.border.meets(&pixel.rect()) {
             places.on_border(found);
         }
+
         true
     }
 
     /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
     fn insert(&mut self, key: Key, found: &[Point]) {
         let ranked = |&p: &Point| {
+            // By place in the domain, so that every frame draws the same.
             let place = self.frame.in_domain(p);
             (key.draw_at(place.x, place.y)[0], place.row_major(), p)
         };
+
         let mut candidates: Vec<_> = found.iter().map(ranked).collect();
         candidates.sort_unstable_by_key(|(rank, place, _)| (*rank, *place));
+
         self.flags.clear(flag::CHANGED);
+
         // As far as pixels see that do not see farther, and a pixel.
         let radius = self.grid.radius();
         let reach = gathered(radius) + radius.side() / 8;
+
         for (_, _, at) in candidates {
+            // Several triples may have made one place: the first sample there covers the others.
             if !self.grid.covers(at) {
                 self.keep(at, true);
                 self.flags
@@ -344,19 +395,25 @@ impl Candidates<'_> {
     /// Adds the place at `centre` of the pixel if it is a candidate made by `made_by`.
     fn consider(&self, centre: Option<I64Vec2>, made_by: &[IVec2], found: &mut Vec<Point>) {
         let side = 0..i64::from(self.pixel.side);
+        // Each pixel finds the places that it holds, so that no two search for the same.
         let Some(centre) = centre.filter(|at| side.contains(&at.x) && side.contains(&at.y)) else {
             return;
         };
+
         let square = |site: &IVec2| site.as_i64vec2().distance_squared(centre);
         let nearest = made_by.iter().map(square).min().unwrap_or(0);
         let radius = self.region.grid.radius();
+        // The same slack as in `stages/detect.rs`, at this level's radius.
         let slack = 12 * i64::from(radius.units);
         let limit = (nearest - slack).max(radius.squared + 1);
+
         if self.sites.iter().any(|site| square(site) < limit) {
             return;
         }
+
         let (x, y) = (centre.x as i32, centre.y as i32);
         let place = Point::new(self.pixel.min.x + x, self.pixel.min.y + y);
+        // Pixels at the upper edges may reach beyond the frame.
         if self.region.frame.rect.contains(place) {
             found.push(place);
         }
@@ -366,6 +423,7 @@ impl Candidates<'_> {
     fn on_border(&self, found: &mut Vec<Point>) {
         let through = self.region.frame.border.through(&self.pixel.rect());
         let border = through.seen_from(self.pixel.min.into());
+
         for (k, a) in self.sites.iter().enumerate() {
             let others = &self.sites[k + 1..];
             for (place, other) in border.places(a.as_i64vec2(), others, |b| b.as_i64vec2()) {
@@ -388,12 +446,14 @@ fn circumcentre(sites: [IVec2; 3]) -> Option<I64Vec2> {
     if d == 0 {
         return None;
     }
+
     // Components are below 2^24, squares below 2^49, numerators below 2^74.
     let (b2, c2) = (b.length_squared(), c.length_squared());
     let times = |square: i64, length: i64| i128::from(square) * i128::from(length);
     let x = times(b2, c.y) - times(c2, b.y);
     let y = times(c2, b.x) - times(b2, c.x);
     let [x, y] = [x, y].map(|n| i64::try_from(round_half_up(n, d.into())).ok());
+
     Some(a + I64Vec2::new(x?, y?))
 }
 

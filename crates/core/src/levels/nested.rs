@@ -26,7 +26,7 @@ pub enum WithinLevel {
 }
 
 impl WithinLevel {
-    /// All orders.
+    /// All orders, the default first.
     pub const ALL: [Self; 2] = [Self::Random, Self::Farthest];
 }
 
@@ -40,7 +40,7 @@ pub struct Nested {
     whole: usize,
 }
 
-/// What holds for the first samples of a run of nested levels, however many.
+/// The guarantees of the first samples of a run of nested levels, however many.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrefixGuarantee {
     /// The level whose whole set the prefix holds, if it holds one: the last such.
@@ -57,13 +57,17 @@ impl Nested {
         let key = key.derive(Stream::Sequence, 0);
         let mut points = Vec::with_capacity(levels.iter().map(Vec::len).sum());
         let mut ends = Vec::with_capacity(levels.len());
+
         for level in levels {
+            // Equal draws are decided by place, whatever thread computed which window.
             let drawn = |p: Point| (key.draw_at(p.x, p.y)[0], p.row_major());
             let mut ranked: Vec<_> = level.into_par_iter().map(drawn).collect();
             ranked.par_sort_unstable();
+
             points.par_extend(ranked.into_par_iter().map(|(_, (y, x))| Point::new(x, y)));
             ends.push(points.len());
         }
+
         Self {
             domain,
             points,
@@ -103,7 +107,7 @@ impl Nested {
         self.domain.radius() * f64::from(1_u32 << halvings).sqrt()
     }
 
-    /// Returns what holds for the first `count` samples of a whole run.
+    /// Returns the guarantees of the first `count` samples of a whole run.
     ///
     /// # Panics
     ///
@@ -111,12 +115,15 @@ impl Nested {
     #[must_use]
     pub fn guarantee(&self, count: usize) -> PrefixGuarantee {
         assert!(count <= self.points.len(), "there are that many samples");
+
         let whole = self.ends[..self.whole].partition_point(|&end| end <= count) as u32;
         let last = self.ends.len() as u32 - 1;
+
         // A prefix that ends with a level has that level's distances, any other those of the next level.
         let exact = whole > 0 && self.ends[whole as usize - 1] == count;
         let level = whole.checked_sub(1);
         let finest = if exact { whole - 1 } else { whole.min(last) };
+
         let scale = self.domain.covering_bound() / self.domain.radius();
         PrefixGuarantee {
             level,
@@ -150,24 +157,30 @@ impl Nested {
     /// Rearranges each level: every sample is the one of its level that is farthest from all samples before it. Of
     /// equally far ones the order drawn decides, and it gives the first sample of all.
     ///
-    /// Samples of a window are rearranged as a set of their own, since what is farthest depends on all samples. Fails only
-    /// when `observer` stops it, and has then changed nothing.
+    /// Samples of a window are rearranged as a set of their own, since the farthest sample depends on all others. Fails
+    /// only when `observer` stops it, and has then changed nothing.
     pub fn order_by_distance(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
         let mut meter = Meter::begin(observer, Stage::Finish, self.points.len() as u64)?;
         let mut grid = SampleGrid::with_capacity(self.domain, self.points.len());
         let mut ordered = Vec::with_capacity(self.points.len());
         let mut first = 0;
+
         for &end in &self.ends {
             let mut level = Farthest::new(&self.domain, &grid, &self.points[first..end]);
             while let Some(point) = level.take() {
                 ordered.push(point);
                 meter.tick()?;
             }
+
+            // The next level keeps its distance from all of this one.
             for &point in &ordered[first..] {
                 grid.insert(0, point);
             }
+
             first = end;
         }
+
+        // Only now, so that a stop leaves the order as it was.
         self.points = ordered;
         meter.end()
     }
@@ -178,7 +191,7 @@ struct Farthest<'a> {
     domain: &'a Domain,
     points: &'a [Point],
     grid: SampleGrid,
-    /// Squared distances to what is before; -1 for samples that are taken.
+    /// The squared distance of each to the nearest sample taken before it; -1 once it is taken itself.
     squares: Vec<i64>,
     /// Entries whose distance has changed since are stale.
     queue: BinaryHeap<(i64, Reverse<u32>)>,
@@ -190,15 +203,19 @@ impl<'a> Farthest<'a> {
         for (id, &point) in (0..).zip(points) {
             grid.insert(id, point);
         }
+
         let sides = domain.rect().max;
         let squares: Vec<i64> = points
             .par_iter()
             .map(|&point| nearest_squared(before, point, sides.x.max(sides.y)))
             .collect();
+
+        // Of equally far samples the first one in the order drawn is taken.
         let queue = squares
             .iter()
             .zip(0..)
             .map(|(&square, id)| (square, Reverse(id)));
+
         Self {
             domain,
             points,
@@ -210,14 +227,17 @@ impl<'a> Farthest<'a> {
 
     fn take(&mut self) -> Option<Point> {
         while let Some((square, Reverse(id))) = self.queue.pop() {
+            // The sample has come nearer to those taken since, and stands in the queue again.
             if self.squares[id as usize] != square {
                 continue;
             }
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
-            // All others are at most as far from what is before, so none farther from this one changes.
-            let reach = square.isqrt() + 1;
-            let reach = reach.min(i64::from(self.domain.width().max(self.domain.height()))) as i32;
+
+            // The others are at most as far from the samples taken before, so that only those nearer to this one change.
+            let longest = i64::from(self.domain.width().max(self.domain.height()));
+            let reach = (square.isqrt() + 1).min(longest) as i32;
+
             let (squares, queue) = (&mut self.squares, &mut self.queue);
             self.grid.any_near(point, reach, |near| {
                 let square = near.offset.as_i64vec2().length_squared();
@@ -228,6 +248,7 @@ impl<'a> Farthest<'a> {
                 }
                 false
             });
+
             return Some(point);
         }
         None
@@ -239,6 +260,7 @@ fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
     if grid.is_empty() {
         return i64::MAX;
     }
+
     let mut reach = crate::lattice::R;
     loop {
         let mut nearest = i64::MAX;
@@ -246,9 +268,12 @@ fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
             nearest = nearest.min(near.offset.as_i64vec2().length_squared());
             false
         });
+
+        // The grid has looked at a square. A sample in its corner may be farther than one outside.
         if nearest <= i64::from(reach) * i64::from(reach) || reach >= longest {
             return nearest;
         }
+
         reach = reach.saturating_mul(2).min(longest);
     }
 }

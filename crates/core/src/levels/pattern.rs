@@ -41,10 +41,12 @@ impl NestedPattern {
         let coarsest = Radius::before(levels - 1);
         let shortest = (SHORTEST_SIDE * f64::from(coarsest.units)).ceil() as i32;
         let side = spec.side_units()?.max(shortest);
+
         let key = Key::from_seed(spec.seed).derive(Stream::Pattern, levels);
         let domain = Domain::from_units(side, side, Boundary::Periodic).rect();
         let mut samples: Vec<Point> = Vec::new();
         let mut made = Vec::with_capacity(levels as usize);
+
         for level in 0..levels {
             // A level keeps all samples of those before it, which are farther apart.
             let mut disks = DiskGrid::default();
@@ -57,10 +59,12 @@ impl NestedPattern {
             while !darts.is_finished() {
                 added.append(&mut darts.step(Stage::Pattern, observer)?);
             }
+
             samples.extend_from_slice(&added);
             added.sort_unstable_by_key(|p| p.canonical());
             made.push(added);
         }
+
         Ok(Self { side, levels: made })
     }
 
@@ -102,15 +106,20 @@ impl LevelClip {
     fn new(variant: &PatternVariant, bits: u32) -> Self {
         let columns = ((variant.width - 1) >> bits) as usize + 1;
         let cell = |p: Point| (p.y >> bits) as usize * columns + (p.x >> bits) as usize;
+
         let mut points: Vec<Point> = variant.samples.iter().map(|s| s.0).collect();
         points.sort_by_key(|p| cell(*p));
+
+        // The pattern is a square.
         let mut starts = vec![0_u32; columns * columns + 1];
         for p in &points {
             starts[cell(*p) + 1] += 1;
         }
+
         for k in 1..starts.len() {
             starts[k] += starts[k - 1];
         }
+
         Self {
             side: variant.width,
             bits,
@@ -125,13 +134,17 @@ impl LevelClip {
     pub fn clip(&self, origin: I64Vec2, rect: &Rect, mut place: impl FnMut(Point)) {
         let side = i64::from(self.side);
         let mut bottom = rect.min.y;
+
         while bottom < rect.max.y {
+            // The rectangle is cut where the periodic pattern begins again, so that within a part nothing wraps.
             let from_y = (origin[1] + i64::from(bottom)).rem_euclid(side) as i32;
             let rows = (rect.max.y - bottom).min(self.side - from_y);
+
             let mut left = rect.min.x;
             while left < rect.max.x {
                 let from_x = (origin[0] + i64::from(left)).rem_euclid(side) as i32;
                 let columns = (rect.max.x - left).min(self.side - from_x);
+
                 let cell = |x: i32| (x >> self.bits) as usize;
                 let (first, last) = (cell(from_x), cell(from_x + columns - 1));
                 for row in cell(from_y)..=cell(from_y + rows - 1) {
@@ -140,6 +153,7 @@ impl LevelClip {
                     let to = self.starts[start + last + 1] as usize;
                     for p in &self.points[from..to] {
                         let (x, y) = (p.x - from_x, p.y - from_y);
+                        // Cells at the edges reach beyond the rectangle. A negative offset becomes a large number.
                         if (x as u32) < columns as u32 && (y as u32) < rows as u32 {
                             place(Point::new(left + x, bottom + y));
                         }

@@ -28,7 +28,7 @@ use super::nested::{Nested, WithinLevel};
 use super::pattern::{LevelClip, NestedPattern};
 use super::region::LevelRegion;
 
-/// Width of the finest level's halo in its radii, at first. Where blocks are small beside the radius, what is unknown reaches
+/// Width of the finest level's halo in its radii, at first. Where blocks are small beside the radius, unknowns reach
 /// farther.
 const HALO: i64 = 6;
 
@@ -47,10 +47,10 @@ const MAX_TRIES: u32 = 16;
 /// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
 
-/// What is asked of nested levels besides the parameters of a run. Certificates state it by these names.
+/// The choices for nested levels besides the parameters of a run. Certificates state it by these names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct NestedRequest {
-    /// How many levels.
+    /// How many levels are to be made, at most [`crate::MAX_LEVELS`].
     pub levels: u32,
     /// How the samples that a level adds follow each other.
     pub order_within: WithinLevel,
@@ -68,10 +68,12 @@ impl NestedRequest {
     /// [`ParameterError::TooFewForLevels`].
     pub fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         self.check_exactly()?;
+
         let mut parameters = *parameters;
         if let Some(count) = self.exactly {
             parameters.radius = radius_estimate(&parameters, count as u64)?;
         }
+
         let checked = check(&parameters, self.levels).map(|_| ());
         checked.map_err(|error| self.as_of_count(error))
     }
@@ -115,10 +117,12 @@ impl NestedRequest {
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
         self.check(parameters)?;
+
         let mut made = match self.exactly {
             Some(count) => NestedPlane::exactly(parameters, self.levels, count, observer)?,
             None => NestedPlane::new(parameters, self.levels, observer)?.whole(observer)?,
         };
+
         self.arrange(&mut made, observer)?;
         Ok(made)
     }
@@ -133,7 +137,7 @@ impl NestedRequest {
         count: u64,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
-        // Making a pattern takes long: what is wrong without it is found first.
+        // Making a pattern takes long: other errors are found first.
         let radius = radius_estimate(parameters, count)?;
         let estimated = Parameters {
             radius,
@@ -142,6 +146,7 @@ impl NestedRequest {
         check(&estimated, self.levels)?;
 
         let pattern = NestedPattern::generate(&parameters.pattern, self.levels, observer)?;
+
         let mut made = search_radius(parameters, count, |radius| -> Result<_, SampleError> {
             let parameters = Parameters {
                 radius,
@@ -151,6 +156,7 @@ impl NestedRequest {
             let made = plane.whole(observer)?;
             Ok((made.points().len() as u64, made))
         })?;
+
         self.arrange(&mut made, observer)?;
         Ok(made)
     }
@@ -213,8 +219,10 @@ impl NestedPlane {
     ) -> Result<Self, SampleError> {
         let levels = pattern.levels().len() as u32;
         let domain = check(parameters, levels)?;
+
         let symmetries = if parameters.dihedral { 8 } else { 1 };
         let key = Key::from_seed(parameters.seed);
+
         Ok(Self {
             draws: BlockDraws {
                 domain,
@@ -225,6 +233,7 @@ impl NestedPlane {
             },
             levels,
             key,
+            // Turned once, for all windows.
             variants: (0..symmetries)
                 .map(|s| pattern.variant(Symmetry(s)))
                 .collect(),
@@ -244,7 +253,7 @@ impl NestedPlane {
     /// Returns exactly `count` samples: the first of a run of which the finest set has as many or a few more. The
     /// radius of `parameters` is not used.
     ///
-    /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] says what holds for these.
+    /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] has the guarantees of these.
     /// Fails as [`Self::new`], or when there is no such radius.
     pub fn exactly(
         parameters: &Parameters,
@@ -254,22 +263,29 @@ impl NestedPlane {
     ) -> Result<Nested, SampleError> {
         let wanted = count as u64;
         let pattern = NestedPattern::generate(&parameters.pattern, levels, observer)?;
+
         let (mut radius, mut nearest) = (radius_estimate(parameters, wanted)?, 0);
         for _ in 0..MAX_TRIES {
             let tried = Parameters {
                 radius,
                 ..*parameters
             };
+
             let mut nested = Self::with_pattern(&tried, &pattern)?.whole(observer)?;
             let found = nested.points().len();
+
+            // A prefix of nested levels is good wherever it ends.
             if found >= count {
                 nested.truncate(count);
                 return Ok(nested);
             }
+
             nearest = nearest.max(found as u64);
-            // A little less than what the share that is missing asks for.
+            // Counts go as the inverse square of the radius. It shrinks slightly more than the missing share implies,
+            // since a try must reach the count.
             radius *= 0.999 * (found as f64 / count as f64).sqrt();
         }
+
         let count = wanted;
         Err(ParameterError::CountMissed { count, nearest }.into())
     }
@@ -323,9 +339,11 @@ impl NestedPlane {
     /// Fails when the domain would hold more samples than the sequential engine accepts, or `observer` stops it.
     pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
         check_sequential(self.domain())?;
+
         let mut region = LevelRegion::default();
         let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
         self.compute_whole(&mut region, &mut meter)?;
+
         let levels = collect(&region, &self.domain().rect());
         meter.end()?;
         Ok(self.in_order(levels))
@@ -340,21 +358,25 @@ impl NestedPlane {
             .iter()
             .flat_map(|part| pieces(part, self.window_side))
             .collect();
+
         let total = windows.len() as u64;
         let mut levels = vec![Vec::new(); self.levels as usize];
         let mut meter = Meter::begin(observer, Stage::Regions, total)?;
+
         let mut left = Vec::new();
         let mut add = |piece: Vec<Vec<Point>>| {
             for (all, mut found) in levels.iter_mut().zip(piece) {
                 all.append(&mut found);
             }
         };
+
         // Each thread computes a window between two calls of the observer.
         for some in windows.chunks(rayon::current_num_threads()) {
             let found = some
                 .par_iter()
                 .with_max_len(1)
                 .map(|window| self.piece(window));
+
             for (piece, window) in found.collect::<Vec<_>>().into_iter().zip(some) {
                 match piece? {
                     Some(piece) => add(piece),
@@ -362,8 +384,11 @@ impl NestedPlane {
                 }
                 meter.tick()?;
             }
+
             meter.ask()?;
         }
+
+        // Windows for which the whole is less work share one: it is made once.
         if !left.is_empty() {
             let mut region = LevelRegion::default();
             self.compute_whole(&mut region, &mut meter)?;
@@ -371,6 +396,7 @@ impl NestedPlane {
                 add(collect(&region, window));
             }
         }
+
         meter.end()?;
         Ok(self.in_order(levels))
     }
@@ -383,22 +409,27 @@ impl NestedPlane {
     /// sooner.
     fn piece(&self, window: &Rect) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
         let mut region = self.idle.take();
+
         for repair in 0..=MAX_REPAIRS {
+            // Unknowns remain in few windows: a halo that always suffices would cost them all.
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
                 self.idle.give(region);
                 return Ok(None);
             }
+
             if self.compute(&mut region, window, halo)? {
                 let shown = Rect {
                     min: Point::default(),
                     max: Point::new(window.width(), window.height()),
                 };
+
                 let levels = collect(&region, &shown);
                 self.idle.give(region);
                 return Ok(Some(levels));
             }
         }
+
         Err(SampleError::Entangled {
             radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
         })
@@ -410,6 +441,7 @@ impl NestedPlane {
         let halos = 2 * self.halo(0, halo);
         let area = (i64::from(window.width()) + halos) as f64
             * (i64::from(window.height()) + halos) as f64;
+
         let whole = f64::from(domain.width()) * f64::from(domain.height());
         domain.area_radii() <= MAX_WHOLE_AREA && whole <= area
     }
@@ -436,6 +468,7 @@ impl NestedPlane {
         halo: i64,
     ) -> Result<bool, SampleError> {
         let domain = self.domain();
+
         let frame = |level: u32| {
             let halo = self.halo(level, halo);
             let mut frame = LevelFrame {
@@ -444,6 +477,8 @@ impl NestedPlane {
             };
             let size = I64Vec2::new(window.width().into(), window.height().into());
             let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
+
+            // A bounded plane ends at the domain's border: a frame that reaches it misses nothing there.
             if !frame.periodic {
                 let first = -frame.origin;
                 let end = first + I64Vec2::from(domain.rect().max);
@@ -451,20 +486,26 @@ impl NestedPlane {
                     [0, 1].map(|axis| [low[axis] > first[axis], high[axis] < end[axis]]);
                 (low, high) = (low.max(first), high.min(end));
             }
+
             frame.rect = Rect {
                 min: Point::new(low.x as i32, low.y as i32),
                 max: Point::new(high.x as i32, high.y as i32),
             };
             frame
         };
+
+        // Windows are computed on several threads, and the caller's observer is asked between them.
         let mut unobserved = Unobserved;
         let mut meter = Meter::begin(&mut unobserved, Stage::Regions, self.levels.into())?;
         self.run(region, frame, domain.is_periodic(), &mut meter)?;
+
+        // Only an unknown that reaches into the window makes it unsure.
         let shown = |unknown: &super::region::UnknownDisk| {
             let reach = unknown.radius;
             (-reach..window.width() + reach).contains(&unknown.at.x)
                 && (-reach..window.height() + reach).contains(&unknown.at.y)
         };
+
         Ok(!region.unknown.iter().any(shown))
     }
 
@@ -491,11 +532,14 @@ impl NestedPlane {
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
         region.clear();
+
+        // The coarsest level has the widest frame and the widest margins: no other level sees more blocks.
         let coarsest = self.units(0);
         let first = frame(0);
         let (target, origin) = (first.tiled(coarsest.units), first.origin);
         self.draws
             .find(&target, origin, coarsest.units, images, &mut region.blocks);
+
         for level in 0..self.levels {
             region.begin(frame(level), self.units(level));
             region.claim(level as usize, &self.variants, meter)?;
@@ -503,6 +547,7 @@ impl NestedPlane {
             region.ends.push(region.samples.len());
             meter.tick()?;
         }
+
         Ok(())
     }
 
@@ -519,6 +564,8 @@ impl NestedPlane {
 fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
     let domain = parameters.validate()?;
     check_levels(levels)?;
+
+    // Nested levels are defined for one choice of each (see the head of `levels`).
     let choices = [
         (
             "the order of elimination",
@@ -535,14 +582,18 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
             parameters.pattern.boundary != Boundary::Periodic,
         ),
     ];
+
     if let Some((name, _)) = choices.into_iter().find(|(_, differs)| *differs) {
         return Err(ParameterError::NestedChoice { name });
     }
+
+    // The coarsest set needs as many of its own radii as a run of one level.
     let least = match parameters.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
     let coarsest = f64::from(1_u32 << (levels - 1)).sqrt();
+
     for (name, units) in [("width", domain.width()), ("height", domain.height())] {
         let radii = f64::from(units) / f64::from(R);
         if radii < least * coarsest {
@@ -554,20 +605,24 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
             });
         }
     }
+
     Ok(domain)
 }
 
 /// Returns the samples of a region in `shown`, as places of the domain, by the level that adds them.
 fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
     let mut first = 0;
+
     let level = |&end: &usize| {
         let added = &region.samples[first..end];
         first = end;
+
         let inside = added.iter().filter(|sample| shown.contains(sample.at));
         inside
             .map(|sample| region.frame.in_domain(sample.at))
             .collect()
     };
+
     region.ends.iter().map(level).collect()
 }
 

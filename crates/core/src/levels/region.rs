@@ -1,8 +1,8 @@
 //! The part of the plane around a window, computed level by level. Samples that may depend on the plane beyond are
 //! replaced by *unknowns*: disks in which, at this level or later, a sample may lie that is not listed.
 //!
-//! *What is listed is right.* A tiled sample is kept only if no sample before it in the order covers it: none that is
-//! listed, none that may lie in an unknown or beyond the frame. It is lost only if a listed sample covers it. All others
+//! *Listed samples are right.* A tiled sample is kept only if no sample before it in the order covers it: no listed one,
+//! and no one that may lie in an unknown or beyond the frame. It is lost only if a listed sample covers it. All others
 //! become unknowns. How insertion deals with unknowns stands in [`super::gaps`].
 
 use crate::error::SampleError;
@@ -130,7 +130,7 @@ const NONE: u32 = u32::MAX;
 const CLAIMED: usize = 1 << 14;
 
 impl LevelRegion {
-    /// Empties the region.
+    /// Empties the region before the first level.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.ends.clear();
@@ -138,14 +138,16 @@ impl LevelRegion {
         self.unknown.clear();
     }
 
-    /// Begins a level: takes over what is known from the level before.
+    /// Begins a level: takes over the samples and unknowns of the level before.
     pub fn begin(&mut self, frame: LevelFrame, radius: Radius) {
         self.grid.reset(frame.rect, frame.wraps, radius);
         self.flags.reset(self.grid.layout().count());
         self.dirty.clear();
+
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             let fits = self.grid.insert(sample.at);
             debug_assert!(fits, "the samples are conflict-free");
+            // The block's own pattern may be in conflict with it, so that samples around it are not copied unseen.
             if sample.foreign {
                 self.flags
                     .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
@@ -157,12 +159,14 @@ impl LevelRegion {
         self.unknown_in.clear();
         self.largest_unknown = 0;
         self.frame = frame;
+
         for unknown in before {
-            // What a sample covers whole holds no other.
+            // A disk that a sample covers whole holds no other sample.
             let inner = i64::from(radius.units - 1 - unknown.radius);
             let covered = self.grid.any_near(unknown.at, radius.units, |offset| {
                 inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
             });
+
             if self.frame.rect.contains(unknown.at) && !covered {
                 self.doubt(unknown);
                 let reach = radius.units + unknown.radius;
@@ -172,16 +176,19 @@ impl LevelRegion {
         }
     }
 
-    /// Adds an unknown.
+    /// Adds an unknown, and marks the cells that it concerns.
     pub fn doubt(&mut self, unknown: UnknownDisk) {
+        // A whole run has no unknowns, and needs no lists of them.
         if self.unknown_in.is_empty() {
             self.unknown_in.resize(self.grid.layout().count(), NONE);
         }
+
         let cell = self.grid.layout().cell_at(unknown.at);
         self.unknown_next.push(self.unknown_in[cell]);
         self.unknown_in[cell] = self.unknown.len() as u32;
         self.largest_unknown = self.largest_unknown.max(unknown.radius);
         self.unknown.push(unknown);
+
         let reach = self.frame.sight(self.grid.radius()) + unknown.radius;
         self.flags
             .set_near(&self.grid, unknown.at, reach, flag::DOUBTFUL, |_| ());
@@ -192,12 +199,15 @@ impl LevelRegion {
         if self.unknown.is_empty() {
             return false;
         }
+
+        // Cells list the unknowns whose centres lie in them, so that the largest one decides how far to look.
         let reach = radius + self.largest_unknown;
         let touches = |unknown: &UnknownDisk| {
             let (x, y) = (unknown.at.x - at.x, unknown.at.y - at.y);
             let far = i64::from(radius) + i64::from(unknown.radius);
             i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y) <= far * far
         };
+
         self.grid.layout().any_range(at, reach, |range, _| {
             self.unknown_in[range].iter().any(|&first| {
                 let mut next = first;
@@ -220,19 +230,27 @@ impl LevelRegion {
         variants: &[Vec<LevelClip>],
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
+        // Taken out of the region, to which samples are added meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
         let mut claimants = std::mem::take(&mut self.claimants);
         claimants.clear();
+
         let Radius { units, .. } = self.grid.radius();
         let reach = i64::from(units);
         let tiled = self.frame.tiled(units);
         let inside = self.frame.inside(units);
+
         for (block, index) in blocks.iter().zip(0..) {
+            // The blocks are those of the coarsest level's frame, and finer frames meet fewer of them.
             let Some(part) = block.rect.grown(reach, reach).within(&tiled) else {
                 continue;
             };
-            let safe = block.rect.grown(-reach - 1, -reach).within(&inside);
-            let safe = safe.unwrap_or_default();
+
+            // Deeper than r in the block all other samples in reach are the block's own, or of margins, which yield.
+            // Foreign samples of coarser levels and unknowns have contested the cells around them.
+            let deep = block.rect.grown(-reach - 1, -reach).within(&inside);
+            let safe = deep.unwrap_or_default();
+
             let clip = &variants[block.symmetry as usize][level];
             clip.clip(block.origin, &part, |p| {
                 if safe.contains(p)
@@ -245,8 +263,10 @@ impl LevelRegion {
                     claimants.push(Claimant::new(block, index, p, &self.frame));
                 }
             });
+
             meter.ask()?;
         }
+
         // A margin is narrower than at the level before.
         claimants.extend(self.waiting.drain(..).filter(|claimant| {
             let block = &blocks[claimant.block as usize];
@@ -256,6 +276,8 @@ impl LevelRegion {
                 && within(claimant.row, height)
                 && tiled.contains(Point::new(claimant.x, claimant.y))
         }));
+
+        // The order of elimination: own samples before those of margins, then by block, row and column.
         claimants.sort_unstable();
         for some in claimants.chunks(CLAIMED) {
             for claimant in some {
@@ -263,6 +285,7 @@ impl LevelRegion {
             }
             meter.ask()?;
         }
+
         self.blocks = blocks;
         self.claimants = claimants;
         Ok(())
@@ -272,6 +295,7 @@ impl LevelRegion {
     fn decide(&mut self, claimant: &Claimant, inside: &Rect) {
         let p = Point::new(claimant.x, claimant.y);
         let Radius { units, .. } = self.grid.radius();
+
         if self.frame.rect.contains(p) {
             // A sample of a coarser level is tiled again.
             if self.grid.holds(p) {
@@ -282,6 +306,7 @@ impl LevelRegion {
                     self.keep(p, claimant.in_margin);
                     return;
                 }
+                // Near the frame's edge a sample beyond it may cover this one, and so may an unlisted one.
                 self.doubt(UnknownDisk { at: p, radius: 0 });
             }
         }
@@ -306,6 +331,7 @@ impl Claimant {
         let (column, row) = (i64::from(p.x) - left, i64::from(p.y) - bottom);
         let own = (0..block.rect.max[0] - left).contains(&column)
             && (0..block.rect.max[1] - bottom).contains(&row);
+
         let p = frame.wrap(p);
         Self {
             in_margin: !own,

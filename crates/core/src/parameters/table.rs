@@ -8,7 +8,7 @@ use serde_json::{Error, Value, json};
 use super::{MAX_PATTERN_SIDE_RADII, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII, Parameters};
 use crate::lattice::SIDE_LIMITS;
 
-/// What is known of a parameter.
+/// The description of a parameter.
 #[derive(Debug)]
 pub struct ParameterRow {
     /// The parameter of this row.
@@ -36,7 +36,7 @@ pub enum ParameterGroup {
     Domain,
     /// Blocks and their pattern.
     Tiling,
-    /// Elimination and insertion.
+    /// The choices of elimination and insertion.
     Algorithm,
 }
 
@@ -63,7 +63,7 @@ pub enum ParameterKind {
     },
     /// One of several values with names.
     Choice {
-        /// The values.
+        /// The values and their names.
         options: &'static [ParameterOption],
         /// Returns the name of the present one.
         get: fn(&Parameters) -> Value,
@@ -276,7 +276,7 @@ impl Parameter {
         PARAMETERS.iter().map(|row| row.parameter)
     }
 
-    /// Returns what is known of it.
+    /// Returns the row of the parameter.
     #[must_use]
     pub fn row(self) -> &'static ParameterRow {
         &PARAMETERS[self as usize]
@@ -331,7 +331,7 @@ impl Parameter {
         }
     }
 
-    /// Sets its value as [`Self::value`] gives it. What cannot be valid with any other parameters is not refused.
+    /// Sets its value as [`Self::value`] gives it. Values that are valid with no other parameters are not refused.
     ///
     /// # Errors
     ///

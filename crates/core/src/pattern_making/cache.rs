@@ -46,8 +46,10 @@ fn of_spec(
     observer: &mut dyn Observer,
 ) -> Result<Arc<Pattern>, SampleError> {
     let identity = identity(spec)?;
+
     let known = lock(kept).find(identity);
     let pattern = if let Some(pattern) = known {
+        // The stage is reported in any case, so that an observer can stop the run.
         let total = pattern.samples().len() as u64;
         Meter::begin(observer, Stage::Pattern, total)?.end()?;
         pattern
@@ -55,6 +57,7 @@ fn of_spec(
         // Not under the lock, so that a run that needs another pattern does not wait for this one.
         Arc::new(Pattern::generate(spec, observer)?)
     };
+
     lock(kept).keep(identity, Arc::clone(&pattern));
     Ok(pattern)
 }

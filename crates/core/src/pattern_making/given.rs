@@ -32,6 +32,7 @@ impl Pattern {
         if positions.is_empty() {
             return Err(PatternError::Empty);
         }
+
         let domain = Domain::from_size(size, radius, boundary)?;
         for (index, &[x, y]) in positions.iter().enumerate() {
             let inside = (0.0..=size[0]).contains(&x) && (0.0..=size[1]).contains(&y);
@@ -43,11 +44,15 @@ impl Pattern {
                 });
             }
         }
+
         check_count(positions.len(), &domain)?;
+
+        // Rounding moves samples by up to 0.71 units: the set is checked as it is on the lattice.
         let samples = positions
             .iter()
             .map(|&p| domain.lattice_from_user(p))
             .collect();
+
         Self::checked(&domain, samples)
     }
 
@@ -81,10 +86,13 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
             radii: units / f64::from(R),
         }
     };
+
     let mut grid = SampleGrid::with_capacity(*domain, samples.len());
     let mut disks = DiskGrid::new(*domain);
+
     for (&p, id) in samples.iter().zip(0..) {
         let mut other = None;
+        // Compared with those before it, so that every pair is compared once.
         grid.any_near(p, R, |near| {
             let covered = covers_offset(near.offset);
             if covered {
@@ -92,13 +100,18 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
             }
             covered
         });
+
         if let Some(other) = other {
             return Err(conflict(other, p));
         }
+
+        // Without conflicts a cell of `disks` has room for all of its samples.
         grid.insert(id, p);
         let fits = disks.insert(p);
         debug_assert!(fits, "no conflict was found");
     }
+
+    // Conflicts were looked for first, since `disks` holds conflict-free sets alone.
     match disks.uncovered_point(GIVEN_SLACK) {
         None => Ok(disks.uncovered_point(0).is_none()),
         Some(p) => Err(PatternError::NotMaximal {

@@ -8,9 +8,9 @@ use crate::record::{Recorder, RunEvent, Unrecorded};
 /// An axis of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Axis {
-    /// Left to right.
+    /// From left to right.
     X,
-    /// Bottom to top.
+    /// From bottom to top.
     Y,
 }
 
@@ -26,24 +26,24 @@ impl Axis {
 /// A node that was split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Split {
-    /// The node's rectangle.
+    /// The rectangle of the node.
     pub rect: Rect,
     /// The axis across which it was split.
     pub axis: Axis,
     /// The first coordinate of the upper child.
     pub plane: i32,
-    /// Splits above it.
+    /// The number of splits above it.
     pub depth: u32,
 }
 
-/// A leaf.
+/// A leaf of the KD-tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Block {
     /// The block's rectangle, half open.
     pub rect: Rect,
     /// The key from which the block's own draws are made.
     pub key: Key,
-    /// Splits above it.
+    /// The number of splits above it.
     pub depth: u32,
 }
 
@@ -51,7 +51,7 @@ pub struct Block {
 /// first), and its leaves in the same sequence.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Blocks {
-    /// All splits.
+    /// All splits, parents first.
     pub splits: Vec<Split>,
     /// All leaves; a block's index is its index here.
     pub leaves: Vec<Block>,
@@ -76,6 +76,7 @@ pub(crate) fn split_recorded<T: Recorder>(
 ) -> Blocks {
     let mut blocks = Blocks::default();
     let mut stack = vec![Node::root(domain, key)];
+
     while let Some(node) = stack.pop() {
         match node.cut(leaf) {
             None => {
@@ -95,11 +96,15 @@ pub(crate) fn split_recorded<T: Recorder>(
                     plane: cut.plane,
                     depth: node.block.depth,
                 });
+
+                // The lower child is taken from the stack first: the paper's recursion goes left before right
+                // (Algorithm 1, lines 5 and 6), and blocks are numbered in this sequence.
                 stack.push(cut.upper);
                 stack.push(cut.lower);
             }
         }
     }
+
     blocks
 }
 
@@ -136,13 +141,19 @@ impl Node {
     /// Returns how the node is cut, or `None` for a leaf.
     pub(crate) fn cut(&self, leaf: i32) -> Option<Cut> {
         let Block { rect, key, depth } = &self.block;
+        // Algorithm 1 splits while an extent exceeds the leaf, which could leave a child shorter than a leaf; twice the
+        // leaf is needed. An axis that is too short passes its turn to the other (line 7), and if both are, the node is
+        // a leaf (line 9).
         let axis = [self.axis, self.axis.other()]
             .into_iter()
             .find(|&a| extent(rect, a) / 2 >= leaf)?;
+
+        // Every plane that leaves at least a leaf on both sides is equally likely.
         let planes = (extent(rect, axis) - 2 * leaf + 1) as u32;
         let draw = below(key.draw(Stream::Plane, 0)[0], planes) as i32;
         let plane = start(rect, axis) + leaf + draw;
         let (lower, upper) = halves(rect, axis, plane);
+
         let child = |rect, side| Self {
             block: Block {
                 rect,
@@ -151,6 +162,7 @@ impl Node {
             },
             axis: axis.other(),
         };
+
         Some(Cut {
             axis,
             plane,

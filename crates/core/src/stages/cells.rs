@@ -87,6 +87,7 @@ impl CellGrid {
             });
         }
 
+        // In a plane that wraps an axis has up to three spans: one here, and one shifted in from either end.
         let rows = axis_spans(from.y, reach, min.y..max.y, self.wraps);
         let columns = axis_spans(from.x, reach, min.x..max.x, self.wraps);
         for row_span in rows.iter().filter(|span| span.first <= span.last) {
@@ -121,12 +122,16 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
         last: -1,
         shift: 0,
     };
+
+    // In 64 bits: a place and its reach may lie beyond the ends of the integers.
     let (min, max) = (i64::from(held.start), i64::from(held.end));
     let (low, high) = (
         i64::from(from) - i64::from(reach),
         i64::from(from) + i64::from(reach),
     );
+
     let last = max - 1;
+    // Clamped to one beyond either end, so that a span that misses the held places is empty.
     let here = AxisSpan {
         first: low.clamp(min, max) as i32,
         last: high.clamp(min - 1, last) as i32,
@@ -136,6 +141,8 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
         return [here, NOTHING, NOTHING];
     }
 
+    // Beyond an end of the domain lie its first places again, a side farther. A reach of more than half a side finds a
+    // sample more than once, each time another image of it.
     let side = max - min;
     let below = AxisSpan {
         first: (low + side).max(min) as i32,
@@ -147,6 +154,7 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
         last: (high - side).min(last) as i32,
         shift: side as i32,
     };
+
     [
         here,
         if low < min { below } else { NOTHING },

@@ -63,9 +63,9 @@ pub enum Landing<P> {
 
 /// What a process throws its darts on: a domain, how far samples reach in it, and the samples so far.
 pub trait DartGround {
-    /// An active cell.
+    /// What the ground keeps of an active cell.
     type Cell: Copy;
-    /// What is known of the place of a dart.
+    /// The properties of the place of a dart on which coverage depends.
     type Place: Copy;
     /// A sample near a cell.
     type Near;
@@ -253,15 +253,18 @@ impl<G: DartGround> DartProcess<G> {
         recorder: &mut T,
     ) -> Result<Vec<Point>, SampleError> {
         let cells = self.active.len() as u64;
+        // A cell counts when it throws, for about one dart, and when it is cut.
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
         let darts = self.darts(&mut meter, recorder)?;
+
         let iteration = match stage {
             Stage::Iterate(k) => k,
             _ => 0,
         };
-        let mut accepted = Vec::new();
 
+        let mut accepted = Vec::new();
         for dart in darts {
+            // Nothing covered it when it was thrown; a dart of lower rank may cover it by now.
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
@@ -280,10 +283,12 @@ impl<G: DartGround> DartProcess<G> {
             }
             meter.tick()?;
         }
+
         self.throw += 1;
         if self.throw == throws(self.level) {
             self.split(&mut meter, recorder)?;
         }
+
         meter.end()?;
         Ok(accepted)
     }
@@ -329,6 +334,7 @@ impl<G: DartGround> DartProcess<G> {
             meter.tick()?;
         }
 
+        // Equal ranks are decided by place, so that the sequence of the cells does not matter.
         darts.sort_unstable_by_key(|dart| (dart.rank, dart.point.row_major()));
         Ok(darts)
     }
@@ -350,7 +356,9 @@ impl<G: DartGround> DartProcess<G> {
             if side == 1 {
                 continue;
             }
+
             let before = next.len();
+            // Quarters that one sample covers are left out. Those that several cover together throw on, in vain.
             self.ground.split(cell, level, &mut near, &mut next);
             recorder.record(RunEvent::Cut {
                 cell: min,
@@ -359,6 +367,7 @@ impl<G: DartGround> DartProcess<G> {
             });
             meter.tick()?;
         }
+
         self.active = next;
         Ok(())
     }
@@ -389,6 +398,7 @@ pub(crate) fn cell_darts(
     draws: DartDraws,
 ) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
+    // A coordinate has 16 random bits, of which a smaller cell takes the highest.
     let shift = 16 - side.ilog2().min(16);
     let cell = key.derive_at(min.x, min.y);
     // A cell of one point throws exactly it, so that the process ends.

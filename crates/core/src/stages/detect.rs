@@ -43,7 +43,7 @@ pub const NEARER_SLACK: i64 = 12 * R as i64;
 /// An uncovered place where a sample may be inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Candidate {
-    /// The place.
+    /// The lattice point that no sample covers.
     pub point: Point,
     /// The samples that made it.
     pub sites: Sites,
@@ -62,18 +62,21 @@ impl Reach {
     /// Returns the reach of a detector at `at`: candidates within 2r, samples within 4r, a few units
     /// more for rounding; 3.5r and 7r within 4.5r of a bounded domain's border; or 2r for the samples
     /// as an experiment.
-    ///
-    /// Only places within r of a border may be farther than 2r from all samples, and then less than 3.42r, so detectors
-    /// deeper than 4.42r have none in reach.
     #[must_use]
     pub fn new(domain: &Domain, search: Search, at: Point) -> Self {
+        // Only places within r of a border may be farther than 2r from all samples, and then less than 3.42r, so that
+        // detectors deeper than 4.42r have none in reach.
         let deep = domain.is_periodic() || domain.rect().depth(at) > 9 * R / 2;
         let radius = if deep { 2 * R + 16 } else { 7 * R / 2 };
+
         match search {
+            // A candidate is as far from its other samples as from the detector, so that these are at most twice its
+            // distance from the detector.
             Search::Complete => Self {
                 radius,
                 search: 2 * radius,
             },
+            // The paper's experience (section 3.2.2), which leaves gaps: 146 in a run of 698,000 samples.
             Search::TwoRadii => Self {
                 radius,
                 search: 2 * R,
@@ -86,9 +89,12 @@ impl Reach {
 /// places that are too far.
 pub(crate) fn border_in_reach<T: Recorder>(domain: &Domain, at: Point, reach: Reach) -> Border {
     let border = Border::of(domain, at.into());
+
+    // A recording also shows places of the border that are too far away.
     if T::ENABLED {
         return border;
     }
+
     let Reach { radius, .. } = reach;
     border.through(&Rect {
         min: Point::new(-radius, -radius),
@@ -106,10 +112,13 @@ pub(crate) fn first_detectors<T: Recorder>(
 ) -> Vec<u32> {
     let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
     let mut is_detector = vec![false; samples.len()];
+
     for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
         if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
             survivors.any_near(point, DETECTOR_REACH, |near| {
+                // The grid finds a square, and detectors lie in its disk.
                 if near.offset.as_i64vec2().length_squared() <= limit {
+                    // The first lost sample that marks it is its reason.
                     if T::ENABLED && !is_detector[near.id as usize] {
                         recorder.record(RunEvent::Mark {
                             sample: near.id,
@@ -122,6 +131,7 @@ pub(crate) fn first_detectors<T: Recorder>(
             });
         }
     }
+
     (0..)
         .zip(is_detector)
         .filter(|&(_, is)| is)
@@ -175,27 +185,37 @@ impl<'a> Detection<'a> {
     ) {
         recorder.record(RunEvent::Detect { sample: id });
         self.reach = Reach::new(&self.domain, self.search, at);
+
         let border = border_in_reach::<T>(&self.domain, at, self.reach);
         self.start_cell(&border);
         if T::ENABLED {
             self.record_search(id, at, recorder);
         }
+
         // Most detectors have no gap, and their neighbours within 2r prove it.
         self.clip_cell(id, at, 2 * R);
         if self.cell.is_covered() {
             recorder.record(RunEvent::NoGap { sample: id });
             return;
         }
+
+        // A sample that is nearer to a candidate than the detector is at most twice the reach away. Farther ones neither
+        // rule the candidate out nor cover it.
         self.clip_cell(id, at, 2 * self.reach.radius);
         if self.cell.is_covered() {
             recorder.record(RunEvent::NoGap { sample: id });
             return;
         }
+
+        // Its own disk covers places, too.
         let own = Site {
             offset: I64Vec2::ZERO,
             id,
         };
         self.near.push(own);
+
+        // By definition samples beyond the search radius make no candidate, and those whose bisector misses the relaxed
+        // cell can make none (see `voronoi`).
         let limit = i64::from(self.reach.search) * i64::from(self.reach.search);
         self.concerned.clear();
         self.concerned.extend(self.near.iter().filter(|site| {
@@ -203,11 +223,13 @@ impl<'a> Detection<'a> {
                 && site.offset.length_squared() <= limit
                 && self.cell.may_concern(site.offset.as_ivec2())
         }));
+
         self.find_circumcentres(own, at, out, recorder);
         self.find_on_border(&border, own, at, out, recorder);
     }
 
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
+        // The search of the definition, a disk, whatever parts of it are read.
         let radius = self.reach.search;
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = 0;
@@ -215,6 +237,7 @@ impl<'a> Detection<'a> {
             found += u32::from(near.offset.as_i64vec2().length_squared() <= limit);
             false
         });
+
         recorder.record(RunEvent::Search {
             centre,
             radius,
@@ -262,10 +285,13 @@ impl<'a> Detection<'a> {
     ) {
         for (k, m) in self.concerned.iter().enumerate() {
             for n in &self.concerned[k + 1..] {
+                // Three samples in line have no circumcentre.
                 let Some(centre) = circumcentre(m.offset, n.offset) else {
                     continue;
                 };
+
                 self.examine(at, centre, &[own, *m, *n], out, recorder, || {
+                    // Each of the three may find the place as a detector, and names it alike.
                     let mut ids = [own.id, m.id, n.id];
                     ids.sort_unstable();
                     Sites::Three(ids)
@@ -304,9 +330,11 @@ impl<'a> Detection<'a> {
         sites: impl FnOnce() -> Sites,
     ) {
         let examined = self.accept(at, centre, samples);
+        // Only a recording shows places that are refused; without one their sites are not sorted.
         if !T::ENABLED && examined.is_err() {
             return;
         }
+
         let sites = sites();
         if T::ENABLED {
             recorder.record(RunEvent::Candidate {
@@ -316,6 +344,7 @@ impl<'a> Detection<'a> {
                 verdict: examined.err().unwrap_or(Verdict::Accepted),
             });
         }
+
         if let Ok(point) = examined {
             out.push(Candidate { point, sites });
         }
@@ -329,8 +358,11 @@ impl<'a> Detection<'a> {
         if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }
+
         let distance = |site: &Site| site.offset.distance_squared(centre);
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
+        // One comparison asks for both: a sample that covers the place, and one that is nearer than rounding explains
+        // (by 12 R, see the head of this file).
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
         if let Some(site) = self.near.iter().find(|site| distance(site) < limit) {
             return Err(if distance(site) <= R_SQUARED {
@@ -339,6 +371,7 @@ impl<'a> Detection<'a> {
                 Verdict::NotNearest { nearer: site.id }
             });
         }
+
         let place = I64Vec2::from(at) + centre;
         self.domain.wrap(place).ok_or(Verdict::Outside)
     }

@@ -138,6 +138,7 @@ impl DiskGrid {
         let is_whole = self.extent(cell) == IVec2::splat(cell.side - 1);
         let reach = self.radius.units + if is_whole { 2 } else { cell.side };
         let limit = i64::from(reach) * i64::from(reach);
+
         self.any_near(middle, reach, |offset| {
             if offset.as_i64vec2().length_squared() <= limit {
                 near.push(offset + half);
@@ -146,9 +147,11 @@ impl DiskGrid {
         });
 
         for quarter in cell.quarters() {
+            // Beyond a border there is nothing to cover.
             if !self.rect().contains(quarter.min) {
                 continue;
             }
+
             let extent = self.extent(quarter);
             let corner = quarter.min - cell.min;
             let mut offsets = near.iter().map(|&offset| offset - corner);
@@ -179,16 +182,22 @@ impl DiskGrid {
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
         let radius = self.radius.with_slack(slack);
         let mut stack: Vec<Cell> = tiling_cells(self.rect(), radius.side() / 2).collect();
+
         while let Some(cell) = stack.pop() {
             if self.covers_cell_within(cell, &radius) {
                 continue;
             }
+
+            // The cell is one place, which no sample covers. Larger ones may be covered by several samples together.
             if cell.side == 1 {
                 return Some(cell.min);
             }
+
+            // At the upper borders a cell may reach beyond the rectangle.
             let quarters = cell.quarters().into_iter();
             stack.extend(quarters.filter(|quarter| self.rect().contains(quarter.min)));
         }
+
         None
     }
 

@@ -12,20 +12,24 @@ use crate::stages::blocks::Blocks;
 use crate::stages::order::Ranking;
 
 /// Returns the ids of the samples that may be in conflict, by rank, then id: those inside the
-/// domain that are in a margin or within 2r of their block's border. Deeper ones are farther than
-/// r from every margin sample, since margins end r inside a neighbour.
+/// domain that are in a margin or within 2r of their block's border.
 #[must_use]
 pub fn contested(samples: &Samples, blocks: &Blocks, ranking: &Ranking) -> Vec<u32> {
     let mut ranked: Vec<(u32, u32)> = Vec::new();
+
     for (id, (&point, &origin)) in (0..).zip(samples.points.iter().zip(&samples.origins)) {
         let Origin::Tiled { block, own, .. } = origin else {
             continue;
         };
+
+        // Margins end r inside a neighbour, so that deeper samples are farther than r from every margin sample: outside
+        // of the conflict area nothing is eliminated (paper, section 3.2.3).
         let near = !own || blocks.leaves[block as usize].rect.depth(point) <= 2 * R;
         if near && samples.fates[id as usize] != Fate::Dropped {
             ranked.push((ranking.rank(point, own), id));
         }
     }
+
     ranked.sort_unstable();
     ranked.into_iter().map(|(_, id)| id).collect()
 }
@@ -39,19 +43,26 @@ pub(crate) fn eliminate<T: Recorder>(
     mut meter: Meter<'_>,
     recorder: &mut T,
 ) -> Result<(), SampleError> {
+    // All other samples are in conflict with none, so that nothing needs to find them.
     let mut grid = SampleGrid::with_capacity(*domain, contested.len());
     for &id in contested {
         grid.insert(id, samples.points[id as usize]);
     }
+
+    // Algorithm 4, lines 2 to 6. An eliminated sample claims nothing.
     for &id in contested {
         let valid = samples.fates[id as usize] == Fate::Undecided;
         recorder.record(RunEvent::Take { sample: id, valid });
+
         if valid {
             samples.fates[id as usize] = Fate::Kept;
             let rest = false;
             recorder.record(RunEvent::Keep { sample: id, rest });
+
             grid.any_near(samples.points[id as usize], R, |near| {
                 let fate = &mut samples.fates[near.id as usize];
+                // Samples kept before do not cover this one, or it would be gone; eliminated ones keep the name of the
+                // first that covered them.
                 if *fate == Fate::Undecided {
                     let covers = covers_offset(near.offset);
                     let (pivot, other) = (id, near.id);
@@ -71,8 +82,10 @@ pub(crate) fn eliminate<T: Recorder>(
                 false
             });
         }
+
         meter.tick()?;
     }
+
     keep_rest(samples, recorder);
     meter.end()
 }

@@ -29,25 +29,33 @@ pub(crate) fn insert<T: Recorder>(
     recorder.record(RunEvent::Rank {
         candidates: candidates.len() as u32,
     });
+
+    // Drawn for the place, not for the candidate's number: a window that finds fewer candidates inserts the same ones.
     let key = key.derive(Stream::Iteration, iteration);
+
     let mut ranked: Vec<(u32, &Candidate)> = candidates
         .iter()
         .map(|c| (key.draw_at(c.point.x, c.point.y)[0], c))
         .collect();
+    // Places are unique, so that equal draws leave no choice.
     ranked.sort_unstable_by_key(|(rank, c)| (*rank, c.point.row_major()));
+
     let first = samples.len() as u32;
     for (_, candidate) in ranked {
+        // The search ends at the sample that covers the place, so that `by` names it.
         let mut by = u32::MAX;
         let covered = survivors.any_near(candidate.point, R, |near| {
             by = near.id;
             covers_offset(near.offset)
         });
+
         if covered {
             recorder.record(RunEvent::Pass {
                 point: candidate.point,
                 by,
             });
         } else {
+            // In the grid at once, since the next insertions must not be in conflict with it.
             let id = samples.len() as u32;
             survivors.insert(id, candidate.point);
             let origin = Origin::Inserted {
@@ -61,5 +69,6 @@ pub(crate) fn insert<T: Recorder>(
             });
         }
     }
+
     first..samples.len() as u32
 }

@@ -70,12 +70,16 @@ struct Phases {
 
 impl Phases {
     fn new(domain: &Domain, key: Key) -> Self {
+        // An even number, so that groups also alternate across a periodic border.
         let count = [domain.width(), domain.height()].map(|side| ((side / (2 * R)) & !1).max(2));
+
+        // The groups have their turns in random sequence, as in Wei 2008 (a shuffle by Fisher and Yates).
         let mut sequence = [0, 1, 2, 3];
         for last in (1..4_u32).rev() {
             let other = below(key.draw(Stream::Phase, last)[0], last + 1);
             sequence.swap(last as usize, other as usize);
         }
+
         Self {
             cell: [domain.width() / count[0], domain.height() / count[1]],
             count,

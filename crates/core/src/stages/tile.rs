@@ -37,11 +37,13 @@ pub(crate) fn tile<T: Recorder>(
     mut meter: Meter<'_>,
     recorder: &mut T,
 ) -> Result<Vec<Tile>, SampleError> {
+    // Turning a pattern sorts its samples: that is done once, not for every block.
     let variants: Vec<PatternVariant> = (0..if dihedral { 8 } else { 1 })
         .map(|s| pattern.variant(Symmetry(s)))
         .collect();
     let mut clip = Vec::new();
     let mut tiles = Vec::with_capacity(blocks.leaves.len());
+
     for (block, index) in blocks.leaves.iter().zip(0..) {
         let symmetry = below(
             block.key.draw(Stream::Dihedral, 0)[0],
@@ -49,13 +51,17 @@ pub(crate) fn tile<T: Recorder>(
         );
         let variant = &variants[symmetry as usize];
         let start = clip_start(block, variant)?;
+
         let (width, height) = enlarged(&block.rect);
         clip.clear();
         variant.clip(start, width, height, |x, y, id| clip.push((y, x, id)));
         // A seam of the repeated pattern may break the order within a row.
         clip.sort_unstable();
+
         recorder.record(RunEvent::Clip { block: index });
         let first = samples.len() as u32;
+        // Algorithm 2 scales the clip by the ratio of the sets (lines 4 and 10). On the lattice pattern and result have
+        // the same radius, so it is only translated (line 9).
         let corner = I64Vec2::from(block.rect.min) - i64::from(R);
         for &(y, x, pattern) in &clip {
             let at = corner + I64Vec2::new(x.into(), y.into());
@@ -68,6 +74,7 @@ pub(crate) fn tile<T: Recorder>(
                 });
             }
         }
+
         let samples = first..samples.len() as u32;
         tiles.push(Tile {
             start,
@@ -91,12 +98,15 @@ pub(crate) fn push_tiled(
     samples: &mut Samples,
 ) {
     let inside = |x: i64, min: i32, max: i32| (i64::from(min)..i64::from(max)).contains(&x);
+    // Decided before the place wraps: a margin that crosses a periodic border is still a margin, also where it comes
+    // back into its own block.
     let own = inside(at.x, block.min.x, block.max.x) && inside(at.y, block.min.y, block.max.y);
     let origin = Origin::Tiled {
         block: index,
         pattern,
         own,
     };
+
     match domain.wrap(at) {
         Some(point) => samples.push(point, origin, Fate::Undecided),
         // At most one radius outside, which 32 bits hold in the longest domain.
@@ -112,12 +122,16 @@ const fn enlarged(rect: &Rect) -> (i32, i32) {
 pub(crate) fn clip_start(block: &Block, variant: &PatternVariant) -> Result<Point, PatternError> {
     let (width, height) = enlarged(&block.rect);
     let radii = |units: i32| f64::from(units) / f64::from(R);
+
+    // An enlarged block fits a bounded pattern only at some starts, those for which the block lies in the paper's
+    // shrunk domain (Theorem 3.1), or at none. It fits a periodic one everywhere.
     let starts = variant
         .starts(width, height)
         .ok_or_else(|| PatternError::TooSmall {
             block: [radii(block.rect.width()), radii(block.rect.height())],
             pattern: [radii(variant.width), radii(variant.height)],
         })?;
+
     let [x, y] = block.key.draw(Stream::Offset, 0);
     Ok(Point::new(
         below(x, starts.max.x as u32) as i32,

@@ -19,20 +19,26 @@ pub const SLACK: i32 = DETECTOR_REACH - 2 * R;
 pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
     let mut disks = DiskGrid::new(domain);
     let mut cells = Vec::new();
+
     for (&point, &fate) in samples.points.iter().zip(&samples.fates) {
         if fate == Fate::Kept {
             let fits = disks.insert(point);
             debug_assert!(fits, "survivors are conflict-free");
         } else {
+            // A place that no survivor covers was covered by a sample that was eliminated or dropped.
             touched_cells(&domain, point, &mut cells);
         }
     }
+
     cells.sort_unstable_by_key(|min| min.row_major());
     cells.dedup();
+
+    // The darts of a cell that one sample covers would all be refused.
     cells.retain(|&min| {
         let side = GAP_SIDE;
         !disks.covers_cell(Cell { min, side })
     });
+
     DartProcess::in_gaps(gap_key(key), disks, cells)
 }
 
@@ -46,22 +52,28 @@ pub fn gap_key(key: Key) -> Key {
 /// Appends the lowest points of the cells that the box around a sample's disk touches.
 fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
     let reach = i64::from(R + SLACK);
+
     let starts = |x: i32, extent: i32| {
         let (low, high) = (i64::from(x) - reach, i64::from(x) + reach);
         let extent = i64::from(extent);
+        // 2r and 8 units touch at most six cells of r / 2, and seven where a periodic border cuts the last cell short.
         let mut starts = Vec::with_capacity(7);
         for shift in [-extent, 0, extent] {
+            // Disks reach across a periodic border, and end at a closed one.
             if shift != 0 && !domain.is_periodic() {
                 continue;
             }
+
             let (low, high) = ((low + shift).max(0), (high + shift).min(extent - 1));
             if low <= high {
                 let side = i64::from(GAP_SIDE);
                 starts.extend((low / side..=high / side).map(|k| (k * side) as i32));
             }
         }
+
         starts
     };
+
     let max = domain.rect().max;
     let columns = starts(centre.x, max.x);
     for y in starts(centre.y, max.y) {

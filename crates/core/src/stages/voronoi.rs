@@ -35,9 +35,12 @@ impl RelaxedCell {
         let p = p.as_dvec2();
         let limit = p.length_squared() + RELAXATION;
         let beyond = |v: DVec2| 2.0 * v.dot(p) - limit;
+
+        // A cell has about six edges, and dozens of samples are tried: most cut nothing off.
         if self.vertices.iter().all(|v| beyond(*v) <= 0.0) {
             return;
         }
+
         self.clipped.clear();
         for (k, &v) in self.vertices.iter().enumerate() {
             let w = self.vertices[(k + 1) % self.vertices.len()];
@@ -45,10 +48,13 @@ impl RelaxedCell {
             if a <= 0.0 {
                 self.clipped.push(v);
             }
+            // Strictly on opposite sides: a vertex on the line was taken above or comes next, and the quotient has no
+            // zero below.
             if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
                 self.clipped.push(v + a / (a - b) * (w - v));
             }
         }
+
         std::mem::swap(&mut self.vertices, &mut self.clipped);
     }
 

@@ -47,7 +47,7 @@ pub enum PieceSource {
     File {
         /// Its path relative to the layout's folder.
         path: String,
-        /// Its Poisson-disk radius.
+        /// The Poisson-disk radius of the set.
         radius: Option<f64>,
         /// Width and height of its domain.
         size: [Option<f64>; 2],
@@ -61,9 +61,9 @@ pub enum PieceSource {
         /// Whether they are given for the piece, and not derived from its rectangle.
         own: bool,
     },
-    /// The reference sampler.
+    /// A set of the reference sampler.
     Reference {
-        /// Its seed.
+        /// The seed of the set.
         seed: u64,
         /// The domain of the piece's rectangle.
         own: Domain,
@@ -95,6 +95,7 @@ impl PieceEntry {
         boundary: Boundary,
         rect: &Rect,
     ) -> Result<PieceSource, LayoutError> {
+        // Values that would have no effect are refused rather than ignored.
         let of_file = self.radius.is_some() || self.width.is_some() || self.height.is_some();
         if self.file.is_none() && of_file {
             return Err(LayoutError::OfFile);
@@ -102,6 +103,7 @@ impl PieceEntry {
         if self.seed.is_none() && self.method.is_some() {
             return Err(LayoutError::OfSeed);
         }
+
         match (&self.file, &self.parameters, self.seed) {
             (Some(file), None, None) => Ok(PieceSource::File {
                 path: file.clone(),
@@ -109,11 +111,13 @@ impl PieceEntry {
                 size: [self.width, self.height],
                 boundary: self.boundary,
             }),
+            // The parameters have a boundary of their own.
             (None, Some(_), None) if self.boundary.is_some() => Err(LayoutError::OfParameters),
             (None, Some(given), None) => Ok(PieceSource::Run {
                 parameters: Box::new(parameters(boundary, rect, given)?),
                 own: true,
             }),
+            // The set is made for the rectangle, so that there is nothing to move.
             (None, None, Some(_)) if self.offset.is_some() => Err(LayoutError::OffsetOfSeed),
             (None, None, Some(seed)) => self.of_seed(seed, self.boundary.unwrap_or(boundary), rect),
             _ => Err(LayoutError::NoSource),
@@ -150,11 +154,14 @@ fn parameters(
     if lengths != [true; 3] && lengths != [false; 3] {
         return Err(LayoutError::Lengths);
     }
+
+    // Lengths that are given replace this placeholder below; otherwise the rectangle has them.
     let size = if lengths[0] {
         [1.0; 2]
     } else {
         Domain::of_rect(rect, given_boundary(given)?.unwrap_or(boundary))?.size()
     };
+
     let base = Parameters {
         width: size[0],
         height: size[1],
@@ -162,21 +169,26 @@ fn parameters(
         boundary,
         ..Parameters::default()
     };
+
     let form = |error| LayoutError::ParameterForm {
         name: "parameters",
         error,
     };
     let mut all = serde_json::to_value(base).map_err(form)?;
+
+    // Merged by name, so that a part of the pattern can be given without the rest.
     for (name, value) in given {
         let Some(known) = all.get_mut(name) else {
             let name = name.clone();
             return Err(LayoutError::UnknownParameter { name });
         };
+
         match (known.as_object_mut(), value.as_object()) {
             (Some(known), Some(value)) => known.extend(value.clone()),
             _ => *known = value.clone(),
         }
     }
+
     let parameters: Parameters = serde_json::from_value(all).map_err(form)?;
     parameters.validate_sequential()?;
     Ok(parameters)
@@ -184,8 +196,8 @@ fn parameters(
 
 fn given_boundary(given: &Map<String, Value>) -> Result<Option<Boundary>, LayoutError> {
     let boundary = given.get("boundary").cloned();
-    let boundary = boundary.map(serde_json::from_value).transpose();
-    boundary.map_err(|error| LayoutError::ParameterForm {
+    let read = boundary.map(serde_json::from_value).transpose();
+    read.map_err(|error| LayoutError::ParameterForm {
         name: "parameters: boundary",
         error,
     })

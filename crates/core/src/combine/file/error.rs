@@ -14,7 +14,7 @@ pub enum LayoutError {
     /// It is too long.
     #[error("the layout has {bytes} bytes; it may have {MAX_LAYOUT_BYTES}")]
     TooLong {
-        /// Its length.
+        /// The length of the file.
         bytes: u64,
     },
     /// It is not a layout.
@@ -23,7 +23,7 @@ pub enum LayoutError {
     /// It is of another version.
     #[error("the layout has version {version}; this program reads version {VERSION}")]
     Version {
-        /// Its version.
+        /// The version of the file.
         version: u32,
     },
     /// It has another form.
@@ -37,23 +37,23 @@ pub enum LayoutError {
         "{columns} columns and {rows} rows make {rectangles} rectangles; there are {pieces} pieces"
     )]
     Count {
-        /// Columns.
+        /// The number of columns.
         columns: usize,
-        /// Rows.
+        /// The number of rows.
         rows: usize,
-        /// Their product.
+        /// The number of rectangles that these make.
         rectangles: usize,
-        /// Pieces.
+        /// The number of pieces.
         pieces: usize,
     },
     /// A column or row has no length.
     #[error("{name}[{index}] is {side}; it must be a finite number above 0")]
     Side {
-        /// "columns" or "rows".
+        /// The name of the list: "columns" or "rows".
         name: &'static str,
-        /// Which of them.
+        /// Its index in the list.
         index: usize,
-        /// Its length.
+        /// The length that the file gives.
         side: f64,
     },
     /// There would be too many samples.
@@ -61,7 +61,7 @@ pub enum LayoutError {
         "about {expected:.3e} samples would be made; there may be {MAX_SEQUENTIAL_SAMPLES:.0e}"
     )]
     TooManySamples {
-        /// How many.
+        /// The number of samples that is expected.
         expected: f64,
     },
     /// A rectangle is given although columns and rows give it.
@@ -78,7 +78,7 @@ pub enum LayoutError {
     Rect {
         /// The rectangle: lowest corner, highest corner.
         rect: [f64; 4],
-        /// The domain's sides.
+        /// The sides of the domain.
         size: [f64; 2],
     },
     /// A piece has no source, or several.
@@ -99,9 +99,9 @@ pub enum LayoutError {
     /// An offset lies outside its set.
     #[error("the offset {value} is not inside the set, which is {side} long")]
     Offset {
-        /// The offset.
+        /// The coordinate that the file gives.
         value: f64,
-        /// The set's side.
+        /// The side of the set on the same axis.
         side: f64,
     },
     /// Only some of width, height and radius are given.
@@ -110,15 +110,15 @@ pub enum LayoutError {
     /// A parameter is unknown.
     #[error("there is no parameter \"{name}\"")]
     UnknownParameter {
-        /// Its name.
+        /// The name that the file gives.
         name: String,
     },
     /// A parameter does not parse.
     #[error("{name}: {error}")]
     ParameterForm {
-        /// Where.
+        /// Where in the file.
         name: &'static str,
-        /// What is wrong.
+        /// The error of the JSON reader.
         error: serde_json::Error,
     },
     /// Parameters cannot be sampled.
@@ -132,7 +132,7 @@ pub enum LayoutError {
     Piece {
         /// The piece, counted from 0.
         piece: usize,
-        /// What is wrong.
+        /// The error of that piece.
         error: Box<LayoutError>,
     },
 }

@@ -17,7 +17,7 @@ use crate::progress::Observer;
 /// A set with its domain in its own units.
 #[derive(Clone, Debug)]
 pub struct Set {
-    /// The set.
+    /// The samples of the set.
     pub pattern: Arc<Pattern>,
     /// Its domain, in its own units.
     pub domain: Domain,
@@ -29,7 +29,7 @@ pub struct Set {
 pub struct PieceError<E> {
     /// The piece, counted from 0.
     pub piece: usize,
-    /// What is wrong.
+    /// The error of its set.
     pub error: E,
 }
 
@@ -45,21 +45,26 @@ impl PlacedLayout {
         made: impl Fn(usize) + Sync,
     ) -> Result<Vec<Piece>, PieceError<E>> {
         let each = distinct(&self.pieces);
+
         let sets = each.par_iter().with_max_len(1).map(|sharing| {
             let set = make(&self.pieces[sharing[0]].source);
             made(sharing.len());
             set
         });
         let sets: Vec<Result<Set, E>> = sets.collect();
+
+        // In the sequence of the pieces again, whatever thread was first: the error of the first piece is reported.
         let mut pieces: Vec<Option<Piece>> = vec![None; self.pieces.len()];
         for (set, sharing) in sets.into_iter().zip(&each) {
             let of = |piece: usize| move |error: E| PieceError { piece, error };
             let set = set.map_err(of(sharing[0]))?;
+
             for &k in sharing {
                 let piece = set.placed(&self.pieces[k]);
                 pieces[k] = Some(piece.map_err(|error| of(k)(error.into()))?);
             }
         }
+
         Ok(pieces.into_iter().flatten().collect())
     }
 }
@@ -68,15 +73,19 @@ impl PlacedLayout {
 fn distinct(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
+
     for (k, piece) in pieces.iter().enumerate() {
         let PieceSource::File { path, .. } = &piece.source else {
             groups.push(vec![k]);
             continue;
         };
+
         let same = by_file.entry(path).or_default();
+        // The same file may be read with another radius or size; these are different sets.
         let known = same
             .iter()
             .find(|&&g| pieces[groups[g][0]].source == piece.source);
+
         if let Some(&group) = known {
             groups[group].push(k);
         } else {
@@ -144,18 +153,21 @@ impl Set {
     fn start(&self, offset: [f64; 2]) -> Result<Point, LayoutError> {
         let size = self.domain.size();
         let periodic = self.domain.is_periodic();
+
         let along = |axis: usize| {
             let (value, side) = (offset[axis], size[axis]);
             let fits = periodic && value.is_finite() || (0.0..=side).contains(&value);
             if !fits {
                 return Err(LayoutError::Offset { value, side });
             }
+
             Ok(if periodic {
                 value.rem_euclid(side)
             } else {
                 value
             })
         };
+
         let low = [along(0)?, along(1)?];
         // Rounded as the corners of rectangles are, so that pieces of one set with matching cuts continue each other.
         Ok(self.domain.rect_from_user(low, low).min)
