@@ -8,6 +8,7 @@ use crate::lessons::{Lessons, OpenLesson, in_language};
 
 /// A score above this is full marks: scores are sums of fractions, which are rounded.
 pub const FULL_MARKS: f64 = 0.999;
+
 impl OpenLesson {
     /// Returns the right answer in words, in a language; `None` without a question. It must not be shown to learners while the
     /// question is open.
@@ -24,6 +25,7 @@ impl OpenLesson {
         let question = self.learner.question()?;
         let is_told = match self.learner.progress() {
             Progress::Open => false,
+            // An inexact answer was right within its tolerance; the exact number is still news.
             Progress::Right => question.interaction.is_inexact(),
             Progress::GivenUp => true,
         };
@@ -38,7 +40,7 @@ impl OpenLesson {
     }
 }
 
-/// What a lesson leaves behind, at its end.
+/// The card at the end of a lesson: its score, and where to go from there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outcome {
     /// How many questions the lesson has.
@@ -58,6 +60,7 @@ impl Lessons {
         let open = self.open.as_ref()?;
         let learner = &open.learner;
         let lesson = learner.lesson();
+
         let is_over = learner.index() + 1 == lesson.steps.len() && !learner.is_open();
         // The class of a talk has no results, scenes have no questions, and a form shows nothing about its answers.
         if !is_over || open.was_presented || lesson.form.is_some() {
@@ -68,9 +71,12 @@ impl Lessons {
             let best = self.results.of_gate(&lesson.name, gate);
             best.is_some_and(|(score, _)| score > FULL_MARKS)
         };
-        let again = lesson.gates().filter(|(_, gate)| !is_right(&gate.name));
-        let again = again.map(|(step, _)| (step.name.clone(), learner.words(&step.title)));
-        let again: Vec<(String, String)> = again.collect();
+        let again: Vec<(String, String)> = lesson
+            .gates()
+            .filter(|(_, gate)| !is_right(&gate.name))
+            .map(|(step, _)| (step.name.clone(), learner.words(&step.title)))
+            .collect();
+
         let gates = lesson.gates().count();
         Some(Outcome {
             gates,
@@ -91,8 +97,10 @@ impl Lessons {
             return None;
         }
 
-        let german = Translation::read(&next.german).ok();
-        let german = german.filter(|_| self.language == "de").unwrap_or_default();
+        let german = Translation::read(&next.german)
+            .ok()
+            .filter(|_| self.language == "de")
+            .unwrap_or_default();
         Some((next.name.to_string(), german.of(&lesson.title).to_owned()))
     }
 }

@@ -74,6 +74,7 @@ impl HandoutTask {
         let language = &self.language.0;
         let labels = lesson_labels(language);
         let title = escape(translation.of(&lesson.title));
+
         let mut html = format!(
             "<!doctype html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -81,16 +82,20 @@ impl HandoutTask {
             escape(if language.is_empty() { "en" } else { language }),
             escape(translation.of(&lesson.objective)),
         );
+
+        // Steps of one run share its recording.
         let mut last = None;
         for index in 0..lesson.steps.len() {
             monitor.set_fraction(index as f32 / lesson.steps.len() as f32);
             if monitor.is_cancelled() {
                 return Err("The handout was cancelled.".to_owned());
             }
-            let step = step_at(lesson, translation, index, &mut last);
-            let mut step = step.map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
+
+            let mut step = step_at(lesson, translation, index, &mut last)
+                .map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
             self.section(&mut html, index, &mut step, labels)?;
         }
+
         html.push_str("</body>\n</html>\n");
         Ok(html)
     }
@@ -104,13 +109,17 @@ impl HandoutTask {
     ) -> Result<(), String> {
         let step = open.learner.step().clone();
         let key = format!("{}/{}", open.learner.lesson().name, step.name);
+
         let record = self.record.as_ref();
         let strokes = record.map_or(&[][..], |record| record.strokes_in(&key));
+
+        // Paper is light, whatever look the window has.
         let style = PictureStyle {
             size: PICTURE,
             dark: false,
         };
         let svg = to_svg(&picture(open, style, strokes)).map_err(|error| error.to_string())?;
+
         let heading = escape(&open.learner.words(&step.title));
         let _ = write!(
             html,
@@ -120,14 +129,18 @@ impl HandoutTask {
             PICTURE[1],
             data_url(&svg),
         );
+
         for paragraph in &step.text {
             put(html, &open.learner.words(paragraph));
         }
         html.push_str("</div>\n</div>\n");
+
+        // The controls are written before the answer is revealed, since they would show it.
         if let Some(question) = open.learner.question() {
             ask(html, question.ask(0), &open.controls(&self.language.0));
             if self.answers {
                 open.learner.reveal();
+
                 let answer = open.right_answer(&self.language.0).unwrap_or_default();
                 let _ = write!(
                     html,
@@ -135,20 +148,24 @@ impl HandoutTask {
                     labels.the_answer,
                     inline(&answer)
                 );
+
                 for paragraph in &step.after {
                     put(html, &open.learner.words(paragraph));
                 }
                 html.push_str("</div>\n");
             } else {
+                // Space to write the answer by hand.
                 html.push_str("<div class=\"lines\"><p></p><p></p><p></p></div>\n");
             }
         }
+
         if self.notes {
             for note in &step.notes {
                 let note = inline(open.learner.speaker_note(note));
                 let _ = writeln!(html, "<p class=\"note\">{note}</p>");
             }
         }
+
         html.push_str("</section>\n");
         Ok(())
     }
@@ -200,7 +217,7 @@ fn list(html: &mut String, items: impl Iterator<Item = String>) {
     html.push_str("</ol>\n");
 }
 
-/// Writes what is chosen from in one line.
+/// Writes the words to choose from in one line.
 fn choices(html: &mut String, choices: &str) {
     let _ = writeln!(html, "<p class=\"choices\">{choices}</p>");
 }
@@ -220,6 +237,8 @@ fn line(name: &str, row: &Row) -> String {
 /// Returns a plot of spectra: power by frequency in 1/r.
 fn plot(curves: &[&Curve]) -> String {
     let [width, height] = PLOT;
+
+    // The axis of power points upwards, that of pictures downwards. Higher powers are cut off at the top.
     let place = |[x, y]: [f64; 2]| {
         let at = [
             x / REACH[0] * width,
@@ -227,17 +246,22 @@ fn plot(curves: &[&Curve]) -> String {
         ];
         format!("{:.1},{:.1}", at[0], at[1])
     };
+
     let line = |points: &str, style: &str| {
         format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{style}\"/>")
     };
+
     let mut svg = format!(
         "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" role=\"img\">",
         height + 16.0
     );
+
+    // Lines at no power and at that of white noise, 1.
     for level in [0.0, 1.0] {
         let ends = [place([0.0, level]), place([REACH[0], level])].join(" ");
         svg.push_str(&line(&ends, "#999"));
     }
+
     for tick in ["0.5", "1", "1.5", "2", "2.5"] {
         let at = tick.parse::<f64>().unwrap_or_default() / REACH[0] * width;
         let _ = write!(
@@ -246,11 +270,13 @@ fn plot(curves: &[&Curve]) -> String {
             height + 13.0
         );
     }
+
     for curve in curves {
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points: Vec<String> = inside.map(|&at| place(at)).collect();
         svg.push_str(&line(&points.join(" "), "#1f5fd0"));
     }
+
     svg.push_str("</svg>");
     svg
 }
@@ -264,7 +290,7 @@ fn put(html: &mut String, paragraph: &str) {
     let _ = writeln!(html, "<p{class}>{}</p>", inline(&text));
 }
 
-/// Returns a paragraph of a lesson as HTML; nothing of it is read as HTML.
+/// Returns a paragraph of a lesson as HTML; no part of it is read as HTML.
 fn inline(paragraph: &str) -> String {
     let parts = spans(paragraph).into_iter().map(|span| {
         let text = escape(&span.text);
@@ -283,6 +309,7 @@ fn data_url(svg: &str) -> String {
     let mut url = "data:image/svg+xml,".to_owned();
     for c in svg.chars() {
         match c {
+            // Only characters with a meaning in URLs or HTML: all others take less room as they are than in base64.
             '%' => url.push_str("%25"),
             '#' => url.push_str("%23"),
             '<' => url.push_str("%3C"),
@@ -292,6 +319,7 @@ fn data_url(svg: &str) -> String {
             c => url.push(c),
         }
     }
+
     url
 }
 

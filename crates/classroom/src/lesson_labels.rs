@@ -83,7 +83,7 @@ fn labels(language: Option<&Language>) -> LessonLabels {
         }
     }
 
-    // Made once for each language and needed to the end, so that nobody has to own the labels.
+    // Made once for each language and needed to the end of the program, so that they may be leaked.
     let json = serde_json::to_string(&words).expect("texts are valid");
     serde_json::from_str(Box::leak(json.into_boxed_str())).expect("no text has quotation marks")
 }

@@ -54,6 +54,7 @@ pub(crate) fn step_at(
 ) -> Result<OpenLesson, String> {
     let mut learner = Learner::new(Arc::clone(lesson), Arc::clone(translation));
     learner.go(index);
+
     let parameters = learner.parameters();
     let run = match last.take() {
         Some(run) if run.run().parameters == parameters => run,
@@ -63,11 +64,13 @@ pub(crate) fn step_at(
             made.map_err(|error: SampleError| error.to_string())?
         }
     };
+
     let arrival = learner.arrive(&run, 0.0);
     if arrival.map_err(|error| error.to_string())? == Arrival::NoMoment {
         let line = learner.step().scene.line;
         return Err(format!("line {line}: the run has no such moment"));
     }
+
     *last = Some(Arc::clone(&run));
     let mut open = OpenLesson::new(learner, LessonSource::Text);
     open.run = Some(run);
@@ -80,11 +83,14 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     let [width, height] = style.size;
     let frame = Rect::from_min_size(Pos2::ZERO, style.size.map(|side| side as f32).into());
     let palette = if style.dark { &DARK } else { &LIGHT };
+
     let Some((run, cursor)) = open.run.as_ref().zip(open.learner.cursor()) else {
         return Scene::new(width, height, color(palette.outside));
     };
+
     // The session ends at the moment, so that nothing later is drawn.
     let session = Session::from_recording(Arc::new(run.until(cursor)), 0);
+
     let size = session.size_radii();
     let camera = open.camera().map_or_else(
         || Camera::fitting(size, frame),
@@ -93,6 +99,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
             scale: width.min(height) / radii,
         },
     );
+
     let view = PictureView {
         camera,
         size: style.size,
@@ -105,22 +112,28 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         legend: None,
         analysis: false,
     };
+
     let moment = Moment::at(&session, cursor);
     let mut scene = thumbnail(&session, &MomentView { moment, view });
 
     let is_periodic = session.run().domain.is_periodic();
+    // In a periodic domain the picture shows the image nearest to its middle.
     let place = |at: DVec2| {
         let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
         on_picture(camera.screen_from_domain(frame, at - turns * size))
     };
+
     scene.groups.push(marks(open, palette, frame, place));
+
     let mut drawn = Group::new("pen");
     for stroke in strokes {
         let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
-        let ends = stroke.points.windows(2);
-        let ends = ends.map(|ends| Shape::line(place(ends[0].into()), place(ends[1].into()), ink));
-        drawn.shapes.extend(ends);
+        let pairs = stroke.points.windows(2);
+        let line =
+            |ends: &[[f64; 2]]| Shape::line(place(ends[0].into()), place(ends[1].into()), ink);
+        drawn.shapes.extend(pairs.map(line));
     }
+
     scene.groups.push(drawn);
     scene
 }
@@ -133,15 +146,19 @@ fn marks(
     place: impl Fn(DVec2) -> DVec2,
 ) -> Group {
     let mut marks = Group::new("marks");
+
     if let Some(lines) = open.lines() {
         let [low, high] = lines.outline.map(|corner| place(corner.into()));
         let corners = [low, low.with_x(high.x), high, high.with_x(low.x), low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
-        let sides = corners.windows(2);
-        let sides = sides.map(|side| Shape::line(side[0], side[1], stroke));
-        marks.shapes.extend(sides);
+        let pairs = corners.windows(2);
+        marks
+            .shapes
+            .extend(pairs.map(|ends| Shape::line(ends[0], ends[1], stroke)));
     }
+
     let drawn = open.marks();
+    // All at once, so that labels are placed beside each other and not over each other.
     let labelled: Vec<Labelled> = drawn
         .iter()
         .map(|mark| {
@@ -154,6 +171,7 @@ fn marks(
             }
         })
         .collect();
+
     for (mark, label) in drawn.into_iter().zip(places(&labelled, &[], frame)) {
         let ink = color(match mark.kind {
             MarkKind::Named => palette.halo,
@@ -161,8 +179,10 @@ fn marks(
             MarkKind::Chosen => palette.candidate,
             MarkKind::Right => palette.inserted,
         });
+
         let circle = Shape::circle(place(mark.at), MARK_RADIUS.into(), Style::stroked(ink, 1.6));
         marks.shapes.push(circle);
+
         if !mark.label.is_empty() {
             // The letters stand on a line a little above the lower side.
             let corner = DVec2::new(label.min.x.into(), f64::from(label.max.y) - 2.0);
@@ -170,6 +190,7 @@ fn marks(
             marks.shapes.push(Shape::Text(label));
         }
     }
+
     marks
 }
 
@@ -283,12 +304,16 @@ impl StepPictureTask {
     fn drawn(&self) -> Result<StepPicture, String> {
         let (name, text) = &self.lesson;
         let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
+
         let count = lesson.steps.len();
         if self.index >= count {
             return Err(format!("the lesson has {count} steps"));
         }
+
         let open = step_at(&Arc::new(lesson), &Arc::default(), self.index, &mut None)?;
         let scene = picture(&open, self.style, &[]);
+
+        // Pages draw SVG themselves, windows show pixels.
         let mut drawn = StepPicture::default();
         if self.as_svg {
             drawn.svg = Some(to_svg(&scene).map_err(|error| error.to_string())?);
@@ -296,6 +321,7 @@ impl StepPictureTask {
             let pixels = to_pixels(&scene, SHARPNESS).map_err(|error| error.to_string())?;
             drawn.pixels = Some(Arc::new(pixels.into()));
         }
+
         Ok(drawn)
     }
 }

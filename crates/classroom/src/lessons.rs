@@ -29,7 +29,7 @@ pub enum LessonCommand {
     Open(String),
     /// Opens a lesson from a text, with its name.
     Read(String, String),
-    /// Closes the lesson.
+    /// Closes the lesson that is open.
     Leave,
     /// Goes to the next step, which waits while a question is open, or to the one before.
     Step(Direction),
@@ -39,7 +39,7 @@ pub enum LessonCommand {
     Draft(DraftCommand),
     /// Gives the answer that was put together.
     Answer,
-    /// Shows the hint.
+    /// Shows the hint of the question.
     Hint,
     /// Gives up; the first time, asks whether to.
     GiveUp,
@@ -65,7 +65,7 @@ pub enum LessonCommand {
 /// Where a lesson comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LessonSource {
-    /// With the program.
+    /// It comes with the program.
     Shipped,
     /// From a text that was opened.
     Text,
@@ -79,13 +79,13 @@ pub struct OpenLesson {
     pub learner: Learner,
     /// Where it comes from.
     pub source: LessonSource,
-    /// Its text.
+    /// The text from which it was read.
     pub(crate) text: String,
     /// The answer that is being put together.
     pub draft: Draft,
     /// The response to the last answer.
     pub feedback: Option<Feedback>,
-    /// Why no answer could be given: what is missing, or a fault of the lesson.
+    /// Why no answer could be given: a part of it is missing, or the lesson has a fault.
     pub lacking: Option<String>,
     /// The fault that keeps the step from being shown.
     pub fault: Option<LessonError>,
@@ -108,7 +108,7 @@ pub struct OpenLesson {
 /// A lesson that comes with the program, as links and pages ask for it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WantedLesson {
-    /// Its name.
+    /// The name of its file, without `.md`.
     pub name: String,
     /// The step's name; the first one if there is none.
     pub step: Option<String>,
@@ -121,11 +121,11 @@ pub struct WantedLesson {
 pub struct GivenAnswer {
     /// How many answers were given since the start, with this one.
     pub number: u64,
-    /// The lesson.
+    /// The name of the lesson.
     pub lesson: String,
-    /// The step.
+    /// The name of the step.
     pub step: String,
-    /// The question's name.
+    /// The name of the question.
     pub gate: String,
     /// The seed of its run.
     pub seed: u64,
@@ -142,9 +142,9 @@ pub struct GivenAnswer {
 /// A change of results since they were stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unstored {
-    /// None.
+    /// Nothing has changed since.
     Nothing,
-    /// The entries.
+    /// Entries were added or cleared.
     Entries,
     /// The learner's name, and perhaps the entries.
     Name,
@@ -170,7 +170,7 @@ pub struct Lessons {
     pub results: Results,
     /// Whether the learner was asked whether to clear the results.
     pub asks_to_clear: bool,
-    /// What has changed since the results were stored.
+    /// The change of the results since they were stored.
     unstored: Unstored,
     /// The time in seconds since 1970, which the window or page sets.
     pub now: f64,
@@ -226,7 +226,7 @@ impl Lessons {
         self.unstored != Unstored::Nothing
     }
 
-    /// Returns what is to be put into the store, which contains `stored`: the results of this window merged with those, as
+    /// Returns the text to be put into the store, which contains `stored`: the results of this window merged with those, as
     /// another window may have stored others meanwhile. The merged results are also those of this window from now on.
     pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
         let is_read = stored.is_none_or(|text| self.take_stored(text));
@@ -257,8 +257,8 @@ impl Lessons {
     #[must_use]
     pub fn shown_score(&self, lesson: &Lesson, gate: &str) -> Option<f64> {
         let best = self.results.of_gate(&lesson.name, gate);
-        let best = best.filter(|_| lesson.form.is_none());
-        best.map(|(score, _)| score)
+        best.filter(|_| lesson.form.is_none())
+            .map(|(score, _)| score)
     }
 
     /// Returns whether a page has to load the lessons that come with the program. The words of other languages come with
@@ -326,7 +326,7 @@ pub struct Mark {
     pub at: DVec2,
     /// Its label; empty if it has none.
     pub label: String,
-    /// Its meaning.
+    /// The meaning of the mark, which decides its colour.
     pub kind: MarkKind,
 }
 
@@ -383,23 +383,28 @@ impl OpenLesson {
         let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
             return Vec::new();
         };
+
         let position = |sample: u32| run.point(sample).map(position).unwrap_or_default();
         let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
+
         let is_done = !self.learner.is_open();
         let (_, step) = self.learner.tries();
 
-        let listed = question.interaction.marks(&self.draft, is_done).into_iter();
-        let listed = listed.map(|listed| {
+        let list = question.interaction.marks(&self.draft, is_done).into_iter();
+        let listed = list.map(|listed| {
             let at = match listed.at {
                 Spot::Sample(sample) => position(sample),
                 Spot::Place(at) => at.into(),
             };
             mark(at, listed.label, listed.kind)
         });
+
         let mut marks: Vec<Mark> = listed.collect();
         // A place that the question is about has neither a letter nor a number: it is none of the list.
         let places = question.marked.iter();
         marks.extend(places.map(|&at| mark(at.into(), String::new(), MarkKind::Named)));
+
+        // A sample of the list is marked already, with its number.
         for &sample in question.named(step) {
             if !marks.iter().any(|mark| mark.label == sample.to_string()) {
                 marks.push(mark(position(sample), sample.to_string(), MarkKind::Named));
@@ -437,14 +442,16 @@ impl OpenLesson {
     /// the strip in r; nothing while the question is open.
     #[must_use]
     pub fn strips(&self) -> Option<(Vec<MarkedBox>, f64)> {
-        let question = self.learner.question();
-        let question = question.filter(|_| !self.learner.is_open())?;
+        let asked = self.learner.question();
+        let question = asked.filter(|_| !self.learner.is_open())?;
         let width = question.strip?;
+
         let leaves = self.run.as_ref()?.run().blocks.leaves.iter();
         let inner = leaves.map(|leaf| {
             let [low, high] = [leaf.rect.min, leaf.rect.max].map(position);
             [low + width, high - width]
         });
+
         // Of a block that is narrower than two strips nothing remains.
         let inner = inner.filter(|[low, high]| low.cmplt(*high).all());
         Some((inner.collect(), width))
@@ -471,11 +478,14 @@ impl OpenLesson {
         let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
             return Vec::new();
         };
+
+        // If the moment itself decides there is no event to give reasons for.
         let is_known = !self.learner.is_open() && question.decided > question.cursor;
         let event = question.decided.checked_sub(1);
         let Some(event) = event.filter(|_| is_known) else {
             return Vec::new();
         };
+
         let causes = tilescope_debugger::why::causes(run, event);
         let all = std::iter::once(event).chain(causes).take(4);
         all.map(|event| tilescope_debugger::sentence(run, event))

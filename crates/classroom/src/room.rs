@@ -21,12 +21,12 @@ mod talk_told;
 pub use lesson_told::NO_LESSON;
 pub use lessons::HIDDEN_LAYER;
 
-/// Lessons and talks.
+/// The part of the window for lessons and talks.
 #[derive(Default)]
 pub struct Classroom {
     /// Lessons: the one that is open, the list, the results.
     pub lessons: Lessons,
-    /// Presenter mode.
+    /// Presenter mode: the talk that is given, its votes and drawings.
     pub talks: Talks,
 }
 
@@ -46,7 +46,7 @@ pub struct CanvasView {
 
 /// The moment of a step, and how it is shown.
 pub struct StepView {
-    /// The whole run.
+    /// The recording of the whole run.
     pub run: Arc<Recording>,
     /// The last cursor that may be shown, if a question is open.
     pub limit: Option<usize>,
@@ -68,16 +68,16 @@ pub struct NewFile {
     pub extension: &'static str,
     /// Its path, if one was given; otherwise a new file beside where the program runs.
     pub path: Option<PathBuf>,
-    /// Its content.
+    /// The bytes that it is to hold.
     pub bytes: Vec<u8>,
 }
 
 /// A request of lessons and talks to the rest of the window. The window carries out the requests of a command in their order,
 /// after it.
 pub enum Effect {
-    /// Show this notice.
+    /// Show a notice to the learner.
     Tell {
-        /// Sentences.
+        /// The sentences of the notice.
         text: String,
         /// Whether something went wrong.
         is_error: bool,
@@ -86,7 +86,7 @@ pub enum Effect {
     EndTour,
     /// Set aside what a lesson replaces, unless it is already, and clear the window for it.
     Begin,
-    /// Give back what was set aside for this lesson, which is closed. A window that had no run before keeps the lesson's.
+    /// Give back the things set aside for this lesson, which is closed. A window that had no run before keeps the lesson's.
     GiveBack(Box<OpenLesson>),
     /// Make the run of a step.
     MakeRun(Box<Parameters>),
@@ -94,13 +94,13 @@ pub enum Effect {
     ShowRun(Arc<Recording>, usize),
     /// Show the moment of a step.
     ShowStep(Box<StepView>),
-    /// Set the camera.
+    /// Set the camera of the canvas.
     Look(Camera),
     /// Make the run of the parameters panel if nothing is shown: a link to a lesson has stopped the one of the start.
     ShowSomeRun,
     /// List a file among those opened last.
     RememberFile(String),
-    /// Write a file.
+    /// Write a file, or download it.
     Save(NewFile),
     /// Close menus and help.
     CloseMenus,

@@ -38,11 +38,11 @@ pub enum TalkCommand {
         #[serde(default)]
         path: Option<PathBuf>,
     },
-    /// Ends the talk.
+    /// Ends the talk that is given.
     End,
     /// Goes on: shows the canvas again after a blank, asks for votes, reveals, or shows the next step.
     Next,
-    /// Goes back.
+    /// Goes back by one press: a cover, a vote or a step.
     Previous,
     /// Makes the stage black, or ends that.
     Blank,
@@ -64,7 +64,7 @@ pub enum TalkCommand {
     Point(Option<[f64; 2]>),
     /// Draws to a place, in r.
     Draw([f64; 2]),
-    /// Lifts the pen.
+    /// Lifts the pen, so that the next point begins a line.
     Lift,
     /// Removes the last line.
     UndoStroke,
@@ -88,21 +88,21 @@ pub enum TalkCommand {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Tool {
-    /// Moves the canvas.
+    /// It moves the canvas.
     #[default]
     Hand,
-    /// Points at places.
+    /// It points at places for the class.
     Laser,
-    /// Draws.
+    /// It draws lines over the canvas.
     Pen,
 }
 
 /// A lesson of a talk.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TalkPart {
-    /// The lesson's name.
+    /// The name of the lesson.
     pub name: String,
-    /// Its title.
+    /// The title of the lesson.
     pub title: String,
     /// The planned seconds of each step.
     pub secs: Vec<f64>,
@@ -130,7 +130,7 @@ impl TalkPart {
 pub struct TalkRecord {
     /// The votes, at most two for a question.
     pub votes: BTreeMap<String, Vec<Vote>>,
-    /// The lines.
+    /// The lines that were drawn.
     pub strokes: BTreeMap<String, Vec<PenStroke>>,
 }
 
@@ -152,7 +152,7 @@ pub struct Kept {
     pub is_revealed: bool,
     /// The camera, if it is not the one that the step begins with.
     pub camera: Option<Camera>,
-    /// Votes and drawings.
+    /// The votes and drawings so far.
     pub record: TalkRecord,
 }
 
@@ -178,9 +178,9 @@ pub struct TalkWindows {
     pub are_swapped: bool,
 }
 
-/// A talk.
+/// A talk that is being given.
 pub struct Talk {
-    /// Its lessons.
+    /// The lessons of the talk, in order.
     pub parts: Vec<TalkPart>,
     /// The index of the one that is shown.
     pub part: usize,
@@ -192,9 +192,9 @@ pub struct Talk {
     pub is_voting: bool,
     /// The cover over the stage, if there is one.
     pub cover: Option<Cover>,
-    /// The windows.
+    /// Which of its windows are open.
     pub windows: TalkWindows,
-    /// The tool.
+    /// The tool of the pointer on the stage.
     pub tool: Tool,
     /// The index of the pen's colour.
     pub color: usize,
@@ -295,8 +295,8 @@ impl TalkRecord {
 /// Returns the QR code of a text, row by row, true where it is dark; None for an empty text or one that is too long.
 #[must_use]
 pub fn code(text: &str) -> Option<Vec<Vec<bool>>> {
-    let code = fast_qr::QRBuilder::new(text).build().ok();
-    let code = code.filter(|_| !text.is_empty())?;
+    let made = fast_qr::QRBuilder::new(text).build().ok();
+    let code = made.filter(|_| !text.is_empty())?;
     let row = |y: usize| (0..code.size).map(|x| code[y][x].value()).collect();
     Some((0..code.size).map(row).collect())
 }
@@ -317,7 +317,7 @@ pub struct Talks {
     pub(crate) handout: Option<(HandoutFile, Job<Result<String, String>>)>,
     /// The talk, while it is given.
     pub open: Option<Box<Talk>>,
-    /// Votes and drawings.
+    /// The votes and drawings of the talk.
     pub record: TalkRecord,
     /// Whether they are kept with the session.
     pub is_kept: bool,
@@ -333,7 +333,7 @@ pub struct Talks {
 
 /// A step of a talk that another window continues.
 pub(crate) struct RestoredStep {
-    /// The step: `lesson/step`.
+    /// The step, as `lesson/step`.
     pub key: String,
     /// Whether the answer to its question was revealed.
     pub is_revealed: bool,

@@ -23,28 +23,36 @@ impl Lessons {
             let labels = lesson_labels(&self.language);
             return json!({ "list": self.list_json(), "language": self.language, "labels": labels });
         }
+
         let Some(open) = &self.open else {
             return Value::Null;
         };
+
         let learner = &open.learner;
         let lesson = learner.lesson();
         let step = learner.step();
+
         let paragraphs = |texts: &[String]| -> Value {
             let texts = texts.iter();
             texts
                 .map(|text| json!(spans(&learner.words(text))))
                 .collect()
         };
+
+        // The text after the question tells its answer.
         let after = (!learner.is_open()).then(|| paragraphs(&step.after));
+
         let labels = lesson_labels(&self.language);
         let steps = lesson.steps.iter().map(|step| {
             let gate = step.gate.as_ref();
+
             json!({
                 "name": step.name,
                 "title": learner.words(&step.title),
                 "score": gate.and_then(|gate| self.shown_score(lesson, &gate.name)),
             })
         });
+
         json!({
             "lesson": lesson.name,
             "form": lesson.form,
@@ -75,12 +83,15 @@ impl Lessons {
     fn list_json(&self) -> Value {
         let entries = self.shelf.iter().filter_map(|shipped| {
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
-            let german = Translation::read(&shipped.german).ok();
-            let german = german.filter(|_| self.language == "de");
-            let german = german.unwrap_or_default();
+            let german = Translation::read(&shipped.german)
+                .ok()
+                .filter(|_| self.language == "de")
+                .unwrap_or_default();
+
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();
             let is_done = |gate: &&&String| self.results.of_gate(&shipped.name, gate).is_some();
             let done = gates.iter().filter(is_done);
+
             Some(json!({
                 "name": shipped.name,
                 "title": german.of(&lesson.title),
@@ -91,6 +102,7 @@ impl Lessons {
                 "done": done.count(),
             }))
         });
+
         json!({
             "lessons": entries.collect::<Value>(),
             "answered": self.results.entries.len(),
@@ -107,16 +119,19 @@ impl Lessons {
         if self.shelf.is_empty() || self.shipped(name).is_some() {
             return None;
         }
+
         let names: Vec<&str> = self.shelf.iter().map(|other| other.name.as_ref()).collect();
-        let names = names.join(", ");
-        Some(format!("there is no lesson \"{name}\"; there are {names}"))
+        let all = names.join(", ");
+        Some(format!("there is no lesson \"{name}\"; there are {all}"))
     }
 
     /// Returns why a page may not issue a command now, or `None` if it may.
     #[must_use]
     pub fn refusal(&self, command: &LessonCommand) -> Option<String> {
         use LessonCommand as L;
+
         match (command, self.learner()) {
+            // Parsed here too, so that the page gets the fault of a lesson that cannot be read.
             (L::Read(name, text), _) => Lesson::read(name, text)
                 .err()
                 .map(|error| error.to_string()),
@@ -129,6 +144,7 @@ impl Lessons {
                 | L::KeepResults,
                 _,
             ) => None,
+            // The commands above need no lesson; all others are about the one that is open.
             (_, None) => Some(NO_LESSON.to_owned()),
             (L::Step(Direction::Forwards), Some(learner)) if !learner.may_go_on() => {
                 Some("the question is open, or this is the last step".to_owned())
@@ -181,8 +197,10 @@ impl QuestionTold {
         let learner = &open.learner;
         let question = learner.question()?;
         let gate = learner.step().gate.as_ref()?;
+
         let (tries, traced) = learner.tries();
         let steps = question.traced();
+
         Some(Self {
             r#type: gate.kind_name,
             name: gate.name.clone(),
@@ -208,6 +226,7 @@ impl OpenLesson {
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
         let has_given_up = self.learner.progress() == Progress::GivenUp;
         let feedback = self.feedback.as_ref().filter(|_| !has_given_up)?;
+
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
         let verdict = match (feedback.score > FULL_MARKS, feedback.score > 0.0) {
@@ -216,10 +235,13 @@ impl OpenLesson {
             (false, true) => labels.not_quite,
             (false, false) => labels.wrong,
         };
+
         let word = verdict.trim_end_matches('.');
         let sentence = feedback.sentence.as_deref();
         let rest = sentence.and_then(|sentence| sentence.strip_prefix(word));
+        // Not where the word goes on: "Rightly" does not begin with "Right".
         let is_said = rest.is_some_and(|rest| !rest.starts_with(char::is_alphanumeric));
+
         (!is_said).then_some(verdict)
     }
 }
@@ -231,6 +253,7 @@ impl Classroom {
             self.lessons.wanted = Some(wanted);
             return;
         }
+
         if self.lessons.shipped(&wanted.name).is_none() {
             let name = quoted(&wanted.name);
             let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
@@ -240,12 +263,14 @@ impl Classroom {
             context.tell(text, true);
             return;
         }
+
         self.apply(LessonCommand::Open(wanted.name), context);
 
         // The lesson of the name may be one that cannot be read.
         if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
             self.apply(LessonCommand::Go(step), context);
         }
+
         if let (Some(seed), Some(open)) = (wanted.practice, &mut self.lessons.open)
             && open.learner.practise_seed(seed)
         {
@@ -256,13 +281,14 @@ impl Classroom {
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
     pub fn take_lessons(&mut self, loaded: Result<&str, &str>, context: &mut Context) {
         let read = loaded.map_err(str::to_owned).and_then(|text| {
-            let loaded = tilescope_lessons::shipped::from_json(text);
-            let loaded = loaded.map_err(|error| error.to_string())?;
+            let loaded =
+                tilescope_lessons::shipped::from_json(text).map_err(|error| error.to_string())?;
             for (tag, table) in &loaded.tables {
                 tilescope_session::language::add(tag, table)?;
             }
             Ok(loaded.lessons)
         });
+
         match read {
             Ok(lessons) => {
                 self.lessons.shelf = lessons;
@@ -271,12 +297,14 @@ impl Classroom {
                     let language = self.lessons.language.clone();
                     self.apply(LessonCommand::Language(language), context);
                 }
+
                 self.begin_wanted_talk(context);
                 if let Some(wanted) = self.lessons.wanted.take() {
                     self.open_wanted(wanted, context);
                 }
             }
             Err(error) => {
+                // Nothing more is awaited, and the window needs something to show.
                 self.lessons.close_list();
                 context.ask(Effect::ShowSomeRun);
                 context.tell(format!("The lessons could not be loaded: {error}."), true);

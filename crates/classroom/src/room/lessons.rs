@@ -125,9 +125,9 @@ impl Lessons {
 }
 
 impl Classroom {
-    /// Applies a command.
+    /// Applies a command to the lessons.
     pub fn apply(&mut self, command: LessonCommand, context: &mut Context) {
-        // Whoever does something else does not mean to clear the results.
+        // Any other command withdraws the question whether to clear the results.
         self.lessons.asks_to_clear &= command == LessonCommand::ClearResults;
 
         match command {
@@ -221,7 +221,9 @@ impl Classroom {
                 return context.tell(format!("The lesson {name} cannot be read: {error}"), true);
             }
         };
+
         let (translation, fault) = self.translation(name, &source);
+
         let step = match &self.lessons.open {
             // A file that has changed opens at the step that was shown.
             Some(open) if open.source == source && open.learner.lesson().name == name => {
@@ -230,13 +232,18 @@ impl Classroom {
             }
             _ => 0,
         };
+
+        // Requests are carried out in their order: the window sets its own run aside before the step asks for another
+        // one.
         context.ask(Effect::Begin);
+
         self.lessons.lists = false;
         let learner = Learner::new(Arc::new(lesson), translation);
         self.lessons.open = Some(Box::new(OpenLesson {
             text: text.to_owned(),
             ..OpenLesson::new(learner, source)
         }));
+
         self.enter_step(step, context);
         // A run that begins removes earlier notices.
         tell_fault(fault, context);
@@ -247,7 +254,10 @@ impl Classroom {
         let name = path
             .file_stem()
             .map(|name| name.to_string_lossy().into_owned());
+
+        // Before the file is read, so that a change meanwhile is found afterwards.
         let changed = changed_at(path);
+
         match read_short(path) {
             Ok(text) => {
                 context.ask(Effect::RememberFile(path.to_string_lossy().into_owned()));
@@ -256,6 +266,8 @@ impl Classroom {
             }
             Err(error) => context.tell(format!("{}: {error}.", path.display()), true),
         }
+
+        // Also after an error, so that its notice is shown once for each change.
         if let Some(open) = &mut self.lessons.open {
             open.changed = changed;
         }
@@ -266,9 +278,11 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return;
         };
+
         let LessonSource::File(path) = open.source.clone() else {
             return;
         };
+
         let changed = changed_at(&path);
         if changed.is_some() && changed != open.changed {
             self.open_lesson_file(&path, context);
@@ -282,16 +296,20 @@ impl Classroom {
             lessons.asks_to_clear = false;
             return;
         }
+
         if lessons.asks_to_clear {
             lessons.results.clear(lessons.now);
             lessons.mark_unstored();
         }
+
+        // The first command asks, the second one clears.
         lessons.asks_to_clear = !lessons.asks_to_clear;
     }
 
     /// Writes the results; on a page, downloads them.
     fn save_results(&mut self, wanted: &str, context: &mut Context) {
         let results = &self.lessons.results;
+
         let (text, extension) = match wanted {
             name if name.ends_with("csv") => (
                 results::csv(std::slice::from_ref(results)).unwrap_or_default(),
@@ -303,7 +321,10 @@ impl Classroom {
             ),
             _ => (results.to_json(), "json"),
         };
+
+        // A word such as `csv` chooses the format alone; a name with an ending is a path.
         let path = wanted.contains('.').then(|| PathBuf::from(wanted));
+
         context.ask(Effect::Save(NewFile {
             stem: RESULTS.to_owned(),
             extension,
@@ -319,7 +340,10 @@ impl Classroom {
         let tag = self.lessons.language.as_str();
         // Only tags of known languages become names of files.
         let language = Language::of(tag);
+
+        // German is the one language in which lessons come with the program.
         let shipped = self.lessons.shipped(name).filter(|_| tag == "de");
+
         let read = match source {
             LessonSource::Shipped => {
                 shipped.map(|shipped| Ok(Translation::read(&shipped.german).unwrap_or_default()))
@@ -363,6 +387,7 @@ impl Classroom {
         let Some(open) = &mut self.lessons.open else {
             return;
         };
+
         let index = open.learner.index();
         match direction {
             Direction::Backwards if index > 0 => self.enter_step(index - 1, context),
@@ -390,8 +415,11 @@ impl Classroom {
         };
         (open.draft, open.feedback, open.lacking) = (Draft::default(), None, None);
         (open.fault, open.hint) = (None, None);
+
         let parameters = open.learner.parameters();
         let run = open.run.clone();
+
+        // Steps of one run share its recording.
         if let Some(run) = run.filter(|run| run.run().parameters == parameters) {
             self.arrive_at_step(&run, context);
         } else {
@@ -417,14 +445,17 @@ impl Classroom {
             return;
         };
         open.run = Some(Arc::clone(run));
+
         match open.learner.arrive(run, now) {
             Ok(Arrival::Here) => {
                 self.show_moment(context);
+                // A talk that another window continues reveals its answer only now, as the question is there.
                 self.restore_step(context);
             }
             Ok(Arrival::NoMoment)
                 if open.learner.practised().is_some() && open.missed < MAX_MISSED =>
             {
+                // In practice any run with the moment will do: the next seeds are tried.
                 open.missed += 1;
                 let draw = open.learner.parameters().seed + open.missed;
                 open.learner.practise(draw);
@@ -445,9 +476,11 @@ impl Classroom {
         let Some(open) = &mut self.lessons.open else {
             return;
         };
+
         let (Some(run), Some(cursor)) = (open.run.clone(), open.learner.cursor()) else {
             return;
         };
+
         context.ask(Effect::ShowStep(Box::new(StepView {
             run,
             limit: open.learner.limit(),
@@ -466,6 +499,7 @@ impl Classroom {
             Some(framed) => canvas.framed == Some(framed),
             None => canvas.is_fitted,
         };
+
         (!is_own).then_some(canvas.destination)
     }
 
@@ -474,9 +508,11 @@ impl Classroom {
         let Some(open) = &mut self.lessons.open else {
             return;
         };
+
         let Some(question) = open.learner.question().filter(|_| open.learner.is_open()) else {
             return;
         };
+
         let given = match question.interaction.answer(&open.draft) {
             Ok(answer) => open.learner.answer(&answer, now),
             Err(lacking) => {
@@ -484,6 +520,7 @@ impl Classroom {
                 return;
             }
         };
+
         match given {
             Ok(feedback) => {
                 let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
@@ -491,7 +528,9 @@ impl Classroom {
                 // A form says nothing about its answers: it would help with the form that follows.
                 let shown = Some(feedback).filter(|_| !open.learner.is_taken());
                 (open.lacking, open.feedback) = (None, shown);
+
                 self.note_answer(score, false);
+
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
                     // The next event of a trace needs a new answer; any other answer stays visible.
                     if open.learner.is_open() {
@@ -509,9 +548,11 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return;
         };
+
         let (learner, last) = (&open.learner, &self.lessons.last);
         let step = learner.step();
         let gate = step.gate.as_ref();
+
         self.lessons.last = Some(GivenAnswer {
             number: last.as_ref().map_or(0, |last| last.number) + 1,
             lesson: learner.lesson().name.clone(),
@@ -520,6 +561,7 @@ impl Classroom {
             seed: learner.parameters().seed,
             score,
             tries: learner.tries().0,
+            // The question of a form stays open after its answer, so that nothing is revealed.
             done: !learner.is_open() || learner.is_taken(),
             given_up,
         });
@@ -535,6 +577,7 @@ impl Classroom {
                 self.lessons.results.add(entries);
                 self.lessons.mark_unstored();
             }
+
             if is_taken {
                 return self.step_lesson(Direction::Forwards, context);
             }

@@ -47,6 +47,7 @@ impl Classroom {
     /// Applies a command of presenter mode.
     pub fn apply_to_talk(&mut self, command: TalkCommand, context: &mut Context) {
         let key = self.talk_key();
+
         match command {
             TalkCommand::Lesson { from_start } => self.present_lesson(from_start, context),
             TalkCommand::First => {
@@ -95,6 +96,7 @@ impl Classroom {
             _ => {
                 if let Some(talk) = &mut self.talks.open {
                     talk.apply(&command);
+                    // A talk without a window would go on unseen.
                     if !(talk.windows.stage || talk.windows.notes) {
                         self.end_talk(context);
                     }
@@ -115,16 +117,19 @@ impl Classroom {
     }
 
     fn present_lecture(&mut self, context: &mut Context) {
+        // On a page the lessons are loaded when they are first needed; the talk begins once they are there.
         if self.lessons.shelf.is_empty() {
             self.talks.wanted = Some(TalkCommand::Lecture);
             return;
         }
-        let parts = shipped::LECTURE.iter().filter_map(|&(name, minutes)| {
+
+        let planned = shipped::LECTURE.iter().filter_map(|&(name, minutes)| {
             let shipped = self.lessons.shipped(name)?;
             let lesson = Lesson::read(name, &shipped.text).ok()?;
             Some(TalkPart::of(&lesson, Some(minutes)))
         });
-        let parts: Vec<TalkPart> = parts.collect();
+        let parts: Vec<TalkPart> = planned.collect();
+
         if let Some(first) = parts.first().map(|part| part.name.clone()) {
             self.apply(LessonCommand::Open(first), context);
             self.begin_talk(parts, context);
@@ -138,6 +143,7 @@ impl Classroom {
             let lesson = Lesson::read("scenes", &text);
             Ok((lesson.map_err(|error| error.to_string())?, text))
         });
+
         match read {
             Ok((lesson, text)) => {
                 self.open_lesson("scenes", &text, LessonSource::Text, context);
@@ -170,21 +176,28 @@ impl Classroom {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &mut self.lessons.open) else {
             return;
         };
+
+        // After a blank the first press only shows the canvas again.
         if talk.cover == Some(Cover::Blank) {
             talk.cover = None;
             return;
         }
+
         let learner = &mut open.learner;
         let is_last = learner.index() + 1 == learner.lesson().steps.len();
         let waits = learner.is_open() && !learner.is_taken() && open.fault.is_none();
+
         if waits {
             if learner.question().is_none() {
                 // The run is being made.
                 return;
             }
+
+            // The first press at a question asks for votes, the second one reveals the answer.
             if !std::mem::replace(&mut talk.is_voting, true) {
                 return;
             }
+
             learner.reveal();
             (open.lacking, open.hint) = (None, None);
             (talk.is_voting, talk.cover) = (false, None);
@@ -193,14 +206,17 @@ impl Classroom {
                 return self.show_moment(context);
             }
         }
+
         if !is_last {
             let index = learner.index() + 1;
             return self.go_in_talk(index, context);
         }
+
         let part = talk.part + 1;
         if part < talk.parts.len() {
             return self.go_to_part(part, false, context);
         }
+
         talk.cover = Some(Cover::Over);
     }
 
@@ -208,14 +224,18 @@ impl Classroom {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &self.lessons.open) else {
             return;
         };
+
+        // Each press takes one thing back: a cover, the vote, then a step.
         if matches!(talk.cover, Some(Cover::Blank | Cover::Over)) {
             talk.cover = None;
             return;
         }
+
         if talk.is_voting {
             talk.is_voting = false;
             return;
         }
+
         match (open.learner.index(), talk.part) {
             (0, 0) => {}
             (0, part) => self.go_to_part(part - 1, true, context),
@@ -245,12 +265,14 @@ impl Classroom {
         let Some(talk) = &mut self.talks.open else {
             return;
         };
+
         talk.part = part;
         let name = talk.parts[part].name.clone();
         self.apply(LessonCommand::Open(name), context);
         if at_end {
             self.enter_step(usize::MAX, context);
         }
+
         self.begin_step();
     }
 
@@ -261,10 +283,13 @@ impl Classroom {
             .learner()
             .and_then(|learner| learner.question());
         let options = question.map_or(0, |question| question.interaction.letters());
+
         let vote = Vote::read(text, options);
+        // A vote that cannot be read leaves the record as it is.
         if let Some(talk) = &mut self.talks.open {
             talk.vote_fault = vote.as_ref().err().cloned();
         }
+
         if let Ok(vote) = vote {
             self.talks.record.vote(&key, vote);
             self.keep_vote_on_form();
@@ -278,13 +303,16 @@ impl Classroom {
         let (Some(talk), Some(learner)) = (&self.talks.open, self.lessons.learner()) else {
             return;
         };
+
         let lesson = learner.lesson();
         let concept = learner.step().gate.as_ref().and_then(|gate| gate.concept);
+
         let Some((form, concept)) = lesson.form.zip(concept) else {
             return;
         };
 
         let right = learner.question().and_then(Question::right_option);
+        // The first vote counts, as the first answer of a learner does.
         let first = self.talks.record.votes_on(&key).first();
         let share = first.and_then(|vote| vote.right_share(right));
         let vote = share.map(|share| ClassVote {
@@ -295,11 +323,13 @@ impl Classroom {
             count: first.and_then(Vote::count),
             time: now,
         });
+
         let (begun, name) = (talk.begun, lesson.name.clone());
         let votes = &mut self.lessons.results.votes;
         let is_of_talk = |kept: &ClassVote| kept.time >= begun && kept.lesson == name;
         votes.retain(|kept| !(is_of_talk(kept) && kept.concept == concept));
         votes.extend(vote);
+
         self.lessons.mark_unstored();
     }
 
@@ -309,8 +339,11 @@ impl Classroom {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Kept::default();
         };
+
         let name = open.learner.lesson().name.clone();
+        // Another window has the program's lessons, and no others.
         let text = (open.source != LessonSource::Shipped).then(|| open.text.clone());
+
         Kept {
             lesson: (name, text),
             is_lecture: talk.parts.len() > 1,
@@ -328,10 +361,13 @@ impl Classroom {
             let text = "The talk that the notes kept cannot be read.";
             return context.tell(text.to_owned(), true);
         };
+
         if self.lessons.shelf.is_empty() {
             self.talks.wanted = Some(TalkCommand::Restore(text.to_owned()));
             return;
         }
+
+        // A talk that goes on in this window stays; only its votes, drawings and place are taken over.
         if self.talks.open.is_none() {
             match &kept.lesson {
                 _ if kept.is_lecture => self.present_lecture(context),
@@ -345,16 +381,22 @@ impl Classroom {
                 }
             }
         }
+
         let Some(talk) = &mut self.talks.open else {
             return;
         };
+
+        // A record without the time of its beginning counts from now.
         if kept.begun > 0.0 {
             talk.begun = kept.begun;
         }
+
+        // A record of another version, or one that somebody changed, may name a lesson that the talk lacks.
         let part = kept.part.min(talk.parts.len().saturating_sub(1));
         if part != talk.part {
             self.go_to_part(part, false, context);
         }
+
         self.talks.record = kept.record;
 
         if let Some(index) = self.lessons.step_named(&kept.step) {
@@ -377,6 +419,7 @@ impl Classroom {
     /// Reveals the answer of a restored step, and sets its camera, now that its run is there. A step that was left
     /// meanwhile stays as it is.
     pub(crate) fn restore_step(&mut self, context: &mut Context) {
+        // Once: a step that is entered later begins as usual.
         let restored = self.talks.restored.take();
         let Some(restored) = restored.filter(|restored| restored.key == self.talk_key()) else {
             return;
@@ -399,10 +442,12 @@ impl Classroom {
         if self.talks.open.is_some() && self.lessons.open.is_none() {
             self.end_talk(context);
         }
+
         let wanted = self.next_in_picture(dark);
         if self.talks.next_picture.wants(wanted.as_ref())
             && let Some((name, _, index, style)) = &wanted
         {
+            // In the background, since the run of the step may have to be made first.
             let task = StepPictureTask {
                 lesson: (name.clone(), self.text_of(name)),
                 index: *index,
@@ -419,11 +464,13 @@ impl Classroom {
         let (talk, open) = (self.talks.open.as_ref()?, self.lessons.open.as_ref()?);
         let lesson = open.learner.lesson();
         let index = open.learner.index() + 1;
+
         let (name, index) = if index == lesson.steps.len() {
             (talk.parts.get(talk.part + 1)?.name.clone(), 0)
         } else {
             (lesson.name.clone(), index)
         };
+
         let style = PictureStyle { size: NEXT, dark };
         // A lesson's file may change while it is presented.
         Some((name, lesson.hash.clone(), index, style))
@@ -448,10 +495,12 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return context.tell("Open a lesson first.".to_owned(), false);
         };
+
         let name = open.learner.lesson().name.clone();
         let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
         let shipped = self.lessons.shipped(&name).filter(|_| is_german);
         let german = shipped.map(|shipped| shipped.german.to_string());
+
         let task = HandoutTask {
             lesson: (name.clone(), open.text.clone()),
             language: (self.lessons.language.clone(), german),
@@ -460,6 +509,7 @@ impl Classroom {
             // The drawings of a talk are printed if they are kept.
             record: self.saved_record().cloned(),
         };
+
         let file = (format!("{name}-handout"), path);
         self.talks.handout = Some((file, task::start(&context.wake, task)));
     }
@@ -467,6 +517,7 @@ impl Classroom {
     /// Saves the handout once it is made.
     pub fn follow_handout(&mut self, context: &mut Context) {
         let outcome = self.talks.handout.as_ref().and_then(|(_, job)| job.poll());
+
         if let Some(outcome) = outcome
             && let Some((file, _)) = self.talks.handout.take()
         {
@@ -481,6 +532,7 @@ impl Classroom {
             let made = job.wait().and_then(|made| made);
             take_handout(file, made, context);
         }
+
         self.follow_talk(dark, context);
         self.talks.next_picture.settle();
     }
@@ -493,14 +545,15 @@ impl Classroom {
     }
 
     /// Returns the address that leads a phone to the step, or to the voting card for a step with a question; empty if the
-    /// page's address is not known. `page` is that address, and `fragment` the link to what is shown.
+    /// page's address is not known. `page` is that address, and `fragment` the link to the moment that is shown.
     #[must_use]
     pub fn talk_address(&self, page: Option<&str>, fragment: &str) -> String {
-        let base = match (page, self.talks.address.as_str()) {
+        let address = match (page, self.talks.address.as_str()) {
             (Some(page), "") => page,
             (_, address) => address,
         };
-        let base = base.split('#').next().unwrap_or_default();
+
+        let base = address.split('#').next().unwrap_or_default();
         match (base, self.lessons.open_question()) {
             ("", _) => String::new(),
             // As in links to lessons, English is not named, so that readers of other languages get theirs.

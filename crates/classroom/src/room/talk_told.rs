@@ -13,23 +13,32 @@ impl Classroom {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Value::Null;
         };
+
         let learner = &open.learner;
         let step = learner.step();
         let lesson = learner.lesson();
+
         let question = learner.question();
         let (_, traced) = learner.tries();
         let options = question.map_or(0, |question| question.options().len());
+
         let key = self.talk_key();
         let votes = self.talks.record.votes_on(&key);
+
         let [before, this, all] = talk.planned_secs(learner.index());
+        // After the last step of a lesson the next one of the talk follows.
         let later = talk.parts.get(talk.part + 1);
         let next = match (lesson.steps.get(learner.index() + 1), later) {
             (Some(step), _) => Some(learner.words(&step.title)),
             (None, Some(part)) => Some(part.title.clone()),
             (None, None) => None,
         };
+
         let picture = self.talks.next_picture.drawn();
+
+        // A step with a fault has no question that could wait.
         let waits = learner.is_open() && open.fault.is_none();
+
         json!({
             "title": learner.words(&step.title),
             "language": self.lessons.language,
