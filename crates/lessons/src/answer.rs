@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub enum Answer {
     /// The samples, by id.
     Pick(Vec<u32>),
-    /// A place.
+    /// A place, in r.
     Place([f64; 2]),
-    /// A number.
+    /// A number, in the unit of its question.
     Number(f64),
     /// An option; in a trace, of the event that is predicted.
     Choice(usize),
@@ -20,9 +20,9 @@ pub enum Answer {
     Order(Vec<usize>),
     /// A cut across an axis at a coordinate.
     Cut {
-        /// The axis.
+        /// The axis across which it cuts.
         axis: CutAxis,
-        /// The coordinate.
+        /// The coordinate on that axis, in r.
         at: f64,
     },
     /// The changes of the bands.
@@ -61,11 +61,11 @@ impl CutAxis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
-    /// It grows.
+    /// It grows by more than the noise.
     Up,
     /// It stays within the noise.
     Same,
-    /// It falls.
+    /// It falls by more than the noise.
     Down,
 }
 

@@ -62,10 +62,12 @@ impl Runs {
         parameters: &Parameters,
         observer: &mut dyn Observer,
     ) -> Result<Arc<Recording>, SampleError> {
+        // By their text, since numbers with fractions have no hash.
         let name = format!("{parameters:?}");
         if let Some(recording) = self.recordings.get(&name) {
             return Ok(Arc::clone(recording));
         }
+
         let spec = format!("{:?}", parameters.pattern);
         let pattern = if let Some(pattern) = self.patterns.get(&spec) {
             Arc::clone(pattern)
@@ -74,6 +76,7 @@ impl Runs {
             self.patterns.insert(spec, Arc::clone(&made));
             made
         };
+
         let recording = record(parameters, &pattern, observer)?;
         self.recordings.insert(name, Arc::clone(&recording));
         Ok(recording)
@@ -118,16 +121,20 @@ impl Checked {
     fn add_scores(&mut self, scores: &[Vec<f64>; 3]) {
         let [perfect, guessing, misconceived] = scores.each_ref().map(|scores| mean(scores));
         let mut wrong = |message: String| self.faults.push(LessonError::new(1, message));
+
+        // Scores are sums of fractions, which are rounded.
         if !scores[0].is_empty() && perfect < 0.999_999 {
             wrong(format!(
                 "the key of some question scores less than 1: {perfect}"
             ));
         }
+
         if guessing > MAX_GUESSED {
             wrong(format!(
                 "guessing scores {guessing:.2}; at most {MAX_GUESSED} is allowed"
             ));
         }
+
         (self.perfect, self.guessing, self.misconceived) = (perfect, guessing, misconceived);
     }
 }
@@ -144,16 +151,19 @@ enum Purpose {
 fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose)> {
     let mut asked = Vec::new();
     for (index, step) in lesson.steps.iter().enumerate() {
-        let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
-        let practice = practice.into_iter().flatten().take(seeds).map(Some);
-        let questions = [None].into_iter().chain(practice);
+        let gate = step.gate.as_ref();
+        let practice = gate.and_then(|gate| gate.practice.clone()).into_iter();
+        let practised = practice.flatten().take(seeds).map(Some);
+        let questions = [None].into_iter().chain(practised);
         asked.extend(questions.map(|seed| (seed, index, Purpose::Question)));
+
         if !step.scene.claims.is_empty() {
             // A claim is about every run, so a gate's own seeds of practice do not limit it.
             let seeds = (1..=seeds as u64).map(Some);
             asked.extend(seeds.map(|seed| (seed, index, Purpose::Claims)));
         }
     }
+
     asked.sort_unstable();
     asked
 }
@@ -174,6 +184,7 @@ pub fn check(
     let lesson = Arc::new(lesson.clone());
     let mut checked = Checked::default();
     let mut scores: [Vec<f64>; 3] = Default::default();
+
     let asked = runs_asked(&lesson, seeds);
     let mut found: BTreeMap<usize, Findings> = BTreeMap::new();
     let mut last = None;
@@ -197,6 +208,7 @@ pub fn check(
         };
         let recording = runs.of(&parameters, observer)?;
         let of_step = found.entry(index).or_default();
+
         match purpose {
             Purpose::Claims => {
                 if let Err(error) = test_claims(scene, &recording, &mut of_step.claimed) {

@@ -17,7 +17,7 @@ pub type Curve = Vec<[f64; 2]>;
 pub enum Control {
     /// A sentence: what to do.
     Line {
-        /// The sentence.
+        /// The sentence that it shows.
         text: String,
         /// Whether paper has it too; it says nothing about the canvas and the list then.
         #[serde(skip)]
@@ -25,22 +25,22 @@ pub enum Control {
     },
     /// Texts to choose from, one below another. The keys 1 to 9 choose them.
     List {
-        /// The texts.
+        /// The items, each with its text.
         items: Vec<Item>,
     },
     /// Names to choose from, side by side. The keys 1 to 9 choose them.
     Chips {
-        /// The names.
+        /// The items, each with its name.
         items: Vec<Item>,
     },
     /// Words of which one is chosen in each row.
     Rows {
-        /// The rows.
+        /// The rows from top to bottom.
         rows: Vec<Row>,
     },
     /// A field to type into.
     Field {
-        /// Its name.
+        /// The name of the field.
         label: String,
         /// What follows it; may be empty.
         unit: String,
@@ -102,7 +102,7 @@ pub struct GradedItem {
 pub struct Row {
     /// What the row is about; none if the words say it.
     pub name: Option<String>,
-    /// The words.
+    /// The words, one of which is chosen.
     pub words: Vec<RowWord>,
 }
 
@@ -111,7 +111,7 @@ pub struct Row {
 pub struct RowWord {
     /// Its name among the controls of the question.
     pub id: String,
-    /// The word.
+    /// The word as it is shown.
     pub text: String,
     /// Whether it is chosen.
     pub chosen: bool,
@@ -172,11 +172,11 @@ fn as_spans<S: Serializer>(text: &str, to: S) -> Result<S::Ok, S::Error> {
 /// A sample or a place of a question's list, as the canvas marks it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedMark {
-    /// Where it is.
+    /// The sample or place that it marks.
     pub at: Spot,
     /// Its label; empty if it has none.
     pub label: String,
-    /// Its meaning.
+    /// The meaning of the mark.
     pub kind: MarkKind,
 }
 

@@ -9,7 +9,7 @@ use crate::answer::{Change, CutAxis};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DraftCommand {
-    /// Begins anew.
+    /// Takes back the whole answer.
     Clear,
     /// Selects the option, sample, place or cut of this index in the list; of several samples, adds or removes it. Of items
     /// to be sorted, appends it to the order or removes it.
@@ -18,7 +18,7 @@ pub enum DraftCommand {
     Pick(u32),
     /// Puts a point, in r.
     Place([f64; 2]),
-    /// Types a number.
+    /// Replaces the text that was typed.
     Type(String),
     /// Chooses the axis of a cut.
     Axis(CutAxis),

@@ -24,7 +24,7 @@ pub(crate) fn balanced(gate: &str, count: usize, right: usize, seed: u64) -> Vec
     order
 }
 
-/// Shuffles items.
+/// Shuffles items by the draws of a key (Fisher and Yates).
 pub(crate) fn shuffle<T>(items: &mut [T], draws: Key) {
     for last in (1..items.len()).rev() {
         let other = below(draws.draw(Stream::Order, last as u32)[0], last as u32 + 1);

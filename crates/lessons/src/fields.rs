@@ -29,10 +29,13 @@ impl Fields {
     /// Reads fields from lines, the first of which is line `line` + 1 of the file.
     pub fn read(of: &str, line: usize, lines: &[&str]) -> Result<Self, LessonError> {
         let mut all: Vec<Field> = Vec::new();
+
         for (text, number) in lines.iter().zip(line + 1..) {
+            // A line that begins with # is a remark of the author.
             if text.trim().is_empty() || text.starts_with('#') {
                 continue;
             }
+
             let wrong = |message: String| LessonError::new(number, message);
             if let Some(more) = text.strip_prefix("  ") {
                 let none = "this line continues another, but there is none before it";
@@ -41,16 +44,19 @@ impl Fields {
                 last.value.push_str(more.trim());
                 continue;
             }
+
             let (key, value) = text.split_once(':').ok_or_else(|| {
                 let text = shortened(text);
                 wrong(format!("\"{text}\" is not of the form \"key: value\""))
             })?;
+
             all.push(Field {
                 key: key.trim().to_owned(),
                 value: value.trim().to_owned(),
                 line: number,
             });
         }
+
         let of = of.to_owned();
         Ok(Self { of, line, all })
     }
@@ -58,11 +64,14 @@ impl Fields {
     /// Refuses unknown fields, and fields that occur twice; those in `many` may occur several times.
     pub fn only(&self, once: &[&str], many: &[&str]) -> Result<(), LessonError> {
         let known: Vec<&str> = once.iter().chain(many).copied().collect();
+
         for (index, Field { key, line, .. }) in self.all.iter().enumerate() {
             if !known.contains(&key.as_str()) {
                 let what = format!("field of {}", self.of);
                 return Err(LessonError::unknown(*line, &what, key, &known));
             }
+
+            // Only the first of two would count, and the other would be ignored without a word.
             let before = self.all[..index].iter().any(|field| field.key == *key);
             if before && !many.contains(&key.as_str()) {
                 let message = format!("{} has \"{key}\" twice", self.of);
@@ -143,11 +152,13 @@ impl Fields {
     ) -> Result<Vec<T>, LessonError> {
         let items: Vec<T> = self.many(key).map(read).collect::<Result<_, _>>()?;
         let (of, count) = (&self.of, items.len());
+
         if count < least || count > MAX_OPTIONS {
             let message =
                 format!("{of} has from {least} to {MAX_OPTIONS} of \"{key}\", not {count}");
             return Err(LessonError::new(self.line, message));
         }
+
         Ok(items)
     }
 
@@ -162,6 +173,7 @@ impl Field {
     pub fn number(&self, limits: [f64; 2]) -> Result<f64, LessonError> {
         let [low, high] = limits;
         let Self { key, value, .. } = self;
+        // Authors may write decimal commas.
         let number = value.replace(',', ".").parse::<f64>().ok();
         number.filter(|x| (low..=high).contains(x)).ok_or_else(|| {
             let value = shortened(value);
@@ -223,13 +235,15 @@ impl Field {
 
     /// Returns the number of seeds `first..last`, both included.
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
-        let text = self.value.strip_prefix("seeds");
-        let text = text.unwrap_or(&self.value).trim();
+        let after = self.value.strip_prefix("seeds");
+        let text = after.unwrap_or(&self.value).trim();
+
         let read = || {
             let (first, last) = text.split_once("..")?;
             let (first, last): (u64, u64) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
             (first <= last && last - first < MAX_SEEDS).then_some(first..=last)
         };
+
         read().ok_or_else(|| {
             let value = shortened(&self.value);
             self.wrong(format!(

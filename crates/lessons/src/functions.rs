@@ -123,8 +123,10 @@ impl Now {
     /// Returns the first event of a query that is still to come, or the last one that has happened.
     fn nearest(&self, text: &str, is_next: bool) -> Found<Dynamic> {
         let (events, cursor) = (self.events(text)?, self.cursor());
+        // Events are found in the order of the recording.
         let at = events.partition_point(|&event| event < cursor);
         let index = if is_next { Some(at) } else { at.checked_sub(1) };
+
         let event = index.and_then(|index| events.get(index));
         Ok(maybe(event.map(|&event| self.map(event))))
     }
@@ -135,11 +137,15 @@ impl Now {
         let mut put = |name: &str, value: Dynamic| {
             map.insert(name.into(), value);
         };
+
         let Some(event) = self.recording.event(index) else {
             return Dynamic::UNIT;
         };
+
         put("event", (index as i64 + 1).into());
         put("kind", event.kind().name().into());
+
+        // Events have places for two samples, of which some are not used.
         let named: Vec<u32> = event
             .samples()
             .into_iter()
@@ -148,9 +154,11 @@ impl Now {
         for (name, sample) in ["a", "b"].into_iter().zip(&named) {
             put(name, i64::from(*sample).into());
         }
+
         if let (Some(&a), Some(&b)) = (named.first(), named.get(1)) {
             put("distance", self.distance(a, b).into());
         }
+
         if let Some(verdict) = query::verdict_name(event) {
             put("verdict", verdict.into());
         }
@@ -161,12 +169,14 @@ impl Now {
             put("x", radii(point.x).into());
             put("y", radii(point.y).into());
         }
+
         self.details(event, &mut put);
         map.into()
     }
 
     fn details(&self, event: &Event, put: &mut impl FnMut(&str, Dynamic)) {
         let blocks = &self.recording.run().blocks;
+
         let rect = match event.run_event() {
             Some(RunEvent::Split { index, turned }) => {
                 put("turned", turned.into());
@@ -202,6 +212,7 @@ impl Now {
             }
             _ => None,
         };
+
         if let Some(rect) = rect {
             for (name, value) in [
                 ("x0", rect.min.x),
@@ -234,8 +245,8 @@ impl Now {
     fn set_with(&self, changes: &str) -> Found<Arc<PointSet>> {
         cached(&self.runs, changes.to_owned(), || {
             self.spend(RUN)?;
-            let run = sample(&self.changed(changes)?, &mut Unobserved);
-            let run = run.map_err(|error| wrong(error.to_string()))?;
+            let run = sample(&self.changed(changes)?, &mut Unobserved)
+                .map_err(|error| wrong(error.to_string()))?;
             Ok(Arc::new(PointSet::of_run(&run)))
         })
     }
@@ -246,11 +257,13 @@ impl Now {
             let (key, value) = change
                 .split_once('=')
                 .ok_or_else(|| wrong(format!("\"{change}\" is not of the form leaf=10")))?;
+
             let field = Field {
                 key: key.to_owned(),
                 value: value.to_owned(),
                 line: 0,
             };
+
             // A misspelt name would compare the run with itself.
             let Some(parameter) = Parameter::all().find(|it| it.key() == key) else {
                 let keys: Vec<&str> = Parameter::all().map(Parameter::key).collect();
@@ -258,6 +271,7 @@ impl Now {
                     LessonError::unknown(0, "parameter", key, &keys).message,
                 ));
             };
+
             set_parameter(&mut parameters, parameter, &field)
                 .map_err(|error| wrong(error.message))?;
         }
@@ -265,11 +279,13 @@ impl Now {
         let domain = parameters
             .validate()
             .map_err(|error| wrong(error.to_string()))?;
+        // The run is made when the question is asked, on the learner's machine.
         if domain.area_radii() * tilescope_core::MAXIMAL_DENSITY > MAX_SAMPLES {
             return Err(wrong(format!(
                 "a run with {changes} has too many samples for a lesson"
             )));
         }
+
         Ok(parameters)
     }
 
@@ -286,6 +302,7 @@ impl Now {
     fn deepest_near(&self, x: f64, y: f64) -> Found<Dynamic> {
         let (set, found) = (self.set()?, self.tessellation()?);
         let distance = |at: [f64; 2]| set.distance([x, y], at);
+
         let deepest = found.gaps.iter().map(|gap| gap.deepest.0.into());
         let nearest = deepest.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
         Ok(maybe(nearest.map(place)))
@@ -332,6 +349,7 @@ impl Now {
         self.spend(SET)?;
         let all = 0..self.recording.run().samples.points.len() as i64;
         let (lost, others): (Vec<i64>, Vec<i64>) = all.partition(|&s| self.is_lost(s));
+
         let detectors = others.into_iter().filter(|&s| self.is_marked(s));
         let reaches = detectors.map(|s| {
             let to_lost = lost.iter().map(|&other| self.distance(id(s), id(other)));
@@ -367,7 +385,7 @@ impl Now {
         let is_counted = |&&at: &&[f64; 2]| (self.seam(at.into()).1 < distance) == is_near;
         let count = set.points.iter().filter(is_counted).count() as f64;
 
-        // Every place has the nearest edge on its own block, so the area is that of the blocks' frames or of what is inside.
+        // Every place has the nearest edge on its own block, so the area is that of the blocks' frames or of their insides.
         let leaves = &self.recording.run().blocks.leaves;
         let areas = leaves.iter().map(|leaf| {
             let [width, height] = [leaf.rect.width(), leaf.rect.height()].map(radii);
@@ -378,10 +396,12 @@ impl Now {
                 inside
             }
         });
+
         let area: f64 = areas.sum();
         if area > 0.0 {
             return Ok(count / area);
         }
+
         let side = if is_near { "nearer to" } else { "farther from" };
         Err(wrong(format!(
             "no place is {side} an edge of a block than {distance} r"
@@ -393,9 +413,11 @@ impl Now {
         let Some(point) = self.recording.point(id(s)) else {
             return Vec::new();
         };
+
         let near = self.recording.valid_near(point, R, self.cursor());
         let mut others: Vec<u32> = near.into_iter().filter(|&other| other != id(s)).collect();
         others.retain(|&other| self.distance(id(s), other) < 1.0);
+
         others.sort_unstable();
         others
     }
@@ -424,6 +446,7 @@ impl Now {
     fn conflicts(&self) -> Found<i64> {
         let set = self.set()?;
         let ids = set.ids.iter();
+        // Each pair is counted from both of its ends.
         let both: usize = ids.map(|&s| self.conflicts_with(s.into()).len()).sum();
         Ok(both as i64 / 2)
     }
@@ -487,6 +510,7 @@ impl Now {
         let run = self.recording.run();
         let key = DrawKey::from_seed(run.parameters.seed);
         let ranking = Ranking::new(run.parameters.order, &run.domain, key);
+
         // Earlier turns come first; the ids of samples decide between equal ranks.
         let turn = |s: u32| {
             let own = matches!(
@@ -496,12 +520,16 @@ impl Now {
             let point = self.recording.point(s).unwrap_or_default();
             (ranking.rank(point, own), s)
         };
+
         let earlier = |s: u32| -> Vec<u32> {
             let mut others = self.conflicts_with(s.into());
             others.retain(|&other| turn(other) < turn(s));
             others
         };
+
         let before = earlier(id(s));
+        // A sample without earlier conflicts is kept, and one beside such a sample is lost: both are decided in the
+        // first round.
         !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
     }
 
@@ -509,6 +537,7 @@ impl Now {
         let found = cached(&self.unsure, self.cursor(), || {
             let set = self.set()?;
             self.spend(SET)?;
+
             let mut ids = set.ids.clone();
             ids.sort_unstable();
             Ok(ids.into_iter().find(|&s| self.unsure(s.into())))
@@ -534,10 +563,14 @@ impl Now {
     fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
         let mut best = (at, f64::INFINITY);
+
         for leaf in leaves {
             let corners = [leaf.rect.min, leaf.rect.max];
             let [min, max] = corners.map(|corner| DVec2::from(position(corner)));
+            // The nearest place on an edge lies straight above, below or beside the place, once that is moved into the
+            // block.
             let inside = at.clamp(min, max);
+
             for place in [
                 inside.with_x(min.x),
                 inside.with_x(max.x),
@@ -560,6 +593,7 @@ impl Now {
                 "there is no engine \"{engine}\" to compare with; there is parallel"
             )));
         }
+
         self.spend(RUN)?;
         let run = self.recording.run();
         let other = Sweep::run(&run.parameters, &run.pattern, &mut Unobserved);
@@ -569,8 +603,8 @@ impl Now {
     fn parts_at(&self, changes: &str) -> Found<Dynamic> {
         self.spend(RUN)?;
         let parameters = self.changed(changes)?;
-        let other = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved);
-        let other = other.map_err(|error| wrong(error.to_string()))?;
+        let other = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)
+            .map_err(|error| wrong(error.to_string()))?;
         Ok(match first_divergence(&self.recording, &other) {
             Divergence::Events { a: event, .. } | Divergence::Ends { event, .. } => {
                 (event as i64 + 1).into()
@@ -646,6 +680,7 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
             sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample))
         });
         "apart": |now, a: rhai::Array, b: rhai::Array| now.apart(a, b);
+
         "gaps": |now| now.tessellation().map(|found| found.gaps.len() as i64);
         "deepest": |now| now.deepest();
         "deepest_inside": |now, d: f64| now.deepest_inside(d);
@@ -654,6 +689,7 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "reach_of_conflicts": |now| now.reach_of(|s| now.status(s).is_valid() && !now.conflicts_with(s).is_empty());
         "reach_of_detectors": |now| now.reach_of_detectors();
         "clear_deepest": |now| now.clear_deepest();
+
         "border": |now, x: f64, y: f64| now.border([x, y]);
         "density_near": |now, d: f64| now.density(d, true);
         "density_far": |now, d: f64| now.density(d, false);
@@ -661,6 +697,7 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "seam": |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1;
         "on_seam": |now, x: f64, y: f64| place(now.seam(DVec2::new(x, y)).0.into());
         "within": |now, x: f64, y: f64, d: f64| now.within(x, y, d);
+
         "block_size": |now, b: i64| now.block_size(b);
         "measure": |now, name: &str| now.measure(name, None);
         "measure_with": |now, name: &str, changes: &str| now.measure(name, Some(changes));
@@ -692,6 +729,7 @@ pub(crate) fn place_of(value: &Dynamic) -> Result<[f64; 2], String> {
             _ => None,
         }
     };
+
     let place = read().filter(|place| place.iter().all(|number| number.is_finite()));
     place.ok_or_else(|| {
         format!(

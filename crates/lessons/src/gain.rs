@@ -1,4 +1,4 @@
-//! Normalized gain from the form before to the form after: which share of what was not known before is known after, (mean
+//! Normalized gain from the form before to the form after: the share of the unknown that became known, (mean
 //! after - mean before) / (1 - mean before) (Hake, "Interactive-engagement versus traditional methods", 1998). Begin with
 //! [`Gains::of`].
 
@@ -40,11 +40,11 @@ pub struct Gain {
 /// The gains of a class.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gains {
-    /// Of the class: over all concepts, then by concept. Empty if nobody has answers in both forms.
+    /// Of the class: over all concepts, then by concept. Empty if no learner has answers in both forms.
     pub class: Vec<Gain>,
     /// Of each learner who answered anything in both forms, in the sequence of the results.
     pub learners: Vec<Gain>,
-    /// Of votes, in which nobody is known: over all concepts, then by concept. Empty without votes in both forms.
+    /// Of votes, which have no names: over all concepts, then by concept. Empty without votes in both forms.
     pub votes: Vec<Gain>,
 }
 
@@ -57,6 +57,7 @@ impl Gains {
     #[must_use]
     pub fn of(merged: &Merged) -> Self {
         let answers = merged.all.iter().flat_map(|results| &results.entries);
+        // Questions of lessons have concepts, too, but only the forms are compared.
         let asked = answers.filter_map(|entry| entry.form.and(entry.concept));
         let asked: BTreeSet<Concept> = asked.collect();
 
@@ -93,6 +94,7 @@ impl Gains {
         writer.write_record([
             "of", "name", "count", "before", "after", "gain", "low", "high",
         ])?;
+
         for (of, gains) in [
             ("class", &self.class),
             ("learner", &self.learners),
@@ -100,6 +102,7 @@ impl Gains {
         ] {
             for gain in gains {
                 let [low, high] = gain.ends();
+                // `cell` keeps a spreadsheet from reading a name as a formula.
                 writer.write_record([
                     of,
                     &cell(&gain.name),
@@ -112,8 +115,10 @@ impl Gains {
                 ])?;
             }
         }
-        let bytes = writer.into_inner();
-        let bytes = bytes.map_err(|error| csv::Error::from(error.into_error()))?;
+
+        let bytes = writer
+            .into_inner()
+            .map_err(|error| csv::Error::from(error.into_error()))?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 }
@@ -148,6 +153,7 @@ fn pairs_of(results: &Results) -> Pairs {
         else {
             continue;
         };
+
         let answer = first
             .entry((concept, form))
             .or_insert((entry.time, entry.score));
@@ -187,6 +193,7 @@ fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
     let [before, after] = mean(&scores);
     // Over other questions the score before would be another one.
     let is_complete = pairs.len() == asked;
+
     Gain {
         name: name.to_owned(),
         count: pairs.len(),
@@ -200,9 +207,11 @@ fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
 
 /// Returns the gains of a class: over all concepts that were asked, then by concept.
 fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
+    // Over all concepts only learners with every answer count: means over other questions would be other means.
     let complete = pairs.iter().filter(|(_, pairs)| pairs.len() == asked.len());
     let means = complete.map(|(_, pairs)| mean(&pairs.values().copied().collect::<Vec<_>>()));
     let all = ("all", means.collect::<Vec<_>>());
+
     let of_concept = |concept: &Concept| {
         let of = pairs.iter().filter_map(|(_, pairs)| pairs.get(concept));
         (concept.name(), of.copied().collect::<Vec<_>>())
@@ -231,12 +240,14 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
     if scores.len() < 2 {
         return None;
     }
+
     let resampled = |resample: u32| {
         let key = Key::from_seed(0).derive(Stream::Order, resample);
         let draw = |index: u32| below(key.draw(Stream::Order, index)[0], scores.len() as u32);
         let drawn = (0..scores.len() as u32).map(|index| scores[draw(index) as usize]);
         normalized(mean(&drawn.collect::<Vec<_>>()))
     };
+    // A draw of learners who all knew everything before has no gain.
     let mut gains: Vec<f64> = (0..RESAMPLES).filter_map(resampled).collect();
     gains.sort_by(f64::total_cmp);
 
@@ -250,10 +261,11 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
 /// Returns the gains of votes. Each vote of a class weighs the same, as not all of them are counted.
 fn votes(votes: &[ClassVote]) -> Vec<Gain> {
     let of = |concept: Concept, form: TestForm| {
-        let of = votes.iter();
-        let of = of.filter(move |vote| vote.concept == concept && vote.form == form);
-        of.map(|vote| vote.share).collect::<Vec<f64>>()
+        let is_of = move |vote: &&ClassVote| vote.concept == concept && vote.form == form;
+        let cast = votes.iter().filter(is_of);
+        cast.map(|vote| vote.share).collect::<Vec<f64>>()
     };
+
     let pairs = both(|concept, form| {
         let shares = of(concept, form);
         (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
@@ -268,12 +280,15 @@ fn votes(votes: &[ClassVote]) -> Vec<Gain> {
         before: means[0],
         after: means[1],
         gain: normalized(means),
+        // Votes have no learners who could be drawn again.
         interval: None,
         is_complete: true,
     };
+
     let count = |concept: Concept| of(concept, TestForm::After).len();
     let all = mean(&pairs.values().copied().collect::<Vec<_>>());
     let sum = pairs.keys().map(|&concept| count(concept)).sum();
+
     let mut rows = vec![row("all", sum, all)];
     let by_concept = pairs.iter();
     rows.extend(by_concept.map(|(&of, &means)| row(of.name(), count(of), means)));

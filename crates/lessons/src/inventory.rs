@@ -29,9 +29,9 @@ pub enum Concept {
     Bias,
     /// The spectrum of a blue-noise set.
     Spectrum,
-    /// What maximal means.
+    /// The meaning of maximal.
     Maximal,
-    /// What verification proves.
+    /// The proof that verification gives.
     Verification,
 }
 
@@ -115,7 +115,7 @@ impl Concept {
 pub enum TestForm {
     /// Taken before the lessons.
     Before,
-    /// Taken after them.
+    /// Taken after the lessons.
     After,
 }
 

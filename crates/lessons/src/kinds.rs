@@ -54,7 +54,7 @@ const SAME_PLACE: f64 = 1e-9;
 /// A type of question in lesson files.
 #[derive(Clone, Copy)]
 pub(crate) struct KindRow {
-    /// The name.
+    /// The name of the type in lesson files.
     pub name: &'static str,
     /// The fields of its gate that occur once, besides those of every gate.
     pub once: &'static [&'static str],
@@ -62,7 +62,7 @@ pub(crate) struct KindRow {
     pub many: &'static [&'static str],
     /// The names that expressions of known wrong answers may use, besides those of every expression.
     pub wrong_names: &'static [&'static str],
-    /// Reads the fields.
+    /// Reads the gate from its fields.
     pub read: fn(&Fields) -> Result<Arc<dyn GateKind>, LessonError>,
 }
 
@@ -74,7 +74,7 @@ pub fn kind_names() -> impl Iterator<Item = &'static str> {
 /// What makes a question a new one when it is asked of another run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Novelty {
-    /// Another key.
+    /// Another key makes it new.
     Key,
     /// Other values in its texts.
     Texts,
@@ -82,7 +82,7 @@ pub enum Novelty {
     Any,
 }
 
-/// What a question asks for, as its gate in a lesson says it; nothing of it is computed from a run.
+/// The thing that a question asks for, as its gate in a lesson says it; no part of it is computed from a run.
 pub trait GateKind: Debug + Send + Sync {
     /// Computes what the question asks for at a moment, and its key.
     ///
@@ -202,7 +202,7 @@ impl View<'_> {
 
     /// Returns the item of an index, which a click chooses.
     fn item(&self, id: String, text: String, index: usize, chosen: bool, is_right: bool) -> Item {
-        // Of an open question nothing is right or wrong, and what is neither right nor chosen has no grade.
+        // An open question tells no item right or wrong, and an item that is neither right nor chosen has no grade.
         let is_graded = !self.is_open && (chosen || is_right);
         let is_own = chosen;
         Item {
@@ -244,7 +244,7 @@ pub enum Secret<'a> {
 
 /// The chance of a guesser to be right.
 pub enum Chance {
-    /// It is known.
+    /// The chance itself is known.
     Share(f64),
     /// It is the share of right ones among these answers.
     Among(Vec<Answer>),
@@ -278,13 +278,13 @@ pub trait Interaction: Debug + Send + Sync {
     /// Makes a change of the answer, unless it is none of this question's.
     fn change(&self, draft: &mut Draft, change: DraftCommand);
 
-    /// Returns the answer; or, as a sentence, what is missing.
+    /// Returns the answer; or a sentence that names the missing part.
     fn answer(&self, draft: &Draft) -> Result<Answer, &'static str>;
 
     /// Returns the changes that put together an answer with a value of a page's request; or what it must be.
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String>;
 
-    /// Returns the controls.
+    /// Returns the controls with which a learner answers.
     fn controls(&self, view: &View<'_>) -> Vec<Control>;
 
     /// Returns a known wrong answer.
@@ -306,7 +306,7 @@ pub trait Interaction: Debug + Send + Sync {
         Some(known.clone())
     }
 
-    /// Returns what no text on the screen may say while the question is open.
+    /// Returns the secret that no text on the screen may tell while the question is open.
     fn secret(&self) -> Option<Secret<'_>> {
         None
     }

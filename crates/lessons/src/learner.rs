@@ -67,7 +67,7 @@ pub enum Progress {
 /// Whether a recording has the moment of the step and, in practice, shows there all that the question is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// It has.
+    /// The recording has it.
     Here,
     /// It has not, or something is out of sight; in practice another seed is to be tried.
     NoMoment,
@@ -100,7 +100,7 @@ impl Learner {
         }
     }
 
-    /// Returns the lesson.
+    /// Returns the lesson that the learner takes.
     #[must_use]
     pub const fn lesson(&self) -> &Arc<Lesson> {
         &self.lesson
@@ -112,7 +112,7 @@ impl Learner {
         self.step
     }
 
-    /// Returns the step.
+    /// Returns the step that is shown.
     #[must_use]
     pub fn step(&self) -> &Step {
         &self.lesson.steps[self.step]
@@ -174,11 +174,14 @@ impl Learner {
         let Some(seeds) = self.seeds() else {
             return false;
         };
+
         let count = seeds.end() - seeds.start() + 1;
         let mut seed = seeds.start() + draw % count;
+        // Practice asks for another run than the last one.
         if self.seed == Some(seed) && count > 1 {
             seed = seeds.start() + (draw + 1) % count;
         }
+
         self.restart(Some(seed));
         true
     }
@@ -219,15 +222,18 @@ impl Learner {
         let Some(mut scene) = Scene::find(recording, &step.scene)? else {
             return Ok(Arrival::NoMoment);
         };
+
         scene.speak(&self.translation);
         let gate = step.gate.as_ref();
         let question = gate.map(|gate| Question::of(gate, &scene)).transpose()?;
+
         // Another seed shows all that its question is about; the step's own run was chosen by the author.
         if let (Some(gate), Some(question), Some(_)) = (gate, &question, self.seed)
             && unseen(&step.scene, gate, question, &scene)?.is_some()
         {
             return Ok(Arrival::NoMoment);
         }
+
         self.question = question;
         self.scene = Some(scene);
         self.attempt.begun = time;
@@ -268,6 +274,7 @@ impl Learner {
     #[must_use]
     pub fn cursor(&self) -> Option<usize> {
         let scene = self.scene.as_ref()?;
+
         Some(match &self.question {
             Some(question) if !self.is_open() => question.decided,
             Some(question) => {
@@ -285,6 +292,7 @@ impl Learner {
         let scene = self.scene.as_ref()?;
         let camera = &self.step().scene.camera;
         let seen = |scene: &Scene| scene.camera(camera).ok().flatten();
+
         let question = self.question.as_ref();
         let events = question.map_or(&[][..], |question| question.interaction.events());
         // After the last event it stays where that was.
@@ -315,15 +323,20 @@ impl Learner {
         let Some((question, scene)) = asked.filter(|_| waits) else {
             return Err(LessonError::new(self.step().line, "no question is open"));
         };
+
         let attempt = &mut self.attempt;
         let grade = question.grade(answer, attempt.traced.0, scene)?;
+
         attempt.tries += 1;
+        // A learner who answers has not given up.
         attempt.asked_to_give_up = false;
+
         if let Some(events) = question.traced() {
             if grade.is_right() {
                 attempt.traced.0 += 1;
                 attempt.traced.1 += usize::from(!attempt.missed);
                 attempt.missed = false;
+                // The score is the share of events that were right at the first try.
                 if attempt.traced.0 == events {
                     let right = attempt.traced.1;
                     let share = right as f64 / events as f64;
@@ -334,8 +347,11 @@ impl Learner {
                 attempt.missed = true;
             }
         } else {
+            // The first answer counts; the later ones are only for learning.
             let given = || (answer.to_string(), grade.score);
             attempt.first.get_or_insert_with(given);
+
+            // A form takes one answer, right or wrong, and tells nothing about it.
             if self.lesson.form.is_some() {
                 attempt.is_taken = true;
             } else if grade.is_right() {
@@ -347,6 +363,7 @@ impl Learner {
         if is_done {
             self.note(time, false);
         }
+
         Ok(Feedback {
             score: grade.score,
             is_done,
@@ -367,15 +384,19 @@ impl Learner {
         if !self.is_open() || self.attempt.is_taken || self.question.is_none() {
             return false;
         }
+
         if !self.attempt.asked_to_give_up {
             self.attempt.asked_to_give_up = true;
             return false;
         }
+
+        // A form goes on without the answer, which would help with the form after it.
         if self.lesson.form.is_some() {
             self.attempt.is_taken = true;
         } else {
             self.attempt.state = Progress::GivenUp;
         }
+
         self.note(time, true);
         true
     }
@@ -401,8 +422,10 @@ impl Learner {
     /// Records the question at its end.
     fn note(&mut self, time: f64, given_up: bool) {
         let attempt = &self.attempt;
+        // A learner who gave up without an answer has no score.
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
         let gate = self.step().gate.as_ref();
+
         let entry = Entry {
             lesson: self.lesson.name.clone(),
             hash: self.lesson.hash.clone(),
@@ -420,6 +443,7 @@ impl Learner {
             seconds: (time - attempt.begun).max(0.0),
             time,
         };
+
         self.entries.push(entry);
     }
 

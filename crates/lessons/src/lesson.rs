@@ -9,12 +9,12 @@ use crate::kinds::GateKind;
 use crate::scene_spec::SceneSpec;
 use crate::text::{Text, Wrong};
 
-/// A lesson.
+/// A lesson as its file says it.
 #[derive(Clone, Debug)]
 pub struct Lesson {
     /// Its name: that of its file, without `.md`.
     pub name: String,
-    /// The title.
+    /// The title of the lesson.
     pub title: String,
     /// What a learner can do afterwards.
     pub objective: String,
@@ -24,7 +24,7 @@ pub struct Lesson {
     pub form: Option<TestForm>,
     /// The hash of its file, 16 hexadecimal digits.
     pub hash: String,
-    /// Its steps.
+    /// The steps, at least one.
     pub steps: Vec<Step>,
 }
 
@@ -33,7 +33,7 @@ pub struct Lesson {
 pub struct Step {
     /// The name in links: the gate's, or one made from the title.
     pub name: String,
-    /// The title.
+    /// The title of the step.
     pub title: String,
     /// The paragraphs before the question.
     pub text: Vec<String>,
@@ -41,7 +41,7 @@ pub struct Step {
     pub after: Vec<String>,
     /// The run and the moment.
     pub scene: SceneSpec,
-    /// The question.
+    /// The question of the step, if it has one.
     pub gate: Option<Gate>,
     /// The speaker's notes, paragraphs.
     pub notes: Vec<String>,
@@ -49,12 +49,12 @@ pub struct Step {
     pub line: usize,
 }
 
-/// A question.
+/// A question as its file says it.
 #[derive(Clone, Debug)]
 pub struct Gate {
     /// Its name, unique in the lesson.
     pub name: String,
-    /// What it asks.
+    /// The text of the question.
     pub ask: Text,
     /// The type of the question: one of [`kind_names`](crate::kind_names).
     pub kind_name: &'static str,
@@ -62,7 +62,7 @@ pub struct Gate {
     pub kind: Arc<dyn GateKind>,
     /// Known wrong answers, each with the sentence that the learner then reads.
     pub wrong: Vec<Wrong>,
-    /// A hint.
+    /// The hint, if there is one.
     pub hint: Option<Text>,
     /// The expression of the sample or place, or of several places, that is marked while and after the question is asked.
     pub mark: Option<Text>,

@@ -36,11 +36,12 @@ const STAGES: [&str; 6] = [
 const MAX_TRIED: usize = 2_000;
 
 impl Moment {
-    /// Reads a moment.
+    /// Reads a moment by its name; `line` is for the fault.
     pub(crate) fn read(text: &str, line: usize) -> Result<Self, LessonError> {
         let query = |text: &str| {
             Query::parse(text).map_err(|error| LessonError::new(line, error.to_string()))
         };
+
         Ok(match text {
             "start" => Self::Start,
             "end" => Self::End,

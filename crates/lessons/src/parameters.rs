@@ -37,6 +37,7 @@ pub(crate) fn set_parameter(
     field: &Field,
 ) -> Result<(), LessonError> {
     let Field { key, value, .. } = field;
+
     let json = match value.as_str() {
         "yes" | "true" => Value::Bool(true),
         "no" | "false" => Value::Bool(false),
@@ -48,6 +49,7 @@ pub(crate) fn set_parameter(
             _ => (text.replace(',', ".").parse::<f64>()).map_or_else(|_| text.into(), Value::from),
         },
     };
+
     (parameter.set(parameters, json))
         .map_err(|error| field.wrong(format!("\"{key}\" cannot be {}: {error}", shortened(value))))
 }

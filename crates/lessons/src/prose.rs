@@ -7,23 +7,23 @@ use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Style {
-    /// As text.
+    /// It is set as text.
     #[default]
     Plain,
-    /// Emphasised, in italics.
+    /// It is emphasised, in italics.
     Emphasis,
-    /// Strongly emphasised, bold.
+    /// It is strongly emphasised, in bold.
     Strong,
-    /// As code.
+    /// It is set as code.
     Code,
 }
 
 /// A part of a paragraph in one style.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Span {
-    /// The text.
+    /// The text without marks.
     pub text: String,
-    /// Its style.
+    /// The style of all of it.
     pub style: Style,
 }
 
@@ -32,6 +32,7 @@ pub struct Span {
 pub fn spans(paragraph: &str) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     let mut styles = vec![Style::Plain];
+
     let mut put = |text: &str, style: Style| match spans.last_mut() {
         Some(last) if last.style == style => last.text.push_str(text),
         _ => spans.push(Span {
@@ -39,8 +40,10 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
             style,
         }),
     };
+
     for event in Parser::new_ext(paragraph, Options::empty()) {
         let style = styles.last().copied().unwrap_or_default();
+
         match event {
             Event::Start(Tag::Emphasis) => styles.push(Style::Emphasis),
             Event::Start(Tag::Strong) => styles.push(Style::Strong),
@@ -50,9 +53,11 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
             Event::Code(text) => put(&text, Style::Code),
             Event::Text(text) | Event::Html(text) | Event::InlineHtml(text) => put(&text, style),
             Event::SoftBreak | Event::HardBreak => put(" ", style),
+            // Links, lists and headings leave their text as it is.
             _ => {}
         }
     }
+
     spans
 }
 
@@ -79,9 +84,12 @@ pub fn filled(
 ) -> Result<String, String> {
     let mut filled = String::with_capacity(text.len());
     let mut rest = text;
+
     while let Some(at) = rest.find(['{', '}']) {
         filled.push_str(&rest[..at]);
         let (brace, after) = rest[at..].split_at(1);
+
+        // A brace that is written twice stands for itself.
         if let Some(after) = after.strip_prefix(brace) {
             filled.push_str(brace);
             rest = after;
@@ -93,6 +101,7 @@ pub fn filled(
             rest = &after[end + 1..];
         }
     }
+
     filled.push_str(rest);
     Ok(filled)
 }

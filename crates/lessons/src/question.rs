@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// A known wrong answer, computed from the recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrongAnswer {
-    /// The answer.
+    /// The answer that is wrong.
     pub answer: Answer,
     /// The sentence that the learner then reads.
     pub sentence: String,
@@ -35,7 +35,7 @@ pub struct Question {
     pub strip: Option<f64>,
     /// What it asks for.
     pub interaction: Arc<dyn Interaction>,
-    /// A hint.
+    /// The hint, if there is one.
     pub hint: Option<String>,
     /// The moment, as the number of events that have happened.
     pub cursor: usize,
@@ -72,15 +72,19 @@ impl Question {
     /// answer that is right.
     pub fn of(gate: &Gate, scene: &Scene) -> Result<Self, LessonError> {
         let mut question = Self::unchecked(gate, scene)?;
+
         for wrong in &gate.wrong {
             let answer = question.interaction.wrong(&wrong.answer, scene)?;
+            // In some run a known wrong answer may be right. To say that it is wrong would be a fault.
             if question.score(&answer, 0, scene)? > FULL_MARKS {
                 let message = format!("the wrong answer {answer} is right here");
                 return Err(wrong.answer.wrong(message));
             }
+
             let sentence = scene.fill(&wrong.sentence)?;
             question.wrong.push(WrongAnswer { answer, sentence });
         }
+
         Ok(question)
     }
 
@@ -88,8 +92,9 @@ impl Question {
         let fill = |text| scene.fill(text);
         let ask = fill(&gate.ask)?;
         let named = scene.samples_in(&gate.ask)?;
-        let marked = gate.mark.as_ref().map(|mark| scene.places(mark));
-        let marked = marked.transpose()?.unwrap_or_default();
+        let mark = gate.mark.as_ref();
+        let marked = mark.map(|mark| scene.places(mark)).transpose()?;
+
         let hint = gate.hint.as_ref().map(fill).transpose()?;
         let decided = decided(gate, scene)?;
         let otherwise = gate.otherwise.as_ref().map(fill).transpose()?;
@@ -108,7 +113,7 @@ impl Question {
         Ok(Self {
             ask,
             named,
-            marked,
+            marked: marked.unwrap_or_default(),
             circle: gate.circle,
             strip: gate.strip,
             interaction,
@@ -227,6 +232,7 @@ impl Question {
 
         let sentence = match (self.interaction.options(), answer) {
             _ if score > FULL_MARKS => None,
+            // An option has its own reason; other answers are compared with the known wrong ones.
             (Some(options), Answer::Choice(option)) => options.sentences[*option].clone(),
             _ => known().or_else(|| self.otherwise.clone()),
         };
@@ -249,7 +255,9 @@ fn decided(gate: &Gate, scene: &Scene) -> Result<usize, LessonError> {
     let Some(text) = &gate.decided else {
         return Ok(scene.cursor());
     };
+
     let (query, events) = scene.coming(text)?;
+
     let none = || {
         text.wrong(format!(
             "no event that matches \"{query}\" follows the question"

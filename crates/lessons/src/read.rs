@@ -39,12 +39,16 @@ impl Lesson {
             let message = format!("the file has {length} bytes; a lesson has at most {MAX_BYTES}");
             return Err(LessonError::new(1, message));
         }
+
+        // Without the mark that editors put before a text, which would change the hash below.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+
         let mut reader = Reader {
             lines: text.lines().collect(),
             at: 0,
             steps: Vec::new(),
         };
+
         let front = reader.front_matter()?;
         reader.body()?;
         let steps = reader.steps;
@@ -53,8 +57,10 @@ impl Lesson {
                 "the lesson has no steps; a step begins with a line such as \"# The first loss\"";
             return Err(LessonError::new(reader.at.max(1), message));
         }
+
         let minutes = front.optional("minutes", |field| field.number([1.0, 120.0]))?;
         let form = |field: &Field| TestForm::named(&field.value, field.line);
+
         let mut lesson = Self {
             name: name.to_owned(),
             title: front.need("title")?.value.clone(),
@@ -64,6 +70,7 @@ impl Lesson {
             hash: blake3::hash(text.as_bytes()).to_hex()[..16].to_owned(),
             steps,
         };
+
         if lesson.form.is_some() {
             // All who take a form have the same instances; otherwise their scores could not be compared.
             let gates = lesson
@@ -72,6 +79,7 @@ impl Lesson {
                 .filter_map(|step| step.gate.as_mut());
             gates.for_each(|gate| gate.practice = None);
         }
+
         check_form(&lesson)?;
         Ok(lesson)
     }
@@ -82,29 +90,36 @@ fn check_form(lesson: &Lesson) -> Result<(), LessonError> {
     if lesson.form.is_none() {
         return Ok(());
     }
+
     let gates: Vec<&Gate> = lesson.gates().map(|(_, gate)| gate).collect();
     for (index, gate) in gates.iter().enumerate() {
         let wrong = |message: String| LessonError::new(gate.line, message);
+
         let Some(concept) = gate.concept else {
             let names = Concept::NAMES.join(", ");
             let message = format!("a question of a form needs a \"concept\": {names}");
             return Err(wrong(message));
         };
+
+        // Gains are computed by concept: two questions about one would be two first answers.
         if let Some(other) = gates[..index].iter().find(|it| it.concept == Some(concept)) {
             let (name, line) = (concept.name(), other.line);
             let message = format!("the question of line {line} is about \"{name}\" already");
             return Err(wrong(message));
         }
+
         if gate.kind.is_trace() {
             let message = "a form has no trace, which shows the right answer at each event";
             return Err(wrong(message.to_owned()));
         }
+
         if gate.hint.is_some() {
             let message =
                 "a question of a form has no hint: it measures what is known without help";
             return Err(wrong(message.to_owned()));
         }
     }
+
     Ok(())
 }
 
@@ -148,6 +163,7 @@ impl<'a> Reader<'a> {
 
     fn body(&mut self) -> Result<(), LessonError> {
         let mut paragraph = String::new();
+
         while let Some(line) = self.line() {
             let number = self.at;
             if line.starts_with("```") {
@@ -162,13 +178,17 @@ impl<'a> Reader<'a> {
             } else if line.trim().is_empty() {
                 self.end_paragraph(&mut paragraph, number)?;
             } else {
+                // An item of a list is a paragraph of its own, also without a blank line before it.
                 if line.trim_start().starts_with("- ") {
                     self.end_paragraph(&mut paragraph, number)?;
                 }
+
                 let gap = if paragraph.is_empty() { "" } else { " " };
                 let _ = write!(paragraph, "{gap}{}", line.trim());
             }
         }
+
+        // The last paragraph has no blank line after it.
         self.end_paragraph(&mut paragraph, self.at)?;
         Ok(())
     }
@@ -177,15 +197,20 @@ impl<'a> Reader<'a> {
         if paragraph.is_empty() {
             return Ok(());
         }
+
         syntax::check_text(paragraph, line)?;
+
         let step = self.steps.last_mut().ok_or_else(|| {
             LessonError::new(line, "text before the first step; a step begins with a line such as \"# The first loss\"")
         })?;
+
+        // Paragraphs behind the question are shown after its answer.
         let part = if step.gate.is_some() {
             &mut step.after
         } else {
             &mut step.text
         };
+
         part.push(std::mem::take(paragraph));
         Ok(())
     }
@@ -195,13 +220,16 @@ impl<'a> Reader<'a> {
             let message = format!("a lesson has at most {MAX_STEPS} steps");
             return Err(LessonError::new(line, message));
         }
+
         let name = step_name(title);
         self.check_name(&name, line)?;
+
         // A step begins with the scene of the step before it, but claims belong to the step that makes them.
         let scene = self.steps.last().map(|step| SceneSpec {
             claims: Vec::new(),
             ..step.scene.clone()
         });
+
         self.steps.push(Step {
             name,
             title: title.to_owned(),
@@ -240,15 +268,19 @@ impl<'a> Reader<'a> {
         let fault = "the directive has no end; it ends with a line of three backticks";
         let lines = self.up_to("```", fault)?;
         let (kind, name) = info.split_once(' ').unwrap_or((info, ""));
+
         if !DIRECTIVES.contains(&kind) {
             return Err(LessonError::unknown(line, "directive", kind, &DIRECTIVES));
         }
         let name = step_name(name);
+        // A question gives its name to the step, and may keep the step's own.
         if kind == "gate" && self.steps.last().is_some_and(|step| step.name != name) {
             self.check_name(&name, line)?;
         }
+
         let none = || LessonError::new(line, format!("a {kind} before the first step"));
         let step = self.steps.last_mut().ok_or_else(none)?;
+
         match (kind, &step.gate) {
             ("gate", Some(Gate { line: other, .. })) => {
                 let message =
@@ -257,19 +289,23 @@ impl<'a> Reader<'a> {
             }
             ("gate", None) => {
                 let gate = gate(name.clone(), line, &lines)?;
+
+                // The reason for the key stands first among the texts after the answer.
                 step.after
                     .extend(gate.because.iter().map(|text| text.text.clone()));
                 (step.name, step.gate) = (name, Some(gate));
             }
             ("note", _) => {
                 let text = lines.join("\n");
-                let paragraphs = text.split("\n\n");
-                let paragraphs = paragraphs.map(|part| part.replace('\n', " ").trim().to_owned());
-                step.notes
-                    .extend(paragraphs.filter(|part| !part.is_empty()));
+                let paragraphs = text
+                    .split("\n\n")
+                    .map(|part| part.replace('\n', " ").trim().to_owned())
+                    .filter(|part| !part.is_empty());
+                step.notes.extend(paragraphs);
             }
             _ => run(&mut step.scene, &Fields::read("a run", line, &lines)?)?,
         }
+
         Ok(())
     }
 }
@@ -301,6 +337,7 @@ pub fn step_name(title: &str) -> String {
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = parameters().map(Parameter::key).chain(OF_RUN).collect();
     fields.only(&known, &CLAIMS)?;
+
     scene.line = fields.line;
     scene.claims = claims(fields)?;
 
@@ -311,17 +348,21 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         }
     }
 
+    // Unlike the rest of the scene, camera and condition belong to the step that names them.
     scene.camera = Camera::Fit;
+
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
     scene.condition = fields.optional("where", |field| field.expression(&[]))?;
+
     if let Some(field) = fields.get("layers") {
         scene.layers = match field.value.as_str() {
             "automatic" => None,
             _ => Some(layers(field)?),
         };
     }
+
     if let Some(field) = fields.get("camera") {
         scene.camera = match field.split(" radii ") {
             ("fit", None) => Camera::Fit,
@@ -336,10 +377,16 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
             }
         };
     }
+
     let wrong = |message: String| LessonError::new(fields.line, message);
-    let domain = scene.parameters.validate();
-    let domain = domain.map_err(|error| wrong(error.to_string()))?;
+    let domain = scene
+        .parameters
+        .validate()
+        .map_err(|error| wrong(error.to_string()))?;
+
+    // Every run is recorded with all of its events, on learners' machines.
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
+
     if samples > MAX_SAMPLES {
         return Err(wrong(format!(
             "the run would have about {samples:.0} samples; a lesson's has at most {MAX_SAMPLES}"
@@ -381,6 +428,7 @@ fn layers(field: &Field) -> Result<Vec<String>, LessonError> {
         .value
         .split([' ', ','])
         .filter(|name| !name.is_empty());
+
     let read = |name: &str| {
         let known = LAYERS.contains(&name).then(|| name.to_owned());
         known.ok_or_else(|| LessonError::unknown(field.line, "layer", name, &LAYERS))
@@ -404,7 +452,9 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         let (line, what) = (field.line, "field of a gate");
         return Err(LessonError::unknown(line, what, &field.key, &["type"]));
     }
+
     let named = fields.need("type")?;
+
     let of_name = |kind: &&KindRow| kind.name == named.value;
     let Some(row) = KINDS.iter().find(of_name) else {
         let names = KINDS.map(|kind| kind.name);
@@ -423,6 +473,7 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         Some(field) if field.value == "none" => None,
         Some(field) => Some(field.seeds()?),
     };
+
     Ok(Gate {
         name,
         ask: fields.need("ask")?.text().paragraph()?,
@@ -451,6 +502,7 @@ fn wrongs(more: &[&str], fields: &Fields) -> Result<Vec<Wrong>, LessonError> {
             let message = "a wrong answer is of the form \"wrong: EXPRESSION => SENTENCE\"";
             return Err(field.wrong(message));
         };
+
         Ok(Wrong {
             sentence: Text::new(said, field.line).sentence()?,
             answer: Text::new(answer, field.line).expression(more)?,

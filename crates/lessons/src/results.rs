@@ -15,11 +15,11 @@ use crate::inventory::{Concept, TestForm};
 /// The result of one question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// The lesson's name.
+    /// The name of the lesson.
     pub lesson: String,
     /// The hash of the lesson's file.
     pub hash: String,
-    /// The question's name.
+    /// The name of the question.
     pub gate: String,
     /// The form of the concept inventory, if the lesson is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -31,7 +31,7 @@ pub struct Entry {
     pub seed: u64,
     /// Whether the seed was drawn for practice.
     pub practised: bool,
-    /// The first answer.
+    /// The first answer in words.
     pub answer: String,
     /// The score of the first answer, from 0 to 1.
     pub score: f64,
@@ -95,19 +95,19 @@ pub enum ResultsError {
     /// It is not JSON, or not of this form.
     #[error("these are not results of lessons: {0}")]
     Corrupt(#[from] serde_json::Error),
-    /// A newer version.
+    /// They were written by a newer version.
     #[error("the results have version {0}; this program reads version {VERSION}")]
     Newer(u32),
     /// A number that no answer has.
     #[error("{what} {number}: {field} is {}; it is from {} to {}", Number(*.value), Number(*.limits.start()), Number(*.limits.end()))]
     Range {
-        /// What has the number: an entry or a vote.
+        /// The thing that has the number: an entry or a vote.
         what: &'static str,
         /// Its number, from 1.
         number: usize,
-        /// The field.
+        /// The name of the field.
         field: &'static str,
-        /// Its value.
+        /// The value that is out of range.
         value: f64,
         /// The least and the largest value.
         limits: RangeInclusive<f64>,
@@ -182,16 +182,21 @@ impl Results {
         if text.len() > MAX_BYTES {
             return Err(ResultsError::TooLong(text.len()));
         }
+
         let read: Self = tilescope_core::json::from_text(text)?;
+        // The same fields may have another meaning there.
         if read.version > VERSION {
             return Err(ResultsError::Newer(read.version));
         }
+
         for (entry, of) in (1..).zip(&read.entries) {
             of.check(entry)?;
         }
+
         for (vote, of) in (1..).zip(&read.votes) {
             of.check(vote)?;
         }
+
         Ok(read)
     }
 
@@ -210,11 +215,13 @@ impl Results {
     }
 
     /// Takes the entries of results that were kept elsewhere, such as by another window: each entry once, in the order of
-    /// their times. What was cleared in either place is gone. The learner's name stays, unless there is none.
+    /// their times. Entries that were cleared in either place are gone. The learner's name stays, unless there is none.
     pub fn merge(&mut self, other: &Self) {
+        // Both lists are of one learner, whatever name each has.
         let own = self.entries.iter();
         let mut seen = own.map(|entry| id("", entry)).collect();
         self.take_unseen(&other.entries, "", &mut seen);
+
         for vote in &other.votes {
             if !self.votes.contains(vote) {
                 self.votes.push(vote.clone());
@@ -227,9 +234,12 @@ impl Results {
             self.entries.retain(|entry| entry.time > cleared);
             self.votes.retain(|vote| vote.time > cleared);
         }
+
         if self.learner.is_empty() {
             self.learner.clone_from(&other.learner);
         }
+
+        // Two full lists together may be too long.
         self.add([]);
     }
 
@@ -288,6 +298,7 @@ impl Results {
             "" => "anonymous",
             name => name,
         };
+
         let statement = |entry: &Entry| {
             json!({
                 "id": id(name, entry),
@@ -299,6 +310,7 @@ impl Results {
                 },
                 "result": {
                     "score": {"scaled": entry.score},
+                    // Scores are sums of fractions, which are rounded.
                     "success": entry.score > 0.999,
                     "completion": !entry.given_up,
                     "response": entry.answer,
@@ -311,6 +323,7 @@ impl Results {
                 "timestamp": timestamp(entry.time),
             })
         };
+
         self.entries.iter().map(statement).collect()
     }
 }
@@ -337,6 +350,7 @@ fn name_based_uuid(namespace: u128, name: &str) -> String {
 
     let mut bytes = [0; 16];
     bytes.copy_from_slice(&digest[..16]);
+    // Version 5, and the variant of that RFC.
     bytes[6] = bytes[6] & 0x0f | 0x50;
     bytes[8] = bytes[8] & 0x3f | 0x80;
 
@@ -378,11 +392,12 @@ impl Merged {
         let mut seen = HashSet::new();
         for (name, results) in files {
             let is_named = !results.learner.is_empty();
+
             let others = merged.all.iter();
-            let at = others
+            let known = others
                 .filter(|_| is_named)
                 .position(|other| other.learner == results.learner);
-            let at = at.unwrap_or_else(|| {
+            let at = known.unwrap_or_else(|| {
                 merged.all.push(Results {
                     learner: if is_named {
                         results.learner.clone()
@@ -425,10 +440,13 @@ impl Merged {
 pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(BYTE_ORDER_MARK.to_string().into_bytes());
     writer.write_record(COLUMNS.split(','))?;
+
     let yes_or_no = |is_so: bool| if is_so { "yes" } else { "no" };
     for results in all {
         for entry in &results.entries {
             let confidence = entry.confidence.map(|sure| sure.to_string());
+
+            // `cell` keeps a spreadsheet from reading a text as a formula.
             writer.write_record([
                 cell(&results.learner).as_ref(),
                 &cell(&entry.lesson),
@@ -447,8 +465,10 @@ pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
             ])?;
         }
     }
-    let bytes = writer.into_inner();
-    let bytes = bytes.map_err(|error| csv::Error::from(error.into_error()))?;
+
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| csv::Error::from(error.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 

@@ -61,6 +61,7 @@ impl Scene {
     /// A fault of the condition.
     pub fn find(recording: &Arc<Recording>, spec: &SceneSpec) -> Result<Option<Self>, LessonError> {
         let mut scene = Self::at(recording, 0);
+
         for cursor in spec.moment.cursors(recording) {
             scene.go(cursor);
             if let Some(condition) = &spec.condition
@@ -68,18 +69,22 @@ impl Scene {
             {
                 continue;
             }
-            // The question has the whole budget of searches again; what was computed on the way stays.
+
+            // The question has the whole budget of searches again; results computed on the way stay known.
             scene.now.renew_budget();
             return Ok(Some(scene));
         }
+
         Ok(None)
     }
 
     /// Returns a query with its values, and the events from the moment on that match it.
     pub(crate) fn coming(&self, text: &Text) -> Result<(String, Vec<usize>), LessonError> {
         let query = self.fill(text)?;
-        let found = self.now.events(&query);
-        let found = found.map_err(|error| text.wrong(error.to_string()))?;
+        let found = self
+            .now
+            .events(&query)
+            .map_err(|error| text.wrong(error.to_string()))?;
         let from = found.partition_point(|&event| event < self.cursor());
         Ok((query, found[from..].to_vec()))
     }
@@ -100,6 +105,8 @@ impl Scene {
     /// Returns the samples that a text names: those of its expressions whose values are valid samples, and that do not
     /// count something.
     pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
+        // An expression with one of these words counts something: its value is no sample, even where there is one of
+        // that number.
         const COUNTS: [&str; 11] = [
             "count",
             "inserted",
@@ -113,16 +120,19 @@ impl Scene {
             "kept",
             "iteration",
         ];
+
         let mut named = Vec::new();
         let found = prose::expressions(&text.text)
             .map_err(|message| LessonError::new(text.line, message))?;
+
         for expression in found
             .into_iter()
             .filter(|text| !COUNTS.iter().any(|word| text.contains(word)))
         {
             let value = self.value(&Text::new(expression, text.line), |_| {})?;
-            let sample = value.as_int().ok();
-            let sample = sample.and_then(|sample| u32::try_from(sample).ok());
+            let number = value.as_int().ok();
+            let sample = number.and_then(|number| u32::try_from(number).ok());
+
             let is_valid =
                 |&sample: &u32| self.now.recording.status(sample, self.cursor()).is_valid();
             if let Some(sample) = sample.filter(is_valid)
@@ -131,6 +141,7 @@ impl Scene {
                 named.push(sample);
             }
         }
+
         Ok(named)
     }
 
@@ -139,7 +150,7 @@ impl Scene {
         self.now.is_inserted(i64::from(sample))
     }
 
-    /// Returns the recording.
+    /// Returns the recording of the run.
     #[must_use]
     pub fn recording(&self) -> &Arc<Recording> {
         &self.now.recording
@@ -166,8 +177,11 @@ impl Scene {
     pub(crate) fn filter(&self, text: &Text, items: &[u32]) -> Result<Vec<u32>, LessonError> {
         let wrong =
             |error: &dyn std::fmt::Display| text.wrong(without_position(&error.to_string()));
-        let parsed = self.evaluator.parse(&text.text);
-        let parsed = parsed.map_err(|error| wrong(&error))?;
+        let parsed = self
+            .evaluator
+            .parse(&text.text)
+            .map_err(|error| wrong(&error))?;
+
         let mut found = Vec::new();
         for &item in items {
             let value = self.evaluator.evaluate(&parsed, &self.state, |scope| {
@@ -177,6 +191,7 @@ impl Scene {
                 found.push(item);
             }
         }
+
         Ok(found)
     }
 
@@ -212,12 +227,15 @@ impl Scene {
     /// Returns the places that an expression gives: one, or an array of them.
     pub(crate) fn places(&self, text: &Text) -> Result<Vec<[f64; 2]>, LessonError> {
         let value = self.value(text, |_| {})?;
+
+        // One place is an array, too: of two numbers.
         let several = value.read_lock::<rhai::Array>().and_then(|array| {
             array
                 .iter()
                 .all(Dynamic::is_array)
                 .then(|| array.iter().map(place_of).collect::<Result<Vec<_>, _>>())
         });
+
         match several {
             Some(places) => places.map_err(|message| text.wrong(message)),
             None => Ok(vec![self.place(text)?]),
@@ -235,11 +253,16 @@ impl Scene {
     /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many random ones; `tiled`,
     /// `eliminated` and `result` are the samples at the end of tiling, of elimination and of the run.
     pub(crate) fn set(&self, text: &Text, seed: u64) -> Result<PointSet, LessonError> {
-        let name = self.value(text, |_| {})?.into_string();
-        let name = name.map_err(|_| text.wrong("this must give a text"))?;
+        let name = self
+            .value(text, |_| {})?
+            .into_string()
+            .map_err(|_| text.wrong("this must give a text"))?;
+
         let recording = &self.now.recording;
+        // Evaluated only for the name that is asked for: each looks at all samples.
         let here = || PointSet::at(recording, self.cursor());
         let after = |stage| PointSet::at(recording, recording.end_of(stage).unwrap_or(0));
+
         Ok(match name.as_str() {
             "set" => here(),
             "white" => here().white(seed),
@@ -259,14 +282,17 @@ impl Scene {
     pub(crate) fn fill(&self, text: &Text) -> Result<String, LessonError> {
         let value = |expression: &str| {
             let expression = Text::new(expression, text.line);
-            let value = self.value(&expression, |_| {});
-            let value = value.map_err(|error| error.message)?;
+            let value = self
+                .value(&expression, |_| {})
+                .map_err(|error| error.message)?;
+
             Ok(match value.as_float() {
                 Ok(number) if number.fract() == 0.0 => format!("{number:.0}"),
                 Ok(number) => self.translation.number(format!("{number:.2}")),
                 Err(_) => tilescope_debugger::shown(&value),
             })
         };
+
         let filled = prose::filled(self.translation.of(&text.text), value);
         filled.map_err(|message| text.wrong(message))
     }

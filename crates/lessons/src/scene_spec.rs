@@ -31,13 +31,13 @@ pub const LAYERS: [&str; 16] = [
 pub struct SceneSpec {
     /// The parameters of the run.
     pub parameters: Parameters,
-    /// The moment.
+    /// The moment of the run that is shown.
     pub moment: Moment,
-    /// What must hold there, if anything must.
+    /// The condition that must hold there, if there is one.
     pub condition: Option<Text>,
     /// The layers of the canvas; those of the stage, if none are named.
     pub layers: Option<Vec<String>>,
-    /// The camera.
+    /// The part of the domain that is shown.
     pub camera: Camera,
     /// General claims of the lesson that are tested at this moment, in the runs of many seeds.
     pub claims: Vec<Claim>,
@@ -56,7 +56,7 @@ pub enum Claim {
         of: Text,
         /// Whether the mean is above the bound, not below it.
         is_above: bool,
-        /// The bound.
+        /// The number with which the mean is compared.
         bound: f64,
     },
 }
@@ -64,7 +64,7 @@ pub enum Claim {
 /// What the camera shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Camera {
-    /// The whole domain.
+    /// It shows the whole domain.
     #[default]
     Fit,
     /// The sample or place that an expression gives, with so many r around it.

@@ -30,7 +30,7 @@ struct Named {
     is_chosen: bool,
 }
 
-/// Returns what is not to be seen of a question in its scene, if something is not.
+/// Returns which part of a question is out of sight in its scene, if one is.
 pub(crate) fn unseen(
     spec: &SceneSpec,
     gate: &Gate,
@@ -51,6 +51,7 @@ pub(crate) fn unseen(
     }
     let camera = scene.camera(&spec.camera)?;
     let size = size(scene);
+
     Ok(CANVASES.iter().find_map(|&canvas| {
         let (center, scale) = match camera {
             Some((center, across)) => (center, canvas[0].min(canvas[1]) / across),
@@ -77,6 +78,7 @@ fn fitting(size: [f64; 2], canvas: [f64; 2]) -> f64 {
 fn hidden_samples(spec: &SceneSpec, scene: &Scene) -> Option<String> {
     let layers = spec.layers.as_ref()?;
     let has = |name: &str| layers.iter().any(|layer| layer == name);
+    // Trials with learners showed both faults: lines to samples that are not drawn, and holes where inserted ones are.
     if has("conflicts") && !has("samples") {
         return Some(
             "conflicts are drawn without the samples at their ends: add \"samples\" to the layers"
@@ -135,7 +137,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     Ok(named)
 }
 
-/// Returns what is nearer to the domain's border than allowed.
+/// Returns which thing is nearer to the domain's border than allowed.
 fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
     let size = size(scene);
     let room = |at: [f64; 2]| {
@@ -149,7 +151,7 @@ fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Returns what is nearer to the edge of a canvas than allowed.
+/// Returns which thing is nearer to the edge of a canvas than allowed.
 fn near_the_edge(
     named: &[Named],
     center: [f64; 2],
@@ -158,10 +160,12 @@ fn near_the_edge(
 ) -> Option<String> {
     let [width, height] = canvas;
     let needed = MIN_ROOM.min(MIN_SHARE * width.min(height) / scale);
+
     let room = |at: [f64; 2]| {
         let sides = [0, 1].map(|axis| 0.5 * canvas[axis] / scale - (at[axis] - center[axis]).abs());
         sides[0].min(sides[1])
     };
+
     let near = named.iter().find(|thing| room(thing.at) < needed)?;
     let (name, room) = (&near.name, room(near.at));
     Some(format!(
@@ -172,6 +176,7 @@ fn near_the_edge(
 /// Returns which two things that a learner chooses between are closer on a canvas than allowed.
 fn too_close(named: &[Named], scale: f64, [width, height]: [f64; 2]) -> Option<String> {
     let chosen: Vec<&Named> = named.iter().filter(|thing| thing.is_chosen).collect();
+
     for (index, a) in chosen.iter().enumerate() {
         for b in &chosen[..index] {
             let apart = scale * (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]);

@@ -58,10 +58,12 @@ impl PointSet {
         let ids: Vec<u32> = all
             .filter(|&id| recording.status(id, cursor).is_valid())
             .collect();
+
         let points = ids
             .iter()
             .map(|&id| position(points[id as usize]))
             .collect();
+
         let region = region_in_radii(recording.domain());
         Self {
             ids,
@@ -102,11 +104,14 @@ impl PointSet {
     /// Returns about as many samples as this set has, one at a random place of each cell of a grid: jittered.
     pub fn jittered(&self, seed: u64) -> Self {
         let key = Key::from_seed(seed).derive(Stream::Dart, 1);
+        // The side of a square cell that holds one sample in the mean; whole cells must fit the region.
         let side = (self.region.area() / self.points.len().max(1) as f64).sqrt();
         let [columns, rows] =
             [self.region.width, self.region.height].map(|extent| (extent / side).round().max(1.0));
+
         let cells =
             (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (column, row)));
+
         let drawn = cells.zip(0..).map(|((column, row), index)| {
             let [x, y] = key.draw(Stream::Dart, index).map(share);
             [
@@ -114,6 +119,7 @@ impl PointSet {
                 (f64::from(row) + y) / rows * self.region.height,
             ]
         });
+
         self.with(drawn.collect())
     }
 
@@ -153,11 +159,13 @@ impl PointSet {
     pub fn power(&self) -> Result<Vec<MeanPower>, String> {
         let spectrum = self.spectrum();
         let profile = spectrum.map_err(|error| error.to_string())?.profile;
+
         let unit = self.cycles_per_r();
         let annuli = profile
             .relative_frequencies()
             .into_iter()
             .zip(&profile.annuli);
+
         Ok(annuli
             .map(|(nu, annulus)| MeanPower {
                 frequency: nu * unit,
@@ -171,6 +179,7 @@ impl PointSet {
     /// Returns a number of the set, whose r is 1. Only what it needs is measured.
     pub fn number(&self, number: &SetNumber) -> Result<f64, String> {
         let mut set = MeasuredSet::new(self.points.len(), self.region, Some(1.0));
+
         let measured = match number.needs {
             None => Ok(()),
             // Questions show the spectrum farther than tables do.
@@ -190,7 +199,7 @@ impl PointSet {
 /// The mean power at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MeanPower {
-    /// In 1/r.
+    /// The frequency in 1/r.
     pub frequency: f64,
     pub mean: f64,
     /// How many frequencies it is the mean of.
@@ -204,17 +213,20 @@ pub(crate) fn mean(power: &[MeanPower], [low, high]: [f64; 2]) -> (f64, f64) {
     let band = power
         .iter()
         .filter(|at| (low..high).contains(&at.frequency));
+
     let (mut sum, mut count) = (0.0, 0.0);
     for at in band {
         sum += at.mean * at.count as f64;
         count += at.count as f64;
     }
+
     let mean = sum / f64::max(count, 1.0);
     (mean, mean / (0.5 * count).sqrt().max(1.0))
 }
 
 /// Returns the root of the mean squared difference of two curves, at the frequencies of the first.
 pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
+    // The curves may have other frequencies: each is compared with the nearest one.
     let value = |at: f64| {
         b.iter().min_by(|p, q| {
             (p.frequency - at)
@@ -222,11 +234,13 @@ pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
                 .total_cmp(&(q.frequency - at).abs())
         })
     };
+
     let squares = a
         .iter()
         .filter_map(|p| Some((p.mean - value(p.frequency)?.mean).powi(2)));
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
         (sum + square, count + 1.0)
     });
+
     (sum / f64::max(count, 1.0)).sqrt()
 }

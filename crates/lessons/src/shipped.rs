@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 /// A lesson that comes with the program, with its translation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shipped {
-    /// Its name.
+    /// The name of its file, without `.md`.
     pub name: Cow<'static, str>,
-    /// Its file.
+    /// The text of its file.
     pub text: Cow<'static, str>,
-    /// Its German translation.
+    /// The text of its German translation.
     pub german: Cow<'static, str>,
     /// The keys that it had when it was released, to compare with; empty in a browser.
     #[serde(skip)]

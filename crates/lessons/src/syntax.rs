@@ -35,17 +35,23 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
         );
         return Err(LessonError::new(line, message));
     }
+
     ENGINE
         .compile_expression(text)
         .map_err(|error| LessonError::new(line, error.to_string()))?;
+
     let names: Vec<&str> = NAMES
         .iter()
         .map(|(name, _)| *name)
         .chain(KEYWORDS)
         .chain(more.iter().copied())
         .collect();
+
+    // The list has them with their arguments, such as `seam(x, y)`.
     let functions = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
     let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
+
+    // The engine knows a name only when it is evaluated; a misspelt one is found here, with its line.
     for (before, word, after) in words(text) {
         match (before, after) {
             (Some('.'), _) if PROPERTIES.contains(&word) || functions.contains(&word) => {}
@@ -58,6 +64,7 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
             _ => return Err(LessonError::unknown(line, "name", word, &names)),
         }
     }
+
     Ok(())
 }
 

@@ -10,9 +10,9 @@ pub const MAX_BYTES: usize = 200_000;
 /// A text of the file with its line: a paragraph or an expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text {
-    /// The text.
+    /// The text as the file has it.
     pub text: String,
-    /// The line.
+    /// Its line in the file, from 1.
     pub line: usize,
 }
 
@@ -66,7 +66,7 @@ pub struct Wrong {
 /// A choice: a text and when it is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChoiceOption {
-    /// The text.
+    /// The text that a learner reads.
     pub text: Text,
     /// An expression that is true if the option is right.
     pub when: Text,

@@ -32,20 +32,26 @@ impl Translation {
                 format!("the file has {length} bytes; a translation has at most {MAX_BYTES}");
             return Err(LessonError::new(1, message));
         }
+
         let mut read = Self::default();
         let (mut original, mut translated, mut line) = (String::new(), String::new(), 1);
+
         let add = |part: &mut String, text: &str| {
             if !part.is_empty() {
                 part.push(' ');
             }
             part.push_str(text.trim());
         };
+
         for (number, text) in (1..).zip(text.lines()) {
             if let Some(quoted) = text.strip_prefix('>') {
+                // A quotation after a translation begins the next pair.
                 if !translated.is_empty() {
                     let [original, translated] = [&mut original, &mut translated].map(take);
                     read.put(original, translated, line)?;
                 }
+
+                // The fault of a pair names the first line of its quotation.
                 if original.is_empty() {
                     line = number;
                 }
@@ -58,9 +64,12 @@ impl Translation {
                 add(&mut translated, text);
             }
         }
+
+        // The last pair has no quotation behind it.
         if !original.is_empty() {
             read.put(original, translated, line)?;
         }
+
         Ok(read)
     }
 
@@ -97,22 +106,28 @@ impl Translation {
         line: usize,
     ) -> Result<(), LessonError> {
         let wrong = |message: String| Err(LessonError::new(line, message));
+
         if translated.is_empty() {
             return wrong(format!("\"{}\" has no translation", shortened(&original)));
         }
+
+        // Values may stand in another order, as languages have them, but none may be missing.
         let sorted = |text: &str| {
             let mut found =
                 prose::expressions(text).map_err(|message| LessonError::new(line, message))?;
             found.sort();
             Ok(found)
         };
+
         if sorted(&original)? != sorted(&translated)? {
             let message = "the translation has other expressions in braces than the original";
             return wrong(message.to_owned());
         }
+
         if let Some((_, other)) = self.texts.get(&original) {
             return wrong(format!("the same text is translated in line {other}"));
         }
+
         self.texts.insert(original, (translated, line));
         Ok(())
     }
@@ -127,17 +142,24 @@ impl Translation {
     /// Returns the texts of a lesson that are not translated, and the lines of translations of texts that it does not have.
     #[must_use]
     pub fn compared(&self, texts: &[&str]) -> (Vec<String>, Vec<LessonError>) {
-        let missing = texts.iter().filter(|text| !self.texts.contains_key(**text));
-        let missing = missing.map(|text| (*text).to_owned()).collect();
-        let stale = self.texts.iter();
-        let stale = stale.filter(|(text, _)| !texts.contains(&text.as_str()));
-        let stale = stale.map(|(text, (_, line))| {
-            LessonError::new(
-                *line,
-                format!("the lesson has no text \"{}\"", shortened(text)),
-            )
-        });
-        let mut stale: Vec<LessonError> = stale.collect();
+        let missing = texts
+            .iter()
+            .filter(|text| !self.texts.contains_key(**text))
+            .map(|text| (*text).to_owned())
+            .collect();
+
+        let fault = |text: &str, line: usize| {
+            let message = format!("the lesson has no text \"{}\"", shortened(text));
+            LessonError::new(line, message)
+        };
+        let mut stale: Vec<LessonError> = self
+            .texts
+            .iter()
+            .filter(|(text, _)| !texts.contains(&text.as_str()))
+            .map(|(text, (_, line))| fault(text, *line))
+            .collect();
+
+        // The texts are kept without an order.
         stale.sort_by_key(|error| error.line);
         (missing, stale)
     }
@@ -148,14 +170,16 @@ impl Translation {
     pub fn renewed(&self, texts: &[&str]) -> String {
         let mut seen: Vec<&str> = Vec::new();
         let mut file = String::new();
+
         for &text in texts {
             if !seen.contains(&text) {
                 seen.push(text);
-                let translated = self.texts.get(text);
-                let translated = translated.map_or("TODO", |(translated, _)| translated);
+                let known = self.texts.get(text);
+                let translated = known.map_or("TODO", |(translated, _)| translated);
                 let _ = write!(file, "> {text}\n\n{translated}\n\n");
             }
         }
+
         file
     }
 }

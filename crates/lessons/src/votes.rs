@@ -13,18 +13,18 @@ pub const MAX_VOTES: u32 = 10_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RightShare {
-    /// Nobody, or nearly nobody.
+    /// No learner, or nearly none.
     None,
-    /// About a quarter.
+    /// About a quarter of the class.
     Few,
-    /// About a half.
+    /// About a half of the class.
     Half,
     /// About three quarters, or more.
     Most,
 }
 
 impl RightShare {
-    /// Every value.
+    /// Every value, the smallest first.
     pub const ALL: [Self; 4] = [Self::None, Self::Few, Self::Half, Self::Most];
 
     /// Returns the word for it.
@@ -71,9 +71,11 @@ impl Vote {
             .split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':' | '='))
             .filter(|word| !word.is_empty())
             .collect();
+
         let [first, ..] = words.as_slice() else {
             return Err("Type counts such as A 12 B 30, or none, few, half or most.".to_owned());
         };
+
         let mut shares = RightShare::ALL.into_iter();
         if let Some(share) = shares.find(|share| share.name() == *first) {
             return match words.len() {
@@ -81,46 +83,14 @@ impl Vote {
                 _ => Err(format!("\"{first}\" stands alone.")),
             };
         }
+
         if options == 0 {
             return Err(
                 "The question has no lettered options: type none, few, half or most.".to_owned(),
             );
         }
-        let mut counts = vec![0; options];
-        let mut at = 0;
-        let mut is_named = false;
-        for word in words {
-            let (letters, digits): (String, String) = (
-                word.chars().take_while(|c| c.is_alphabetic()).collect(),
-                word.chars().skip_while(|c| c.is_alphabetic()).collect(),
-            );
-            if !letters.is_empty() {
-                let option =
-                    (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
-                let last = letter(options - 1);
-                at = option.ok_or_else(|| wrong_word(&letters, last))?;
-                is_named = true;
-            }
-            if digits.is_empty() {
-                continue;
-            }
-            let count = digits.parse::<u32>().ok();
-            let count = count.filter(|count| *count <= MAX_VOTES);
-            let count = count.ok_or_else(|| {
-                format!("\"{digits}\" is not a count: whole numbers up to {MAX_VOTES}.")
-            })?;
-            let Some(slot) = counts.get_mut(at) else {
-                return Err(format!(
-                    "There are {options} options, and more counts than that."
-                ));
-            };
-            *slot = count;
-            at += 1;
-        }
-        if is_named && counts.iter().all(|&count| count == 0) {
-            return Err("A count follows each letter: A 12 B 30.".to_owned());
-        }
-        Ok(Self::Counts(counts))
+
+        Ok(Self::Counts(counts_of(&words, options)?))
     }
 
     /// Returns how many voted; none if the share was estimated.
@@ -145,6 +115,55 @@ impl Vote {
             }
         }
     }
+}
+
+/// Returns the votes for each of so many options, from the words `A 12 B 30` or `12 30`.
+fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
+    let mut counts = vec![0; options];
+    // The option to which the next count belongs: counts follow each other, and a letter moves to its option.
+    let mut at = 0;
+    let mut is_named = false;
+
+    for word in words {
+        let (letters, digits): (String, String) = (
+            word.chars().take_while(|c| c.is_alphabetic()).collect(),
+            word.chars().skip_while(|c| c.is_alphabetic()).collect(),
+        );
+
+        if !letters.is_empty() {
+            let option =
+                (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
+            let last = letter(options - 1);
+            at = option.ok_or_else(|| wrong_word(&letters, last))?;
+            is_named = true;
+        }
+
+        if digits.is_empty() {
+            continue;
+        }
+
+        let read = digits.parse::<u32>().ok();
+        let in_range = read.filter(|count| *count <= MAX_VOTES);
+        let count = in_range.ok_or_else(|| {
+            format!("\"{digits}\" is not a count: whole numbers up to {MAX_VOTES}.")
+        })?;
+
+        let Some(slot) = counts.get_mut(at) else {
+            return Err(format!(
+                "There are {options} options, and more counts than that."
+            ));
+        };
+
+        *slot = count;
+        at += 1;
+    }
+
+    // Letters without counts would be read as a vote in which no learner took part.
+    if is_named && counts.iter().all(|&count| count == 0) {
+        return Err("A count follows each letter: A 12 B 30.".to_owned());
+    }
+
+    Ok(counts)
 }
 
 fn wrong_word(word: &str, last: char) -> String {

@@ -25,7 +25,7 @@ pub(super) struct Asked {
     pub scores: [Option<f64>; 3],
     /// The chance of a guesser to be right at the first try.
     pub chance: f64,
-    /// What is not to be seen of it, if something is not.
+    /// The part of it that is out of sight, if one is.
     pub unseen: Option<String>,
 }
 
@@ -41,21 +41,25 @@ pub(super) fn ask(
     let seed = recording.run().parameters.seed;
     let mut learner = Learner::new(Arc::clone(lesson), Arc::default());
     learner.go(index);
+
     if practised {
         // Any draw stands for the seed of the recording; the run is given.
         learner.practise(seed);
     }
+
     if learner.arrive(recording, 0.0)? != Arrival::Here {
         let missing = LessonError::new(step.scene.line, "the run has no such moment");
         return if practised { Ok(None) } else { Err(missing) };
     }
 
+    // Expressions in texts may have a fault in this run alone.
     if let Some(scene) = learner.scene() {
         for text in step.text.iter().chain(&step.after) {
             scene.fill(&Text::new(text.as_str(), step.line))?;
         }
         scene.camera(&step.scene.camera)?;
     }
+
     let asked = step.gate.as_ref().zip(learner.question().cloned());
     let Some((gate, question)) = asked else {
         return Ok(None);
@@ -68,6 +72,8 @@ pub(super) fn ask(
         ),
         None => (0.0, None),
     };
+
+    // Drawn by seed and step, so that each check of a lesson finds the same.
     let draws = Key::from_seed(seed).derive(Stream::Throw, index as u32);
     let scores = [
         score(&mut learner, &question, &|traced, _| {
@@ -82,6 +88,7 @@ pub(super) fn ask(
             believed.flatten()
         })?,
     ];
+
     Ok(Some(Asked {
         question,
         scores,
@@ -122,8 +129,10 @@ fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
     if let Some(wrong) = question.wrong.first() {
         return question.interaction.believed(&wrong.answer);
     }
+
     let (options, right) = (question.interaction.options()?, question.right_option()?);
     let in_file = gate.kind.options();
+
     let is_believed = |shown: &usize| {
         let option = in_file.get(options.in_file(*shown));
         *shown != right && option.is_some_and(|option| option.sentence.is_some())

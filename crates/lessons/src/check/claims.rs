@@ -29,6 +29,7 @@ pub(super) fn test_claims(
     recording: &Arc<Recording>,
     claimed: &mut Claimed,
 ) -> Result<(), LessonError> {
+    // Before the moment is sought, since a claim that no run tests is a fault, too.
     claimed.resize(spec.claims.len(), Vec::new());
     let Some(scene) = Scene::find(recording, spec)? else {
         return Ok(());

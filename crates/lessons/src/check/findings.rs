@@ -34,7 +34,7 @@ pub(super) struct Findings {
     /// How many practised runs were asked, and how many of them have the moment.
     pub asked: usize,
     pub fitting: usize,
-    /// What is not to be seen of the question in the step's own run.
+    /// The part of the question that is out of sight in the step's own run.
     pub unseen: Option<String>,
     pub claimed: Claimed,
     pub faults: Vec<LessonError>,
@@ -51,6 +51,7 @@ impl Findings {
         seed: u64,
     ) {
         self.asked += usize::from(is_practised);
+
         match asked {
             Ok(Some(Asked {
                 question,
@@ -91,7 +92,7 @@ impl Findings {
         }
     }
 
-    /// Adds what is counted over the practised runs.
+    /// Adds to the counts over the practised runs.
     fn add_practised(&mut self, gate: Option<&Gate>, question: &Question) {
         self.fitting += 1;
         let options = question.interaction.options();
@@ -100,6 +101,7 @@ impl Findings {
             let option = options.in_file(shown);
             *self.options.entry(option).or_default() += 1;
         }
+
         let instance = gate.and_then(|gate| instance(gate, question));
         self.instances.extend(instance);
     }
@@ -116,6 +118,7 @@ fn instance(gate: &Gate, question: &Question) -> Option<String> {
             if !texts.iter().any(|text| text.has_value()) {
                 return None;
             }
+
             // The order in which options are shown makes no new question.
             let mut shown = question.interaction.listed().to_vec();
             shown.sort();

@@ -23,6 +23,7 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
         .map(String::as_str)
         .filter(|text| !is_free(text, question))
         .collect();
+
     match question.interaction.secret()? {
         Secret::Number(number) => said
             .iter()
@@ -31,6 +32,7 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
         Secret::Samples(candidates, right) => {
             let all: Vec<Vec<f64>> = candidates.iter().map(|&s| vec![f64::from(s)]).collect();
             let is_right = |index: usize| right.contains(&candidates[index]);
+
             // What the question itself says of a sample, other texts may say; but not if it names them all.
             let mut known: BTreeSet<usize> = (0..candidates.len())
                 .filter(|&index| question.named(0).contains(&candidates[index]))
@@ -68,9 +70,10 @@ fn is_row(text: &str) -> bool {
 /// Returns the words and numbers of a text, in lower case.
 fn parts(text: &str) -> Vec<String> {
     let is_inner = |c: char| c == '.' || c == ',';
-    let parts = text.split(|c: char| !c.is_alphanumeric() && !is_inner(c));
-    let parts = parts.map(|part| part.trim_matches(is_inner).to_lowercase());
-    parts.filter(|part| !part.is_empty()).collect()
+    text.split(|c: char| !c.is_alphanumeric() && !is_inner(c))
+        .map(|part| part.trim_matches(is_inner).to_lowercase())
+        .filter(|part| !part.is_empty())
+        .collect()
 }
 
 /// Returns the number that a part of a text is, and half a unit of its last digit.
@@ -129,16 +132,20 @@ fn named(
     is_right: &dyn Fn(usize) -> bool,
 ) -> Option<String> {
     let mut alike: BTreeMap<String, (BTreeSet<usize>, &str)> = BTreeMap::new();
+
     for text in texts {
         let found = &candidates_in(text, candidates) - known;
+        // Texts of one shape are the rows of one list: together they may name all candidates.
         if found.iter().any(|&index| is_right(index)) {
             alike.entry(shape(text)).or_default().1 = text;
         }
         alike.entry(shape(text)).or_default().0.extend(found);
     }
+
     let mut leaking = alike.values().filter(|(found, _)| {
         found.iter().any(|&index| is_right(index)) && found.len() < candidates.len() - known.len()
     });
+
     let (_, text) = leaking.next()?;
     Some(format!(
         "\"{text}\" names a right candidate and not all others"
@@ -156,11 +163,13 @@ fn chosen(texts: &[&str], options: &[String], right: usize) -> Option<String> {
         }
         own
     };
+
     let wanted = own(right);
     // One word alone is the name of many things, such as of a layer.
     if wanted.len() < 2 {
         return None;
     }
+
     let mut leaking = texts.iter().filter(|text| wanted.is_subset(&said(text)));
     let text = leaking.next()?;
     Some(format!("\"{text}\" says what the right option says"))

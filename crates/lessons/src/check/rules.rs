@@ -111,7 +111,9 @@ pub(super) fn of_lesson(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> V
 /// Returns the faults of texts that are too long.
 fn lengths(lesson: &Lesson) -> Vec<LessonError> {
     let mut faults = Vec::new();
+
     for step in &lesson.steps {
+        // Desmos advises as few words for a screen of its activities.
         for (what, part) in [
             ("text before the question", &step.text),
             ("text after the answer", &step.after),
@@ -125,6 +127,7 @@ fn lengths(lesson: &Lesson) -> Vec<LessonError> {
                 faults.push(LessonError::new(step.line, message));
             }
         }
+
         if let Some(gate) = &step.gate {
             let words = prose::words(&gate.ask.text);
             if words > MAX_ASK_WORDS {
@@ -150,18 +153,20 @@ fn moments(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     vec![LessonError::new(gate.line, message)]
 }
 
-/// Returns the shares of what is counted that are above a limit.
+/// Returns the counted things whose share is above a limit, each with its share.
 fn above(counts: &BTreeMap<usize, usize>, found: &Findings, limit: f64) -> Vec<(usize, f64)> {
+    // Shares of few seeds say little.
     if found.fitting < MIN_SEEDS_FOR_SHARES {
         return Vec::new();
     }
-    let shares = counts.iter();
-    let shares = shares.map(|(&index, &times)| (index, times as f64 / found.fitting as f64));
+    let share = |times: usize| times as f64 / found.fitting as f64;
+    let shares = counts.iter().map(|(&index, &times)| (index, share(times)));
     shares.filter(|(_, share)| *share > limit).collect()
 }
 
 /// Returns the faults of options of the file that are right too often.
 fn options(gate: &Gate, found: &Findings) -> Vec<LessonError> {
+    // Learners who practise would soon choose such an option without a look.
     let often = above(&found.options, found, MAX_SHARE).into_iter();
     let faults = often.map(|(option, share)| {
         let line = gate
@@ -169,6 +174,7 @@ fn options(gate: &Gate, found: &Findings) -> Vec<LessonError> {
             .options()
             .get(option)
             .map_or(gate.line, |it| it.text.line);
+
         let message = format!(
             "this option is right in {:.0}% of the seeds; at most {:.0}%, or \"practice: none\"",
             100.0 * share,
@@ -209,16 +215,20 @@ fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     if instances.len() < MIN_SEEDS_FOR_SHARES {
         return Vec::new();
     }
+
+    // A question that comes back as it was is answered from memory.
     let pairs = instances.windows(2);
     let new = pairs.filter(|pair| pair[0] != pair[1]).count() as f64;
     let share = new / (instances.len() - 1) as f64;
     if share >= MIN_NEW {
         return Vec::new();
     }
+
     let what = match gate.kind.novelty() {
         Novelty::Key => "the answer",
         Novelty::Texts | Novelty::Any => "what the question names",
     };
+
     let message = format!(
         "{what} differs from that of the seed before in {:.0}% of the seeds; at least {:.0}% must",
         100.0 * share,
@@ -243,7 +253,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         None if !has_options => faults.push(wrong(
             "a wrong answer that is not foreseen has no reason: add \"otherwise: SENTENCE\"",
         )),
-        // What is the same in every run says nothing about this one.
+        // A text that is the same in every run says nothing about this one.
         Some(text) if gate.practice.is_some() && !text.text.contains('{') => {
             faults.push(text.wrong(
                 "this reason says nothing about the run: name a sample, a number or a place of it with {EXPRESSION}",
@@ -271,11 +281,12 @@ pub(super) fn content_words(text: &str) -> BTreeSet<String> {
     // The expressions in braces are no words of the text.
     let without = prose::filled(text, |_| Ok(String::new())).unwrap_or_default();
     let plain = prose::plain(&without).to_lowercase();
-    let words = plain.split(|letter: char| !letter.is_alphabetic());
-    let words = words.filter(|word| word.chars().count() >= MIN_LETTERS);
-    let words = words.filter(|word| !EMPTY_WORDS.contains(word));
-    let stems = words.map(|word| word.strip_suffix('s').unwrap_or(word).to_owned());
-    stems.collect()
+    plain
+        .split(|letter: char| !letter.is_alphabetic())
+        .filter(|word| word.chars().count() >= MIN_LETTERS)
+        .filter(|word| !EMPTY_WORDS.contains(word))
+        .map(|word| word.strip_suffix('s').unwrap_or(word).to_owned())
+        .collect()
 }
 
 /// Returns the faults of right options that the text above the question says.
@@ -283,6 +294,7 @@ fn reading(step: &Step, gate: &Gate, found: &Findings) -> Vec<LessonError> {
     if gate.is_reading {
         return Vec::new();
     }
+
     let text = content_words(&step.text.join(" "));
     let said = gate
         .kind
@@ -298,6 +310,7 @@ fn reading(step: &Step, gate: &Gate, found: &Findings) -> Vec<LessonError> {
                 && !words.is_empty()
                 && words.is_subset(&text)
         });
+
     let faults = said.map(|(_, option)| {
         let message = "every word of this right option stands in the text above: whoever has read it can \
                        answer without the picture. Change one of them, or say \"read: yes\"";
@@ -318,7 +331,7 @@ fn second_reading(lesson: &Lesson) -> Vec<LessonError> {
 
 /// Returns the faults of gates that stop at the event of a gate before them: its answer has shown what happens there.
 fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError> {
-    // The beginning and the end of a stage are no events: of what is there many things can be asked.
+    // The beginning and the end of a stage are no events: many things can be asked about the set there.
     let stops = |step: &Step| {
         step.gate.is_some()
             && matches!(
@@ -326,6 +339,7 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
                 Moment::Before(_) | Moment::After(_) | Moment::At(_)
             )
     };
+
     let gates = found
         .iter()
         .filter(|(index, _)| stops(&lesson.steps[**index]));
@@ -334,6 +348,7 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
     let mut faults = Vec::new();
     for (later, (step, findings)) in gates.iter().enumerate() {
         let same = gates[..later].iter().find(|(other, of_other)| {
+            // Cursors are the same events in one run only.
             let is_one_run = other.scene.parameters == step.scene.parameters;
             let mut cursors = findings.cursors.iter();
             is_one_run && cursors.any(|(run, cursor)| of_other.cursors.get(run) == Some(cursor))
@@ -356,6 +371,7 @@ fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonErro
     if asked.len() < 2 {
         return Vec::new();
     }
+
     let line = lesson.gates().next().map_or(1, |(_, gate)| gate.line);
     let mut faults = Vec::new();
 
@@ -369,6 +385,7 @@ fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonErro
         )));
     }
 
+    // In every run: a question that the misconception answers rightly in some run does not show it.
     let shows = |of: &&Findings| {
         let scores = &of.misconceived;
         !scores.is_empty() && scores.iter().all(|score| *score <= MAX_MISCONCEIVED)

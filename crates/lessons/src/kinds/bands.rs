@@ -28,9 +28,9 @@ pub(super) const ROW: KindRow = KindRow {
 
 #[derive(Debug)]
 struct BandsGate {
-    /// The set before.
+    /// The point set before the change.
     from: Text,
-    /// The set after.
+    /// The point set after the change.
     to: Text,
     /// The bands, in 1/r.
     bands: Vec<[f64; 2]>,
@@ -56,6 +56,8 @@ impl GateKind for BandsGate {
         let (before, after) = (asking.power(&self.from)?, asking.power(&self.to)?);
         let end = |power: &[MeanPower]| power.last().map_or(0.0, |at| at.frequency);
         let last = end(&before).min(end(&after));
+
+        // Beyond the end of a spectrum a band has no power to compare.
         if let Some([_, high]) = self.bands.iter().find(|[_, high]| *high > last) {
             let message = format!("a band ends at {high}, and the spectra at {last:.2} / r");
             return Err(asking.fault(message));
@@ -172,11 +174,14 @@ impl Interaction for Bands {
     }
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
-        let changes = serde_json::from_value::<Vec<Change>>(value.clone()).ok();
-        let changes = changes.filter(|changes| changes.len() == self.ranges.len());
         let wanted = "a list of \"up\", \"same\" or \"down\", one for each band";
-        let changes = changes.ok_or(wanted)?.into_iter().enumerate();
-        Ok(changes
+        let changes = serde_json::from_value::<Vec<Change>>(value.clone())
+            .ok()
+            .filter(|changes| changes.len() == self.ranges.len())
+            .ok_or(wanted)?;
+
+        let of_bands = changes.into_iter().enumerate();
+        Ok(of_bands
             .map(|(band, change)| DraftCommand::Band(band, change))
             .collect())
     }

@@ -82,25 +82,29 @@ impl ChoiceGate {
         right: usize,
     ) -> Result<Vec<Curve>, LessonError> {
         // A gate has no curves, or one for each option.
-        let beside = options.in_file.iter();
-        let beside = beside.filter_map(|&option| self.curves.get(option));
-        let drawn: Vec<_> = beside
+        let shown = options.in_file.iter();
+        let drawn: Vec<_> = shown
+            .filter_map(|&option| self.curves.get(option))
             .map(|set| asking.power(set))
             .collect::<Result<_, _>>()?;
 
         if let Some(own) = drawn.get(right) {
             // The curve of the right option must be the one nearest to the spectrum of the samples that are shown.
-            let shown = asking.valid()?.power();
-            let shown = shown.map_err(|error| asking.fault(error))?;
+            let shown = asking
+                .valid()?
+                .power()
+                .map_err(|error| asking.fault(error))?;
             let best = sets::rms(&shown, own);
-            let others = drawn.iter().enumerate();
-            let mut others = others.filter(|(other, _)| *other != right);
+
+            let all = drawn.iter().enumerate();
+            let mut others = all.filter(|(other, _)| *other != right);
             if others.any(|(_, curve)| sets::rms(&shown, curve) <= best) {
                 return Err(asking.fault(
                     "another curve is nearer to the spectrum than that of the right option",
                 ));
             }
         }
+
         Ok(drawn.iter().map(|power| drawn_curve(power)).collect())
     }
 }

@@ -38,24 +38,30 @@ struct Line {
 impl GateKind for CutGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let recording = asking.scene.recording();
-        let next = recording.event(asking.scene.cursor());
-        let next = next.and_then(tilescope_debugger::Event::run_event);
+        let event = recording.event(asking.scene.cursor());
+        let next = event.and_then(tilescope_debugger::Event::run_event);
         let Some(RunEvent::Split { index, .. }) = next else {
             let message = "the next event must be a split: begin with \"moment: before split\"";
             return Err(asking.fault(message));
         };
+
         let run = recording.run();
-        let split = run.blocks.splits.get(index as usize);
-        let split = split.ok_or_else(|| asking.fault("there is no such split"))?;
+        let split = run
+            .blocks
+            .splits
+            .get(index as usize)
+            .ok_or_else(|| asking.fault("there is no such split"))?;
 
         let [low, high] = [split.rect.min, split.rect.max].map(position);
         let axis = match split.axis {
             Axis::X => CutAxis::X,
             Axis::Y => CutAxis::Y,
         };
+
         let other = axis.other();
         let (of, across) = (axis as usize, other as usize);
         let leaf = run.parameters.leaf;
+        // A cut leaves a leaf on either side (Algorithm 1).
         let legal = [low[of] + leaf, high[of] - leaf];
 
         // A right one, and one for each way to be wrong: too near to an edge, across the other axis, both.
@@ -182,11 +188,12 @@ impl Interaction for Cut {
     }
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
-        let line = serde_json::from_value::<Line>(value.clone()).ok();
-        // A list of both parts would be read too.
-        let line = line.filter(|_| value.is_object());
         let wanted = "an object {\"axis\": \"x\" or \"y\", \"at\": where, in r}";
-        let Line { axis, at } = line.ok_or(wanted)?;
+        let Line { axis, at } = serde_json::from_value::<Line>(value.clone())
+            .ok()
+            // A list of both parts would be read too.
+            .filter(|_| value.is_object())
+            .ok_or(wanted)?;
         Ok(vec![
             DraftCommand::Axis(axis),
             DraftCommand::Place([at, at]),

@@ -65,8 +65,8 @@ impl GateKind for NumberGate {
     }
 
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
-        let drawn = self.curve.as_ref().map(|set| asking.power(set));
-        let drawn = drawn.transpose()?;
+        let curve = self.curve.as_ref();
+        let drawn = curve.map(|set| asking.power(set)).transpose()?;
         Ok(Arc::new(Number {
             right: asking.scene.number(&self.answer)?,
             tolerance: self.tolerance,
@@ -111,8 +111,7 @@ impl Interaction for Number {
     }
 
     fn right_words(&self, translation: &Translation, _: &dyn Fn(&str) -> String) -> String {
-        let number = told(self.right, self.tolerance).to_string();
-        let number = translation.number(number);
+        let number = translation.number(told(self.right, self.tolerance).to_string());
         format!("{number} {}", self.unit).trim().to_owned()
     }
 
@@ -132,8 +131,8 @@ impl Interaction for Number {
 
     fn answer(&self, draft: &Draft) -> Result<Answer, &'static str> {
         let number = draft.text().trim().replace(',', ".").parse().ok();
-        let number = number.filter(|number: &f64| number.is_finite());
         number
+            .filter(|number: &f64| number.is_finite())
             .map(Answer::Number)
             .ok_or("Type a number, such as 12 or 0.5.")
     }

@@ -15,7 +15,7 @@ use crate::translation::Translation;
 /// Options in the order in which they are shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Their texts.
+    /// The text of each.
     pub texts: Vec<String>,
     /// The sentence for each wrong option, if it has one.
     pub sentences: Vec<Option<String>>,
@@ -86,8 +86,8 @@ impl Interaction for Lettered {
     }
 
     fn right_words(&self, _: &Translation, _: &dyn Fn(&str) -> String) -> String {
-        let texts = self.right.iter().map(|&right| &self.options.texts[right]);
-        let texts = joined(texts, "; ");
+        let each = self.right.iter().map(|&right| &self.options.texts[right]);
+        let texts = joined(each, "; ");
         match self.right[..] {
             [right] if self.events.is_empty() => format!("{}. {texts}", letter(right)),
             _ => texts,
@@ -116,8 +116,10 @@ impl Interaction for Lettered {
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
         let count = self.options.texts.len();
-        let index = value.as_u64().and_then(|index| usize::try_from(index).ok());
-        let index = index.filter(|index| *index < count);
+        let index = value
+            .as_u64()
+            .and_then(|index| usize::try_from(index).ok())
+            .filter(|index| *index < count);
         let wanted = || format!("the index of an option, from 0 to {}", count - 1);
         Ok(vec![DraftCommand::Choose(index.ok_or_else(wanted)?)])
     }

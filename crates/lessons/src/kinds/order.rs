@@ -63,7 +63,7 @@ impl GateKind for OrderGate {
 
 #[derive(Debug)]
 struct Order {
-    /// The items, shuffled.
+    /// The items in the order in which they are shown.
     items: Vec<String>,
     /// The number by which each item is sorted.
     ranks: Vec<f64>,
@@ -95,8 +95,10 @@ impl Interaction for Order {
         let (mut right, mut all) = (0.0, 0.0);
         for (a, b) in pairs {
             all += 1.0;
+            // Equal ranks are right in either order.
             right += worth(self.ranks[items[a]] <= self.ranks[items[b]]);
         }
+
         Ok(right / f64::max(all, 1.0))
     }
 
@@ -137,11 +139,12 @@ impl Interaction for Order {
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
         let count = self.items.len();
-        let order = serde_json::from_value::<Vec<usize>>(value.clone()).ok();
-        let order = order.filter(|order| is_order(order, count));
         let wanted = || format!("a list of the {count} items' indices, from 0, in their order");
-        let order = order.ok_or_else(wanted)?.into_iter();
-        Ok(order.map(DraftCommand::Choose).collect())
+        let order = serde_json::from_value::<Vec<usize>>(value.clone())
+            .ok()
+            .filter(|order| is_order(order, count))
+            .ok_or_else(wanted)?;
+        Ok(order.into_iter().map(DraftCommand::Choose).collect())
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
@@ -151,6 +154,7 @@ impl Interaction for Order {
             let mut item = view.item(id, text.clone(), index, place.is_some(), false);
             item.mark = Some(Mark::Place(place.map(|place| place + 1)));
 
+            // Items of equal rank share a place.
             let before = |rank: &&f64| **rank < self.ranks[index];
             let place = 1 + self.ranks.iter().filter(before).count();
             item.right_place = (!view.is_open).then_some(place);

@@ -65,6 +65,7 @@ impl GateKind for PickGate {
         if right.is_empty() {
             return Err(self.answer.wrong("no sample of the list is right"));
         }
+        // A list in which all samples are right asks nothing.
         if right.len() == count {
             return Err(self.answer.wrong("every sample of the list is right"));
         }
@@ -95,16 +96,20 @@ impl Pick {
         let mut samples = samples.to_vec();
         samples.sort_unstable();
         samples.dedup();
+
         if !self.several && samples.len() != 1 {
             return Err(given.fault("one sample is asked for"));
         }
+
         if samples.is_empty() {
             return Err(given.fault("no sample is selected"));
         }
+
         if let Some(other) = samples.iter().find(|s| !self.candidates.contains(s)) {
             let message = format!("sample {other} is not one of the numbered ones");
             return Err(given.fault(message));
         }
+
         Ok(samples)
     }
 
@@ -158,9 +163,14 @@ impl Interaction for Pick {
         if !self.several {
             return Answer::Pick(vec![one(0)]);
         }
-        let taken = (0..).zip(&self.candidates);
-        let taken = taken.filter(|(k, _)| dice.share(*k) < 0.5);
-        let mut some: Vec<u32> = taken.map(|(_, sample)| *sample).collect();
+
+        let drawn = (0..).zip(&self.candidates);
+        let mut some: Vec<u32> = drawn
+            .filter(|(k, _)| dice.share(*k) < 0.5)
+            .map(|(_, sample)| *sample)
+            .collect();
+
+        // An answer has a sample; the number of its draw is beyond those of the candidates.
         if some.is_empty() {
             some.push(one(60));
         }
@@ -195,9 +205,10 @@ impl Interaction for Pick {
     }
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
-        let ids = serde_json::from_value::<Vec<u32>>(value.clone()).ok();
-        let ids = ids.filter(|ids| ids.iter().all(|id| self.candidates.contains(id)));
-        let ids = ids.ok_or("a list of samples that the question lists")?;
+        let ids = serde_json::from_value::<Vec<u32>>(value.clone())
+            .ok()
+            .filter(|ids| ids.iter().all(|id| self.candidates.contains(id)))
+            .ok_or("a list of samples that the question lists")?;
         Ok(ids.into_iter().map(DraftCommand::Pick).collect())
     }
 

@@ -57,10 +57,14 @@ impl GateKind for PlaceGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let right = asking.scene.places(&self.right)?;
         let mut candidates: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
+
+        // Believed places stand in the list, too, so that a learner with a misconception finds them.
         let wrong = asking.wrong.iter().map(|wrong| &wrong.answer);
         for candidate in self.candidates.iter().chain(wrong) {
             candidates.push(asking.scene.place(candidate)?);
         }
+
+        // The right place is the first one so far.
         shuffle(&mut candidates, asking.draws());
         Ok(Arc::new(Place {
             candidates,
@@ -75,7 +79,7 @@ impl GateKind for PlaceGate {
 struct Place {
     /// Places to choose from without a pointer, in r.
     candidates: Vec<[f64; 2]>,
-    /// Right places.
+    /// The right places, in r.
     right: Vec<[f64; 2]>,
     within: f64,
     region: Option<Text>,
@@ -131,12 +135,17 @@ impl Interaction for Place {
             return Err(given.fault("a place has two numbers"));
         }
 
-        let set = given.scene.now.set();
-        let set = set.map_err(|error| given.fault(error.to_string()))?;
+        let set = given
+            .scene
+            .now
+            .set()
+            .map_err(|error| given.fault(error.to_string()))?;
         let distances = self.right.iter().map(|at| set.distance(*at, place));
         let nearest = distances.fold(f64::INFINITY, f64::min);
-        let off = (nearest - self.within).max(0.0);
-        let off = self.off_region(place, off, given.scene)?.unwrap_or(off);
+
+        let off_place = (nearest - self.within).max(0.0);
+        let off_region = self.off_region(place, off_place, given.scene)?;
+        let off = off_region.unwrap_or(off_place);
         Ok((1.0 - off / REACH).max(0.0))
     }
 
@@ -175,11 +184,11 @@ impl Interaction for Place {
     }
 
     fn changes(&self, value: &Value) -> Result<Vec<DraftCommand>, String> {
-        let place = serde_json::from_value::<[f64; 2]>(value.clone()).ok();
-        let place = place.filter(|at| at.iter().all(|x| x.is_finite()));
-        Ok(vec![DraftCommand::Place(
-            place.ok_or("a place [x, y], in r")?,
-        )])
+        let place = serde_json::from_value::<[f64; 2]>(value.clone())
+            .ok()
+            .filter(|at| at.iter().all(|x| x.is_finite()))
+            .ok_or("a place [x, y], in r")?;
+        Ok(vec![DraftCommand::Place(place)])
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
@@ -221,7 +230,7 @@ impl Interaction for Place {
         self.candidates.len()
     }
 
-    /// Nobody finds a place by its coordinates.
+    /// Coordinates would not help a learner to find the place.
     fn is_marked(&self) -> bool {
         true
     }
@@ -232,14 +241,15 @@ impl Interaction for Place {
             label,
             kind,
         };
-        let listed = self.candidates.iter().enumerate();
+        let candidates = self.candidates.iter().enumerate();
         let listed =
-            listed.map(|(index, at)| mark(*at, letter(index).to_string(), MarkKind::Listed));
+            candidates.map(|(index, at)| mark(*at, letter(index).to_string(), MarkKind::Listed));
+
         // The learner's own point stays beside the right one.
-        let own = draft.place().into_iter();
-        let own = own.map(|at| mark(at, String::new(), MarkKind::Chosen));
-        let right = self.right.iter().filter(|_| is_done);
-        let right = right.map(|at| mark(*at, String::new(), MarkKind::Right));
+        let put = draft.place().into_iter();
+        let own = put.map(|at| mark(at, String::new(), MarkKind::Chosen));
+        let shown = self.right.iter().filter(|_| is_done);
+        let right = shown.map(|at| mark(*at, String::new(), MarkKind::Right));
         listed.chain(own).chain(right).collect()
     }
 }

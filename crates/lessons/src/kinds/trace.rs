@@ -27,7 +27,7 @@ struct TraceGate {
     events: Text,
     /// How many of them.
     steps: usize,
-    /// What may happen, each with the expression that is true if it does.
+    /// The things that may happen, each with the expression that is true if it does.
     options: Vec<ChoiceOption>,
 }
 
@@ -59,10 +59,13 @@ impl GateKind for TraceGate {
         }
 
         let mut in_file: Vec<usize> = (0..self.options.len()).collect();
+        // Once for all events, so that an option keeps its letter.
         shuffle(&mut in_file, asking.draws());
+
         let (mut events, mut right) = (Vec::new(), Vec::new());
         let mut there = Scene::at(asking.scene.recording(), asking.scene.cursor());
         there.speak(&asking.scene.translation);
+
         for cursor in coming {
             there.go(cursor);
             events.push(TracedEvent {
@@ -70,6 +73,8 @@ impl GateKind for TraceGate {
                 ask: there.fill(asking.ask)?,
                 named: there.samples_in(asking.ask)?,
             });
+
+            // Each event has one right option, or the question could not be graded.
             let holds = right_options(&there, &self.options)?;
             let [index] = holds[..] else {
                 let (count, event) = (holds.len(), cursor + 1);
@@ -77,6 +82,7 @@ impl GateKind for TraceGate {
                     format!("{count} options are right at event {event}; exactly one must be");
                 return Err(asking.fault(message));
             };
+
             right.push(shown_at(&in_file, index));
         }
 
