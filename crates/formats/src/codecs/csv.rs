@@ -2,7 +2,7 @@
 
 use crate::text::{push, push_line};
 
-/// The first line.
+/// The header of a table that has positions alone.
 pub(super) const HEAD: &[u8] = b"x,y\n";
 
 /// Writes the points, and their levels if there are any.

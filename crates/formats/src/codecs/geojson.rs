@@ -78,6 +78,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut points = Vec::new();
     add(&content, &mut points)?;
 
+    // Longitudes reach from -180 to 180 degrees, latitudes from -90 to 90.
     let degrees = points
         .iter()
         .all(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0);
@@ -99,7 +100,7 @@ fn refuse_others(outline: &Outline) -> Result<(), FormatError> {
     }
 }
 
-/// `place` follows the name of what is refused.
+/// `place` follows the name of the refused object.
 fn refuse_feature(feature: &Outline, place: &str) -> Result<(), FormatError> {
     if feature.kind != "Feature" {
         return Err(unsupported(&feature.kind, place));
@@ -148,6 +149,8 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
             GeoCoordinate::Position(Position(point)) => points.push(*point),
         }
     }
+
+    // Numbers alone are a point's position, positions alone are those of several points; mixed, they are neither.
     match (&numbers[..], content.coordinates.len() == numbers.len()) {
         ([], _) => {}
         (&[x, y], true) => points.push([x, y]),

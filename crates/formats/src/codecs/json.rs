@@ -52,7 +52,7 @@ fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), Forma
     } else {
         match serde_json::from_slice(bytes) {
             Ok(document) => document,
-            // Only what is no document of this program is looked at again, so that its sets are parsed once.
+            // Other JSON is parsed again as GeoJSON, so that this program's own documents are parsed only once.
             Err(_) if geojson::is(bytes) => return Ok((geojson::read(bytes)?, None)),
             Err(error) => return Err(error.into()),
         }
@@ -100,6 +100,7 @@ impl<'de> Visitor<'de> for PositionVisitor {
             let reason = format_args!("z is {z}, and only planar sets (z = 0) are read");
             return Err(A::Error::custom(reason));
         }
+        // A fourth number may mean anything, so that the position is refused.
         if numbers.next_element::<IgnoredAny>()?.is_some() {
             return Err(A::Error::invalid_length(4, &self));
         }
@@ -112,15 +113,19 @@ pub(super) fn write(
     provenance: Option<&[Provenance]>,
     certificate: Option<&Certificate>,
 ) -> Result<Vec<u8>, FormatError> {
+    // A row has up to 44 bytes if its numbers are below 1 and have 17 digits.
     let mut out = Vec::with_capacity(points.len() * 44);
+
     out.extend_from_slice(b"{\n");
     if let Some(certificate) = certificate {
         out.extend_from_slice(b"\"certificate\": ");
         serde_json::to_writer_pretty(&mut out, certificate)?;
         out.extend_from_slice(b",\n");
     }
+
     out.extend_from_slice(b"\"points\": [\n");
     push_rows(&mut out, points);
+
     if let Some(provenance) = provenance {
         out.extend_from_slice(b"],\n\"provenance\": [\n");
         push_rows(
@@ -128,6 +133,7 @@ pub(super) fn write(
             provenance.iter().map(|&from| <[u32; 3]>::from(from)),
         );
     }
+
     out.extend_from_slice(b"]\n}\n");
     Ok(out)
 }

@@ -50,8 +50,10 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
             expected: "\"\\x93NUMPY\"",
         });
     }
+
     let mut cursor = Cursor::new(bytes, NPY_MAGIC.len(), FORMAT);
     let version = cursor.take(2)?[0];
+    // From version 2 on the header may be longer than 2^16 bytes, so that its length has four bytes.
     let length = match version {
         1 => u64::from(u16::from_le_bytes(binary::array(cursor.take(2)?))),
         2 | 3 => u64::from(cursor.u32()?),
@@ -63,6 +65,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
             });
         }
     };
+
     let at = FilePlace::Offset(cursor.offset());
     let header = header(cursor.take(length)?, at)?;
     Ok((header, cursor.offset()))
@@ -73,11 +76,14 @@ fn scattered(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatErr
     let (size, columns) = (header.precision.bytes(), header.columns);
     // The cursor has compared the count with the bytes that are there.
     let count = data.len() / (size * columns);
+
+    // In Fortran order a column is contiguous, in C order a row.
     let (next_row, next_column) = if header.fortran {
         (1, count)
     } else {
         (columns, 1)
     };
+
     let read = |row: usize, column: usize| {
         let at = size * (row * next_row + column * next_column);
         let value = coordinate(&data[at..at + size], header.precision, header.endian);
@@ -104,19 +110,23 @@ fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
     let value = |key: &str| {
         value_of(dictionary, key).ok_or_else(|| fault(format!("there is no key '{key}'")))
     };
+
     let (precision, endian) = descr(value("descr")?)?;
     let order = value("fortran_order")?;
+    // The value is followed by the rest of the dictionary.
     let fortran = order.starts_with("True");
     if !fortran && !order.starts_with("False") {
         let order = quote(order.as_bytes());
         return Err(fault(format!("fortran_order is {order}")));
     }
-    let shape = value("shape")?;
-    let shape = shape
+
+    let tuple = value("shape")?;
+    let shape = tuple
         .strip_prefix('(')
         .and_then(|rest| rest.split_once(')'))
-        .ok_or_else(|| fault(format!("shape is {}", quote(shape.as_bytes()))))?
+        .ok_or_else(|| fault(format!("shape is {}", quote(tuple.as_bytes()))))?
         .0;
+
     let Some((count, columns)) = rows_and_columns(shape) else {
         return Err(FormatError::Unsupported {
             format: FORMAT,
@@ -124,6 +134,7 @@ fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
             supported: "only shape (N, 2) can, and (N, 3) with z = 0",
         });
     };
+
     Ok(NpyHeader {
         precision,
         endian,
@@ -183,13 +194,18 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
         Precision::Single => "<f4",
         Precision::Double => "<f8",
     };
+
     let mut dictionary =
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count}, 2), }}");
+    // The version and the length of the dictionary stand between the magic number and the dictionary, two bytes each.
     let prefix = NPY_MAGIC.len() + 4;
+    // The line end counts, too.
     while !(prefix + dictionary.len() + 1).is_multiple_of(ALIGNMENT) {
         dictionary.push(' ');
     }
+
     let mut out = Vec::with_capacity(2 * ALIGNMENT);
+
     out.extend_from_slice(NPY_MAGIC);
     out.extend_from_slice(&[1, 0]);
     out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());

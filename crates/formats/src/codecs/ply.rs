@@ -35,12 +35,14 @@ impl PlyColumns {
                 reason: format!("vertices have no scalar property {name}"),
             })
         };
+
         // Only the type that this program writes counts: another program's "block" may be anything.
         let own = |name| {
             let column = vertex.column(name)?;
             (vertex.properties[column].scalar == Scalar::U32).then_some(column)
         };
         let [block, index, iteration] = PROVENANCE.map(own);
+
         Ok(Self {
             position: [axis("x")?, axis("y")?],
             z: vertex.column("z"),
@@ -64,7 +66,9 @@ impl PlyColumns {
             planar(value(z)?, format, place)?;
         }
         set.points.push(point);
+
         if let (Some(columns), Some(provenance)) = (self.provenance, &mut set.provenance) {
+            // Only columns of type uint are taken, so that `as` alters a number only where an ASCII file breaks its own header.
             let [block, index, iteration] = columns.map(value);
             provenance.push([block? as u32, index? as u32, iteration? as u32].into());
         }
@@ -93,12 +97,14 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
     let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1)?;
     let (set, precision) = match header.encoding {
+        // Text has no number type of its own: numbers are read as f64 whatever the header declares.
         Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
         Encoding::Binary(endian) => {
             let precision = columns.precision(&header.vertex);
             (read_binary(bytes, &header, &columns, endian)?, precision)
         }
     };
+
     let mut raw = Raw::new(Vec::new(), precision);
     raw.set = set;
     Ok(raw)
@@ -111,20 +117,26 @@ fn read_ascii(
 ) -> Result<PointSet, FormatError> {
     const FORMAT: Format = Format::PlyAscii;
     let vertex = &header.vertex;
+
+    // Counts are claims of the header: their sum may exceed any number. Then all rows are skipped, and the count below refuses.
     let skipped = header
         .before
         .iter()
         .fold(0, |sum: u64, e| sum.saturating_add(e.count));
+
     let mut rows = lines(&bytes[header.data_offset..])
         .map(|(line, row)| (line + header.data_line - 1, row))
         .filter(|(_, row)| !row.is_empty())
         .skip(usize::try_from(skipped).unwrap_or(usize::MAX));
+
+    // Nothing is reserved for the stated count, which may be false.
     let mut set = columns.new_set();
     let mut fields: Vec<&[u8]> = Vec::new();
     while (set.len() as u64) < vertex.count {
         let Some((line, row)) = rows.next() else {
             break;
         };
+
         fields.clear();
         fields.extend(words(row));
         let place = FilePlace::Line(line);
@@ -136,10 +148,13 @@ fn read_ascii(
                 expected: vertex.properties.len(),
             });
         }
+
         columns.take(&mut set, FORMAT, place, |c| {
             number(fields[c], FORMAT, place)
         })?;
     }
+
+    // Rows behind the vertices are a surplus unless they belong to elements that follow.
     let surplus = if header.followed { 0 } else { rows.count() };
     let found = (set.len() + surplus) as u64;
     if found != vertex.count {
@@ -149,6 +164,7 @@ fn read_ascii(
             found,
         });
     }
+
     Ok(set)
 }
 
@@ -161,13 +177,16 @@ fn read_binary(
     const FORMAT: Format = Format::PlyBinary;
     let vertex = &header.vertex;
     let mut cursor = Cursor::new(bytes, header.data_offset, FORMAT);
+    // Lists, whose rows differ in width, were refused with the header.
     for element in &header.before {
         cursor.records(element.count, element.width as u64)?;
     }
     let data = cursor.records(vertex.count, vertex.width as u64)?;
+    // Elements that follow may have lists: only without any is the end of the file known.
     if !header.followed {
         cursor.finish()?;
     }
+
     let mut set = columns.new_set();
     let table = BinaryTable {
         columns: *columns,
@@ -240,9 +259,12 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     let Encoding::Binary(endian) = header.encoding else {
         return Ok(None);
     };
+
+    // These are claims of the header, too. A place beyond the largest number is beyond the end of any file.
     let skipped = (header.before.iter()).fold(0, |sum: u64, element| {
         sum.saturating_add(element.count.saturating_mul(element.width as u64))
     });
+
     Ok(Some(PlyHead {
         precision: columns.precision(&header.vertex),
         offset: skipped.saturating_add(header.data_offset as u64),
@@ -259,6 +281,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
 /// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
 fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels: bool) -> Vec<u8> {
     let mut out = Vec::new();
+    // The longest count, 2^64 - 1, has 20 digits. Heads of one length let a writer put the count in once it is known.
     let dots = ".".repeat(20 - count.to_string().len());
     push(
         &mut out,
@@ -269,10 +292,12 @@ fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels
     for axis in ["x", "y", "z"] {
         push(&mut out, format_args!("property {coordinate} {axis}\n"));
     }
+
     let provenance = PROVENANCE.into_iter().filter(|_| provenance);
     for name in provenance.chain(levels.then_some(LEVEL)) {
         push(&mut out, format_args!("property uint {name}\n"));
     }
+
     out.extend_from_slice(b"end_header\n");
     out
 }
@@ -283,6 +308,7 @@ pub(super) fn write_ascii(
     levels: &[u32],
 ) -> Vec<u8> {
     let (count, has_levels) = (points.len() as u64, !levels.is_empty());
+
     let mut out = header("ascii", count, "double", provenance.is_some(), has_levels);
     for (index, [x, y]) in points.iter().enumerate() {
         push(&mut out, format_args!("{x} {y} 0"));
@@ -333,7 +359,9 @@ pub(super) fn push_rows(
     levels: &[u32],
     precision: Precision,
 ) {
+    // Three words of provenance and one of the level have 16 bytes.
     out.reserve(points.len() * (3 * precision.bytes() + 16));
+
     for (index, &[x, y]) in points.iter().enumerate() {
         binary::push(out, &[x, y, 0.0], precision);
         if let Some(from) = provenance.and_then(|all| all.get(index)) {

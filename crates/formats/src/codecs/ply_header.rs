@@ -47,10 +47,12 @@ impl Scalar {
 
     /// The value stored at the start of `bytes`; every one of these types fits into an f64.
     pub(super) fn value(self, bytes: &[u8], endian: Endian) -> f64 {
+        // All scalars are turned to little-endian in a word wide enough for any.
         let mut word = array::<8>(bytes);
         if endian == Endian::Big {
             word[..self.bytes()].reverse();
         }
+
         match self {
             Self::I8 => f64::from(word[0].cast_signed()),
             Self::U8 => f64::from(word[0]),
@@ -100,7 +102,7 @@ impl Element {
     }
 }
 
-/// A parsed header.
+/// What reading the data needs to know from a header.
 #[derive(Debug)]
 pub(super) struct PlyHeader {
     pub encoding: Encoding,
@@ -115,7 +117,7 @@ pub(super) struct PlyHeader {
     pub data_line: u64,
 }
 
-/// Header lines as they are gathered.
+/// The header as far as its lines were read.
 struct Parser {
     format: Format,
     line: u64,
@@ -131,17 +133,21 @@ pub(super) fn parse(bytes: &[u8], format: Format) -> Result<PlyHeader, FormatErr
         encoding: None,
         elements: Vec::new(),
     };
+
     let mut offset = 0;
     for row in bytes.split_inclusive(|&b| b == b'\n') {
         parser.line += 1;
+        // The line end is counted, as the data begin right behind that of the last line.
         offset += row.len();
         let row = row.trim_ascii();
+
         if parser.line == 1 && row != b"ply" {
             return Err(FormatError::Magic {
                 format,
                 expected: "a line \"ply\"",
             });
         }
+
         if row == b"end_header" {
             return parser.finish(offset);
         }
@@ -167,6 +173,7 @@ impl Parser {
             (b"" | b"ply" | b"comment" | b"obj_info", _) => Ok(()),
             (b"format", [name, ..]) => self.encoding(name),
             (b"element", [name, count]) => self.element(name, count),
+            // Whether the list is in the way depends on its element's place, which `finish` knows.
             (b"property", [b"list", _, _, _]) => match self.elements.last_mut() {
                 Some(element) => {
                     element.has_list = true;
@@ -224,6 +231,8 @@ impl Parser {
         let Some(at) = self.elements.iter().position(|e| e.name == b"vertex") else {
             return Err(self.fault("no element \"vertex\"".to_owned()));
         };
+
+        // Binary rows up to the vertices are skipped by their width, which rows with lists lack. In text a row is a line.
         let binary = encoding != Encoding::Ascii;
         let listed = |(index, e): (usize, &Element)| e.has_list && (index == at || binary);
         if self.elements.iter().take(at + 1).enumerate().any(listed) {
@@ -233,9 +242,12 @@ impl Parser {
                 supported: "scalar properties can",
             });
         }
+
         let followed = self.elements.len() > at + 1;
         let vertex = self.elements.swap_remove(at);
+        // The element that `swap_remove` moved here follows the vertices, as do those behind it.
         self.elements.truncate(at);
+
         Ok(PlyHeader {
             encoding,
             before: self.elements,

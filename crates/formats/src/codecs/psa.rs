@@ -1,7 +1,6 @@
 //! The two files of psa (point set analysis, Schlömer & Deussen).
 //!
-//! `.txt` begins with the number of points; `.rps` holds only f32 pairs. Both are of the unit torus. A wrong count is
-//! refused, because psa itself would read too few points or garbage.
+//! `.txt` begins with the number of points; `.rps` holds only f32 pairs. Both are of the unit torus.
 
 use super::Raw;
 use crate::binary::{self, Cursor, Endian};
@@ -17,8 +16,10 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
         return Err(FormatError::Empty { format: FORMAT });
     };
     let stated = count(first, FORMAT, place)?;
+
     // A point takes four bytes at least, so a false count cannot make this large.
     let mut points = Vec::with_capacity(stated.min(bytes.len() as u64 / 4) as usize);
+
     let mut last = None;
     for (place, token) in tokens {
         let value = number(token, FORMAT, place)?;
@@ -27,6 +28,8 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
             None => last = Some(value),
         }
     }
+
+    // psa itself would read too few points, or garbage.
     let found = points.len() as u64;
     if found != stated {
         return Err(FormatError::Count {
@@ -35,6 +38,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
             found,
         });
     }
+
     if let Some(x) = last {
         return Err(FormatError::Header {
             format: FORMAT,
@@ -42,6 +46,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
             reason: format!("after the {stated} points stated, a lone coordinate {x} is left"),
         });
     }
+
     Ok(Raw::new(points, Precision::Double))
 }
 

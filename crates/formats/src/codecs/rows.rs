@@ -66,14 +66,18 @@ impl Layout {
         format: Format,
         columns: Option<[&str; 2]>,
     ) -> Result<Option<Self>, FormatError> {
+        // With chosen columns a file of another format is decoded as a table, or refused, in memory.
         if columns.is_some() && format != Format::Csv {
             return Ok(None);
         }
+
         let pairs = |precision, endian, offset, count| {
             let kind = RowKind::Pairs(precision, endian);
             Self::new(format, kind, precision, offset, count)
         };
+
         Ok(match format {
+            // UTF-16 is converted as a whole, before it is split into lines.
             Format::Csv if matches!(as_utf8(start), Cow::Owned(_)) => None,
             Format::Csv => {
                 let kind = RowKind::Text(Box::new(TextTable::new(format, columns)));
@@ -84,11 +88,13 @@ impl Layout {
                 let head = utk::read_head(start)?;
                 let count = Some(u64::from(head.count));
                 let layout = pairs(head.precision, Endian::Little, utk::HEADER_BYTES, count);
+                // Several sets are read in memory, where one of them is chosen.
                 (head.sets == 1).then_some(layout)
             }
             Format::Npy => {
                 let (head, offset) = npy::read_head(start)?;
                 let layout = pairs(head.precision, head.endian, offset, Some(head.count));
+                // All x stand before all y in Fortran order, and a row with z is no pair.
                 (!head.fortran && head.columns == 2).then_some(layout)
             }
             Format::PlyBinary => ply::read_head(start)?.map(|head| Self {

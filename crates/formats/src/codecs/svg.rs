@@ -43,6 +43,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         return Err(unsupported(what, "plain SVG without entities can"));
     }
 
+    // Older drawing programs write a document type. What could do harm in it, entities, was refused.
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()
@@ -115,6 +116,7 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
             }
         }
 
+        // Elements may be nested to any depth, so that no recursion follows them.
         let inside = node.first_child().filter(|_| enters);
         next = inside.or_else(|| node.ancestors().find_map(|node| node.next_sibling()));
     }
@@ -234,6 +236,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
     // Without a radius: dots of about a tenth of the mean spacing.
     let spacing = (width * height / points.len() as f64).sqrt();
     let disk = target.radius.map_or(spacing / 10.0, |radius| radius / 2.0);
+
     let mut out = Vec::with_capacity(points.len() * 64);
     push(
         &mut out,
@@ -249,6 +252,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
             format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{disk}\"/>\n"),
         );
     }
+
     out.extend_from_slice(b"</g>\n</svg>\n");
     out
 }

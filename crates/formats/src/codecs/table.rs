@@ -113,6 +113,8 @@ impl TextTable {
                 found,
             });
         }
+
+        // With rows, a header of no use was refused at the first of them.
         let Header { names, line } = &self.header;
         if self.rows.is_none() && self.chosen.is_none() && !names.is_empty() {
             let named = names::named(names);
@@ -127,6 +129,7 @@ impl TextTable {
         let (line, rest) = split_line(text);
         let place = FilePlace::Line(self.line + 1);
         self.refuse_unmarked_utf_16(line, place)?;
+
         if is_remark(line) {
             if let Some(names) = names::in_remark(line) {
                 let line = self.line + 1;
@@ -139,6 +142,7 @@ impl TextTable {
                 place,
                 format!(
                     "sep={} is not a separator that is read: those are a comma, a semicolon, a tab and a blank",
+                    // A header is recognised before a count of points, as a number alone is no name.
                     quote(found)
                 ),
             ))?);
@@ -154,6 +158,7 @@ impl TextTable {
                 self.stated = Some(count);
             } else {
                 self.rows = Some(self.rows_like(&fields, separator, place)?);
+                // The row itself is returned, to be read like those that follow it.
                 return Ok(text);
             }
         }
@@ -190,10 +195,12 @@ impl TextTable {
         if !quoted.take(line) {
             return Err(open_quote(self.format, place));
         }
+
         let mut fields: Vec<Vec<u8>> = match separator {
             Separator::Blank if !line.contains(&b'"') => words(line).map(<[u8]>::to_vec).collect(),
             _ => quoted.fields().map(<[u8]>::to_vec).collect(),
         };
+        // Some programs end each row with a separator.
         while fields
             .last()
             .is_some_and(|last| last.trim_ascii().is_empty())
@@ -238,12 +245,14 @@ impl TextTable {
             exact: separator == Separator::Blank || names.is_empty(),
             quoted: QuotedRow::new(separator),
         };
+
         if let Some(choice) = &self.chosen {
-            // Whoever chooses columns chooses a plane: the others are not asked for.
+            // A choice of two columns is a choice of a plane, so that z may be anything.
             rows.places = names::chosen(choice, names, rows.count).map_err(fault)?;
         } else if !names.is_empty() {
             let named = names::named(names).map_err(fault)?;
             (rows.places, rows.z, rows.count) = (named.places, named.z, names.len());
+        // With decimal commas, four numbers between commas are a point: 12,5,7,3 is (12, 5) or (12.5, 7.3).
         } else if separator == Separator::Comma && found > 3 {
             let reason = two_readings(fields);
             return Err(FormatError::Row {
@@ -253,6 +262,7 @@ impl TextTable {
             });
         } else if found < 2 {
             return Err(rows.miscounted(found, 2, place));
+        // A third column without a name is z, and must be 0.
         } else {
             rows.z = (found > 2).then_some(2);
         }
@@ -273,6 +283,8 @@ impl TableRows {
             }
             return self.point_of(self.quoted.fields(), place);
         }
+
+        // A row without quotation marks needs no parser: splitting it gives the same fields.
         match self.separator {
             Separator::Blank => self.point_of(words(row), place),
             separator => {
@@ -322,6 +334,7 @@ impl TableRows {
     /// Refuses a row of too few or too many fields.
     fn miscounted(&self, found: usize, expected: usize, place: FilePlace) -> FormatError {
         let format = self.format;
+        // Numbers with decimal commas are the likely reason for too many fields between commas.
         if self.separator == Separator::Comma && found > expected {
             let counts = format!("{found} columns where {expected} are needed");
             return FormatError::Row {
@@ -330,6 +343,7 @@ impl TableRows {
                 reason: format!("{counts}; numbers must have decimal points, as 0.5 has"),
             };
         }
+
         FormatError::Columns {
             format,
             place,

@@ -30,11 +30,15 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
             _ => sets.push(Vec::new()),
         }
     }
+
+    // A separator at the end is followed by no set.
     sets.retain(|set| !set.is_empty());
+
     let found = sets.len();
     if found == 0 {
         return Err(FormatError::Empty { format: FORMAT });
     }
+
     let index = choose(found, chosen, FORMAT)?;
     let mut raw = Raw::new(sets.swap_remove(index), Precision::Double);
     raw.sets = found;
@@ -78,9 +82,12 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
             expected: "\"UTK!\" (0x214B5455)",
         });
     }
+
     let mut cursor = Cursor::new(bytes, UTK_MAGIC.len(), FORMAT);
+    // Of the metadata only the type counts.
     let precision = precision_of(cursor.take(4)?[0])?;
     let (sets, count, dimension) = (cursor.u32()?, cursor.u32()?, cursor.u32()?);
+
     if dimension != 2 {
         return Err(FormatError::Unsupported {
             format: FORMAT,
@@ -91,6 +98,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
     if sets == 0 || count == 0 {
         return Err(FormatError::Empty { format: FORMAT });
     }
+
     Ok(UtkHead {
         precision,
         sets,
@@ -105,10 +113,13 @@ pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Fo
         sets,
         count,
     } = read_head(bytes)?;
+
     let mut cursor = Cursor::new(bytes, HEADER_BYTES as usize, FORMAT);
     let row = 2 * precision.bytes() as u64;
     let data = cursor.records(u64::from(sets) * u64::from(count), row)?;
     cursor.finish()?;
+
+    // The sets lie one after another and are of one length.
     let index = choose(sets as usize, chosen, FORMAT)?;
     let set_bytes = data.len() / sets as usize;
     let data = &data[index * set_bytes..][..set_bytes];
@@ -151,13 +162,16 @@ pub(super) fn head(count: u64, precision: Precision) -> Result<Vec<u8>, FormatEr
         points: count as usize,
         limit: u64::from(u32::MAX),
     })?;
+
     let code = match precision {
         Precision::Single => TYPE_FLOAT,
         Precision::Double => TYPE_DOUBLE,
     };
+
     let mut out = Vec::with_capacity(HEADER_BYTES as usize);
     out.extend_from_slice(UTK_MAGIC);
     out.extend_from_slice(&[code, 0, 0, 0]);
+    // One set of so many points in two dimensions.
     for word in [1, count, 2] {
         out.extend_from_slice(&word.to_le_bytes());
     }
