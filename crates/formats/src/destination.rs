@@ -32,16 +32,20 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
     let mut file = path.to_owned();
     for _ in 0..MAX_LINKS {
         let found = match fs::symlink_metadata(&file) {
+            // Nothing is there yet: a new file is made where the name, or the last link, leads.
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(file),
             found => found.map_err(|e| io_error(path, e))?.file_type(),
         };
+
         if found.is_file() {
             return Ok(file);
         }
+
         let folder = file.parent().unwrap_or(Path::new(""));
         // The links of a process to its open files, such as /dev/stdout, do not lead to a place in a folder.
         let of_process = || folder.canonicalize().is_ok_and(|f| f.starts_with("/proc"));
         let refused = |kind| Err(not_a_file(path, kind));
+
         if !found.is_symlink() {
             return refused(kind(found));
         }
@@ -73,7 +77,7 @@ pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
     options.read(true).write(true).create_new(true);
     #[cfg(unix)]
     if mode.is_ok() {
-        // Nobody else may read it before it has the old file's mode.
+        // No other user may read it before it has the old file's mode.
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     }
     let file = step(|| options.open(path))?;

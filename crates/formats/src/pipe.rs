@@ -12,7 +12,7 @@ const MAX_BYTES: u64 = 1 << 30;
 /// The bytes read from pipes, by path.
 static GIVEN: Mutex<BTreeMap<PathBuf, &'static [u8]>> = Mutex::new(BTreeMap::new());
 
-/// An open input.
+/// An input that was opened.
 #[derive(Debug)]
 pub(crate) enum Input {
     /// A file, which can be opened again.

@@ -29,6 +29,7 @@ impl Lock {
         loop {
             check_own(&path)?;
             let mut options = OpenOptions::new();
+            // A file with content is somebody else's, so that none is truncated.
             let options = options.write(true).create(true).truncate(false);
             let opened = options.open(&path).map_err(|e| io_error(file, e))?;
             match opened.try_lock() {
@@ -43,6 +44,7 @@ impl Lock {
                 // Some file systems have no locks. That is safe, since the file is read back and compared.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
+
             // The previous writer removes its lock file, perhaps after it was opened here.
             if is_own(&opened, &path).map_err(|e| io_error(file, e))? {
                 return Ok(Self { path, opened });
@@ -66,6 +68,8 @@ pub(crate) fn is_own(opened: &File, path: &Path) -> std::io::Result<bool> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
         named => named?,
     };
+
+    // A name may lead to another file by now; elsewhere than on Unix only a link is told apart from it.
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;

@@ -19,9 +19,9 @@ use crate::read::certificate_path;
 /// Where a file and its certificate are written, with links resolved.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
-    /// The file.
+    /// The path of the file that is written.
     pub file: PathBuf,
-    /// Its certificate.
+    /// The path of its certificate.
     pub certificate: PathBuf,
     /// The certificate that programs before this one wrote beside a link to the file, if the output is named by a link.
     beside_link: Option<PathBuf>,
@@ -73,15 +73,19 @@ impl Place {
             hidden(&self.certificate, "new"),
             hidden(&self.certificate, "old"),
         ];
+
+        // A process that ended between two renames left the certificate under one of these names. The digest says whose it is.
         if !self.certificate.exists()
             && let Some(own) = left.iter().find(|left| is_of(left, &self.file))
         {
             let _ = fs::rename(own, &self.certificate);
         }
-        let mut left = left.to_vec();
-        left.extend([self.new_file(), hidden(&self.file, "old")]);
-        left.extend(self.beside_link.as_deref().map(|one| hidden(one, "old")));
-        for name in left {
+
+        let mut remains = left.to_vec();
+        remains.extend([self.new_file(), hidden(&self.file, "old")]);
+        remains.extend(self.beside_link.as_deref().map(|one| hidden(one, "old")));
+
+        for name in remains {
             let _ = fs::remove_file(name);
         }
     }
@@ -109,6 +113,7 @@ impl Place {
                 fs::remove_file(hidden)
             };
         }
+
         if let Some(stated) = stated.filter(|_| placed.is_err()) {
             let _ = fs::remove_file(stated);
         }
@@ -130,8 +135,9 @@ impl Place {
                 is_old,
             }
         };
+
         for old in [Some(&self.certificate), self.beside_link.as_ref()] {
-            // What is no file, or cannot be looked up, is no certificate.
+            // A certificate is a file: other things of its name stay, and so does one that cannot be looked up.
             let Some(old) = old.filter(|old| old.is_file()) else {
                 continue;
             };
@@ -139,6 +145,7 @@ impl Place {
             step(|| fs::rename(old, &hidden)).map_err(failed(old, true))?;
             aside.push((old.clone(), hidden));
         }
+
         if !aside.is_empty() {
             // Otherwise a power cut could keep the renaming below and lose that above.
             sync_folder(&self.certificate).map_err(failed(&self.certificate, true))?;
@@ -148,7 +155,10 @@ impl Place {
         let old = hidden(&self.file, "old");
         let existed = self.file.exists();
         let kept = existed && stated.is_some() && step(|| fs::hard_link(&self.file, &old)).is_ok();
+
         let outcome = self.rename_both(new, stated).map_err(|(error, path)| {
+            // The old file is there if the new one never took its place, if its second name gave it back, or if there was none
+            // and the new one is gone.
             let undone = match path {
                 path if path == self.file => true,
                 _ if kept => fs::rename(&old, &self.file).is_ok(),
@@ -156,6 +166,7 @@ impl Place {
             };
             failed(path, undone)(error)
         });
+
         if kept {
             let _ = fs::remove_file(&old);
         }
@@ -169,7 +180,9 @@ impl Place {
         stated: Option<&Path>,
     ) -> Result<(), (std::io::Error, &Path)> {
         let named = |name| move |error| (error, name);
+        // In this order a file lacks its certificate for a moment, rather than having one of other points.
         step(|| fs::rename(new, &self.file)).map_err(named(&*self.file))?;
+
         let Some(stated) = stated else {
             return Ok(());
         };

@@ -41,20 +41,27 @@ pub(super) fn check_from(
     control: Control<'_>,
 ) -> Result<Check, CheckError> {
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
-    let length = Input::open(path).and_then(|input| input.length());
-    let length = length.map_err(|e| io_error(path, e))?;
+    let length = Input::open(path)
+        .and_then(|input| input.length())
+        .map_err(|e| io_error(path, e))?;
+
+    // Which of several sets is meant, only reading in memory can choose.
     if length <= whole || overrides.set.is_some() {
         return in_memory();
     }
+
     let columns = overrides.chosen_columns();
     let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, true)? else {
         return in_memory();
     };
+
     let reader = if overrides.without_certificate {
         reader.without_certificate()
     } else {
         reader
     };
+
+    // Shuffled points and levels are not in the order of rows: a stream would fail on them after it has read a part.
     let is_not_in_rows =
         |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
     if reader.certificate().is_some_and(is_not_in_rows)
@@ -62,8 +69,10 @@ pub(super) fn check_from(
     {
         return in_memory();
     }
+
     // A point of a text file takes at least four bytes.
     let count = reader.count().unwrap_or(length / 4);
+
     match in_pieces(reader, overrides, control) {
         Err(CheckError::Verify(source)) if source.needs_memory() => {
             let limit = MAX_IN_MEMORY;
@@ -88,9 +97,12 @@ fn in_pieces(
     let (detection, precision) = (reader.detection(), reader.precision());
     let certificate = reader.certificate().cloned();
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
-    let verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?;
-    let mut verifier = verifier.expecting(reader.expected());
+    let mut verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?
+        .expecting(reader.expected());
+
     let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
+
+    // The digest is of positions as they are in the file, the verdict of those in the domain.
     while let Some(mut points) = reader.next_stored()? {
         if let Some(hasher) = &mut positions {
             add_positions(hasher, &points);
@@ -100,6 +112,7 @@ fn in_pieces(
         }
         verifier.push(&points, control)?;
     }
+
     let report = verifier.finish(control)?;
     let found = Contents {
         format: detection.format,
@@ -108,6 +121,7 @@ fn in_pieces(
         positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
         count: report.count as u64,
     };
+
     // Sets of levels are not in the order of rows, so they are read whole.
     let levels = Vec::new();
     Ok(Check::new(

@@ -79,6 +79,13 @@ pub struct StreamExport {
     _lock: Lock,
 }
 
+/// The files of an export, once they are locked and open.
+struct OpenFiles {
+    place: Place,
+    lock: Lock,
+    partial: Partial,
+}
+
 impl StreamExport {
     /// An export without points yet. An interrupted export of the same name is discarded.
     ///
@@ -92,15 +99,23 @@ impl StreamExport {
         context: &ExportContext,
         options: StreamOptions,
     ) -> Result<Self, ExportError> {
+        // Faults of the context are found before an older export of that name is discarded.
         let target = stream_target(path, context)?;
         let judges = options
             .verify
             .then(|| Judges::new(target, context))
             .transpose()?;
+
         let (place, lock) = locked(path)?;
         resume::remove(&place.file);
         let partial = Partial::create(&place.file)?;
-        let mut export = Self::new(path, context, target, options, (place, lock, partial))?;
+
+        let files = OpenFiles {
+            place,
+            lock,
+            partial,
+        };
+        let mut export = Self::new(path, context, target, options, files)?;
         export.judges = judges;
         Ok(export)
     }
@@ -110,8 +125,14 @@ impl StreamExport {
         context: &ExportContext,
         target: Target,
         options: StreamOptions,
-        (place, lock, partial): (Place, Lock, Partial),
+        files: OpenFiles,
     ) -> Result<Self, ExportError> {
+        let OpenFiles {
+            place,
+            lock,
+            partial,
+        } = files;
+
         Ok(Self {
             path: path.to_owned(),
             file: place.file.clone(),
@@ -197,6 +218,7 @@ impl StreamExport {
         let file = &place.file;
         let checkpoint = Checkpoint::read(file)?;
         checkpoint.suits(file, &target, context)?;
+
         let mut judges = (checkpoint.verify)
             .then(|| Judges::new(target, context))
             .transpose()?;
@@ -204,12 +226,19 @@ impl StreamExport {
             state.restore(file, judges, context)?;
             judges.largest_shift = checkpoint.largest_shift;
         }
+
         let options = StreamOptions {
             verify: checkpoint.verify,
             resumable: true,
         };
+
         let partial = resume::reopen(file, &checkpoint)?;
-        let mut export = Self::new(path, context, target, options, (place, lock, partial))?;
+        let files = OpenFiles {
+            place,
+            lock,
+            partial,
+        };
+        let mut export = Self::new(path, context, target, options, files)?;
         // If anything fails from here on, the files can still be resumed.
         (export.kept, export.judges) = (true, judges);
         (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
@@ -223,17 +252,20 @@ impl StreamExport {
             Some(provenance) => self.begin(provenance)?,
             None => Vec::new(),
         };
+
         let (file, rows, judges) = (&self.file, &mut self.rows, &mut self.judges);
         let mut count = 0;
         let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
             let Some(rows) = rows.as_mut() else {
                 return Ok(bytes.len());
             };
+            // A row may go on in the next block: the bytes left unused come again with it.
             let used = rows.whole(bytes);
             count += rows.count(&bytes[..used]);
             resume::read_rows(&bytes[..used], file, rows, judges.as_mut())?;
             Ok(used)
         });
+
         let left = taken?;
         checkpoint.matches(file, &self.partial.rows_digest()?, count, left)?;
         Ok(self.partial.truncate(checkpoint.bytes)?)
@@ -244,13 +276,16 @@ impl StreamExport {
         let (format, precision) = (self.target.format, self.target.precision);
         self.provenance = provenance;
         let carried = provenance && format.carries_provenance();
+        // Which count the head states does not matter here, as heads of all counts have the same length.
         let start = head(format, precision, 1, carried)?;
         let layout =
             Layout::of(&start, format, None)?.ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
+        // A text table learns its columns from its header.
         if layout.offset == 0 {
             rows.read(&start)?;
         }
+
         self.rows = Some(rows);
         Ok(start)
     }
@@ -264,18 +299,22 @@ impl StreamExport {
         if points.is_empty() {
             return Ok(());
         }
+
         if self.rows.is_none() {
             let head = self.begin(provenance.is_some())?;
             self.partial.begin(head)?;
         }
+
         let found = provenance.map_or(0, <[_]>::len);
         let expected = if self.provenance { points.len() } else { 0 };
         if found != expected {
             let points = points.len();
             return Err(FormatError::Provenance { found, points }.into());
         }
+
         // Fails if the head cannot count so many points.
         self.head(self.count + points.len() as u64)?;
+
         for (index, piece) in points.chunks(PIECE).enumerate() {
             let first = index * PIECE;
             let provenance = provenance.map(|all| &all[first..first + piece.len()]);
@@ -298,10 +337,13 @@ impl StreamExport {
     ) -> Result<(), ExportError> {
         let format = self.target.format;
         let stored = self.target.stored(points, self.count)?;
+
         let start = self.partial.rows.len();
         let carried = provenance.filter(|_| format.carries_provenance());
         let precision = self.target.precision;
         push_rows(&mut self.partial.rows, &stored, carried, format, precision);
+
+        // Points are judged as they are decoded from the encoded bytes.
         if let (Some(judges), Some(rows)) = (&mut self.judges, &mut self.rows) {
             let decoded = rows.read(&self.partial.rows[start..])?;
             compare(
@@ -312,12 +354,15 @@ impl StreamExport {
             )?;
             judges.take(points, &decoded.points, control)?;
         }
+
         self.count += points.len() as u64;
         Ok(self.partial.flush(false)?)
     }
 
     fn save(&mut self, token: &Value) -> Result<(), ExportError> {
+        // The rows that a checkpoint counts must be durable before it is.
         self.partial.sync()?;
+
         let old = self.state.take();
         if let Some(judges) = &self.judges {
             self.state = Some(StateFile::write(
@@ -327,6 +372,7 @@ impl StreamExport {
                 &self.target,
             )?);
         }
+
         let checkpoint = Checkpoint {
             version: resume::VERSION,
             token: token.clone(),
@@ -343,11 +389,14 @@ impl StreamExport {
             largest_shift: self.judges.as_ref().map_or(0.0, |j| j.largest_shift),
             state: self.state.clone(),
         };
+
         checkpoint.write(&self.file)?;
         self.kept = true;
+        // Until now the document of the checkpoint named the old state.
         if let Some(old) = old {
             old.remove(&self.file);
         }
+
         Ok(())
     }
 
@@ -384,8 +433,9 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
 
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
-    // Check this now and not only at the end.
+    // Found out at the end, this would cost the whole export.
     Place::of(path)?.takes_certificate()?;
+
     let format = target.format;
     if !format.streams() {
         return Err(ExportError::NotStreamed { format });
@@ -393,18 +443,20 @@ fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportE
     if let Some(seed) = context.shuffle_seed {
         return Err(ExportError::ShuffledStream { seed });
     }
+
     check_target(&target)?;
     target.precision = format.precision(target.precision);
     Ok(target)
 }
 
-/// Fails if decoded points or provenance differ in any bit from what was encoded.
+/// Fails if decoded points or provenance differ in any bit from those that were encoded.
 fn compare(
     written: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
     found: &[[f64; 2]],
     found_provenance: Option<&[Provenance]>,
 ) -> Result<(), ExportError> {
+    // As numbers, 0 and -0 would be equal.
     let bits = |point: &[f64; 2]| point.map(f64::to_bits);
     let same = written.len() == found.len()
         && written.iter().map(bits).eq(found.iter().map(bits))

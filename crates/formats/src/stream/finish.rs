@@ -1,6 +1,4 @@
 //! The end of a streamed export: final head, verdict, reading back, certificate, renaming.
-//!
-//! A file is renamed only after it was read back and compared with what was written.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -15,14 +13,14 @@ use crate::error::FormatError;
 use crate::export::{ExportError, Warning, certificate, left_out, warnings};
 use crate::files::Exported;
 
-/// A finished stream.
+/// The outcome of a finished [`StreamExport`].
 #[derive(Clone, Debug)]
 pub struct Streamed {
-    /// The data file.
+    /// The path of the data file.
     pub path: PathBuf,
-    /// Points written.
+    /// The number of points written.
     pub count: u64,
-    /// Bytes of the data file.
+    /// The length of the data file in bytes.
     pub bytes: u64,
     /// The result that [`export`](crate::export) would have returned; `None` if the stream was not verified.
     pub verified: Option<Exported>,
@@ -46,14 +44,18 @@ impl StreamExport {
 
     fn complete(&mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
         let (format, count) = (self.target.format, self.count);
+
         if count == 0 {
             return Err(FormatError::Empty { format }.into());
         }
+
         let head = self.head(count)?;
         self.partial.complete(head)?;
         let certificate = self.certify(control)?;
+        // A file is renamed only after it was read back and compared with the bytes that were written.
         let digest = self.read_back(certificate.is_some(), control)?;
         let bytes = self.partial.bytes();
+
         let (path, mut verified) = (self.path.clone(), None);
         match certificate {
             Some((mut certificate, report)) => {
@@ -69,10 +71,12 @@ impl StreamExport {
             }
             None => self.put(None)?,
         }
+
         let warnings = match &verified {
             Some(exported) => exported.warnings.clone(),
             None => left_out(self.provenance, format),
         };
+
         Ok(Streamed {
             path,
             count,
@@ -101,6 +105,7 @@ impl StreamExport {
         whole: bool,
         control: Control<'_>,
     ) -> Result<Option<String>, ExportError> {
+        // The verifier's progress, which counts each sample twice, has come to its end.
         let total = 2 * self.count;
         let at_the_end = Progress { done: total, total };
         self.partial

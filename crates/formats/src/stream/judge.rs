@@ -82,18 +82,23 @@ impl Judges {
     ) -> Result<(), ExportError> {
         self.digest(stored);
         let mapping = self.target.mapping();
+
         let domain = mapping.positions(stored);
         let shifts = points
             .iter()
             .zip(domain.iter())
             .map(|(&a, &b)| mapping.shift(a, b));
         self.largest_shift = shifts.fold(self.largest_shift, f64::max);
+
+        // So far storing has moved no position, so that the verifier of the stored ones has seen the original ones, too.
         if self.largest_shift > 0.0 && self.original.is_none() {
             self.original = Some(self.stored.clone());
         }
+
         let last = LastProgress::new(control);
         let judged = self.stored.push(&domain, &|progress| last.report(progress));
         judged.map_err(|source| unjudged(&self.target, source))?;
+
         if let Some(original) = &mut self.original {
             // Other errors matter only if the stored set is invalid, and are reported then.
             if let Err(source @ VerifyError::Cancelled) = original.push(points, &|_| last.repeat())
@@ -116,12 +121,15 @@ impl Judges {
         let report = (self.stored)
             .finish(&|progress| last.report(progress))
             .map_err(failed)?;
+
+        // As for whole sets, the original positions matter only where the stored ones are not valid.
         let (mut made_conflicts, mut made_gaps) = (false, false);
         if let (false, Some(original)) = (report.valid(), self.original) {
             let before = original.finish(&|_| last.repeat()).map_err(failed)?;
             made_conflicts = before.conflict_free() && !report.conflict_free();
             made_gaps = before.maximal() && !report.maximal();
         }
+
         let moved = self.largest_shift > 0.0;
         let rounding =
             moved.then(|| statement(&target, self.largest_shift, made_conflicts, made_gaps));

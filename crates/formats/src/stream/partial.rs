@@ -82,16 +82,20 @@ impl Partial {
         let rows = length.saturating_sub(head.len() as u64);
         let start =
             self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
+
         let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
         while left > 0 {
             let before = pending.len();
             pending.resize(before + left.min(BLOCK as u64) as usize, 0);
             self.checked(|this| this.writer.file()?.read_exact(&mut pending[before..]))?;
             left -= (pending.len() - before) as u64;
+            // The digest is of all rows, those before the interruption among them.
             self.checked(|this| Ok(this.writer.digest()?.update(&pending[before..]).count()))?;
+
             let used = each(&pending)?;
             pending.drain(..used);
         }
+
         (self.head, self.written) = (head, rows);
         Ok(pending.len())
     }
@@ -161,17 +165,22 @@ impl Partial {
         let mut head = Vec::new();
         let mut start = (&mut file).take(self.head.len() as u64);
         start.read_to_end(&mut head).map_err(failed)?;
+
         let differs = |what: &str, written: String, found: String| ExportError::ReadBack {
             written: format!("{what} {written}"),
             found,
         };
+
         if head != self.head {
             let found = "another head".to_owned();
             return Err(differs("a head of", format!("{} bytes", head.len()), found));
         }
+
         let (mut all, mut rows) = (blake3::Hasher::new(), blake3::Hasher::new());
+        // The digest of the file begins with its head, that of the rows does not.
         all.update(&head);
         let mut block = vec![0; BLOCK];
+
         loop {
             let count = read_some(&mut file, &mut block).map_err(failed)?;
             if count == 0 {
@@ -182,6 +191,7 @@ impl Partial {
             rayon::join(|| rows.update(block).count(), hash_all);
             go_on()?;
         }
+
         let (written, found) = (self.rows_digest()?, digest_text(&rows));
         if written != found {
             return Err(differs("rows of", written, found));
@@ -189,7 +199,7 @@ impl Partial {
         Ok(whole.then(|| digest_text(&all)))
     }
 
-    /// Removes the file.
+    /// Removes the file of the export.
     pub fn remove(&self) {
         // After a rename it no longer exists; other failures cannot be handled here.
         let _ = fs::remove_file(&self.path);

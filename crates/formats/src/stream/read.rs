@@ -75,11 +75,14 @@ impl StreamReader {
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);
+
         let detection = Detection::of(&start, file_name(path)?.as_ref(), format)?;
         let format = detection.format;
         let Some(layout) = Layout::of(&start, format, columns)? else {
             return Ok(Err(format));
         };
+
+        // A false count is found out before any row is read.
         let count = checked_count(&layout, length, format)?;
         let width = layout.rows.width().map(|width| width as u64);
         let mut reader = Self {
@@ -96,6 +99,7 @@ impl StreamReader {
             pending: Vec::new(),
             digest: digested.then(blake3::Hasher::new),
         };
+
         reader.skip(start, layout.offset)?;
         Ok(Ok(reader))
     }
@@ -149,13 +153,17 @@ impl StreamReader {
             } else {
                 self.rows.whole(&self.pending)
             };
+
+            // A line may go on in the next block, though not without end.
             if used == 0 && !ended {
                 self.check_line()?;
                 continue;
             }
+
             let set = self.rows.read(&self.pending[..used])?;
             self.pending.drain(..used);
             self.read += set.len() as u64;
+            // Blocks may consist of remarks and a header.
             if !set.is_empty() {
                 return Ok(Some(set.points));
             }
@@ -167,10 +175,12 @@ impl StreamReader {
 
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
+
         self.rows.finish(self.read)?;
         if self.read == 0 {
             return Err(FormatError::Empty { format });
         }
+
         match self.count {
             // The file was made shorter while it was read.
             Some(stated) if stated != self.read => Err(FormatError::Count {
@@ -193,6 +203,7 @@ impl StreamReader {
 
     /// Reads a block; true at the end of the rows.
     fn fill(&mut self) -> Result<bool, FormatError> {
+        // Behind the rows there may be other data, which is not to be read as rows.
         let want = self
             .left
             .map_or(BLOCK as u64, |left| left.min(BLOCK as u64)) as usize;
@@ -201,9 +212,11 @@ impl StreamReader {
         let read = read_some(&mut self.file, &mut self.pending[before..]);
         let count = read.map_err(|e| io_error(&self.path, e))?;
         self.pending.truncate(before + count);
+
         if let Some(digest) = &mut self.digest {
             digest.update(&self.pending[before..]);
         }
+
         self.left = self.left.map(|left| left - count as u64);
         Ok(count < want || self.left == Some(0))
     }
@@ -225,9 +238,12 @@ impl StreamReader {
         if let Some(digest) = &mut self.digest {
             digest.update(&start);
         }
+
         let mut here = start.len() as u64;
         self.pending = start;
+        // Only bytes of rows are counted there, and `fill` counts what it reads.
         let left = self.left.take();
+
         while here < offset {
             self.pending.clear();
             let ended = self.fill()?;
@@ -237,6 +253,7 @@ impl StreamReader {
                 return Err(io_error(&self.path, source));
             }
         }
+
         let beyond = (here - offset) as usize;
         self.pending.drain(..self.pending.len() - beyond);
         // The rows may end within the bytes already read.
@@ -263,8 +280,11 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
         return Ok(None);
     };
     let (offset, available) = (layout.offset, length.saturating_sub(layout.offset));
+    // Without a stated count all bytes up to the end are rows.
     let count = layout.count.unwrap_or(available / width);
+    // A count is a claim of the head, so that the product may overflow.
     let needed = count.saturating_mul(width);
+
     if needed > available {
         return Err(FormatError::Truncated {
             format,
@@ -273,6 +293,7 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
             available,
         });
     }
+
     if needed < available && !layout.followed {
         return Err(FormatError::Trailing {
             format,
@@ -280,6 +301,7 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
             extra: available - needed,
         });
     }
+
     if count == 0 {
         return Err(FormatError::Empty { format });
     }

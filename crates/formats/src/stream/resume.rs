@@ -34,7 +34,7 @@ pub(super) const VERSION: u32 = 1;
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Checkpoint {
     pub version: u32,
-    /// The caller's token.
+    /// The caller's own state.
     pub token: Value,
     /// Points in the file.
     pub count: u64,
@@ -76,9 +76,11 @@ impl Checkpoint {
         if !path.exists() {
             return Err(fault(&path, "there is no checkpoint"));
         }
+
         let bytes = read_file(&path)?;
         let found: Self =
             serde_json::from_slice(&bytes).map_err(|error| fault(&path, error.to_string()))?;
+
         if found.version == VERSION {
             return Ok(found);
         }
@@ -102,6 +104,7 @@ impl Checkpoint {
         target: &Target,
         context: &ExportContext,
     ) -> Result<(), ExportError> {
+        // Numbers have the same shortest text only if they are the same.
         let texts = |a: &dyn ToString, b: &dyn ToString| [a.to_string(), b.to_string()];
         for (what, [stated, found]) in [
             ("format", texts(&self.format, &target.format)),
@@ -153,6 +156,7 @@ impl Checkpoint {
                 format!("the digest of its rows is {digest}, and the checkpoint's is {stated}");
             return Err(fault(&partial_path(path), reason));
         }
+
         let (stated, bytes) = (self.count, self.bytes);
         if left > 0 || stated != count {
             let reason = format!(
@@ -226,17 +230,20 @@ impl StateFile {
     ) -> Result<Self, ExportError> {
         let failed = |source| unjudged(target, source);
         let mut bytes = judges.stored.save().map_err(failed)?;
+
         let stored = bytes.len() as u64;
         if let Some(original) = &judges.original {
             // Errors of the original positions are reported only if they matter, but a checkpoint needs positions
             // without errors.
             bytes.extend(original.save().map_err(failed)?);
         }
+
         let state = Self {
             serial: old.map_or(0, |old| old.serial + 1),
             digest: bytes_digest(&bytes),
             stored,
         };
+
         let name = state.path(path);
         write_new(&name, path, &bytes)?;
         Ok(state)
@@ -252,16 +259,19 @@ impl StateFile {
         if !name.exists() {
             return Err(fault(&name, "it is not there"));
         }
+        // The verdict depends on each byte of the state.
         let bytes = read_file(&name)?;
         if bytes_digest(&bytes) != self.digest || self.stored > bytes.len() as u64 {
             return Err(fault(&name, "it is not what the checkpoint names"));
         }
+
         let (stored, original) = bytes.split_at(self.stored as usize);
         let restored = |state: &[u8]| {
             let (region, radius) = (context.region, context.radius);
             StreamVerifier::restore(region, radius, &context.verify, state)
                 .map_err(|error| fault(&name, error.to_string()))
         };
+
         judges.stored = restored(stored)?;
         if !original.is_empty() {
             judges.original = Some(restored(original)?);
@@ -292,6 +302,8 @@ pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
     let _lock = place.lock(Duration::ZERO)?;
     let file = &place.file;
     let checkpoint = Checkpoint::read(file)?;
+
+    // In each of these cases the process ended before the new file had its name.
     if partial_path(file).exists() || !file.exists() || !checkpoint.begins(file)? {
         return Ok(None);
     }
@@ -315,6 +327,7 @@ pub(super) fn remove(path: &Path) {
     let state = Checkpoint::read(path).ok().and_then(|found| found.state);
     let _ = fs::remove_file(temporary(path));
     let serial = state.map_or(0, |state| state.serial);
+    // A process that ended while it saved may have left the state before this one, or the one after it.
     for serial in serial.saturating_sub(1)..=serial.saturating_add(1) {
         let _ = fs::remove_file(StateFile::name(path, serial));
     }

@@ -20,7 +20,7 @@ const BLOCKS_PER_SYNC: usize = (128 << 20) / BLOCK;
 #[derive(Debug)]
 pub(super) struct Writer {
     file: Arc<File>,
-    /// The digest of what was appended before the thread was started.
+    /// The digest of the blocks that were appended before the thread started.
     digest: blake3::Hasher,
     appending: Option<Appending>,
 }
@@ -49,10 +49,12 @@ impl Writer {
             Some(appending) => appending,
             None => Appending::start(&self.file, &self.digest)?,
         };
-        let empty = appending.spare.try_recv();
-        let empty = empty.unwrap_or_else(|_| Vec::with_capacity(block.capacity()));
+
+        let empty =
+            (appending.spare.try_recv()).unwrap_or_else(|_| Vec::with_capacity(block.capacity()));
         let sent = appending.blocks.send(mem::replace(block, empty));
         self.appending = Some(appending);
+
         match sent {
             Ok(()) => Ok(()),
             // The thread ended because of an error, which is returned here.
@@ -96,6 +98,7 @@ impl Appending {
     fn start(file: &Arc<File>, digest: &blake3::Hasher) -> io::Result<Self> {
         let (blocks, incoming) = sync_channel::<Vec<u8>>(WAITING);
         let (emptied, spare) = channel();
+        // The digest goes on from the bytes that were appended before the thread started.
         let (file, mut digest) = (Arc::clone(file), digest.clone());
         let name = "writing a file".to_owned();
         let thread = Builder::new().name(name).spawn(move || {
@@ -124,17 +127,20 @@ fn append_all(
             .spawn_scoped(scope, move || {
                 syncs.iter().try_for_each(|()| file.sync_data())
             })?;
+
         for (index, mut block) in incoming.iter().enumerate() {
             file.write_all(&block)?;
             digest.update(&block);
             block.clear();
-            // After the last block nobody takes it.
+            // After the last block no receiver is left.
             let _ = emptied.send(block);
             if index % BLOCKS_PER_SYNC == BLOCKS_PER_SYNC - 1 && due.send(()).is_err() {
                 // The other thread ended because of an error, which is returned below.
                 break;
             }
         }
+
+        // The other thread ends when the channel does.
         drop(due);
         let synced = syncing.join();
         synced.map_err(|_| io::Error::other("the thread that waits for the device has failed"))?
