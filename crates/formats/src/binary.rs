@@ -123,6 +123,8 @@ pub(crate) fn all_finite(
     if points.as_flattened().iter().fold(true, both) {
         return Ok(());
     }
+
+    // Which value it is, only a set with a fault is searched for.
     let mut each = points.iter().zip(first..);
     each.try_for_each(|(point, index)| {
         let mut values = point.iter();
@@ -151,11 +153,12 @@ pub(crate) fn pairs(
         })
         .collect()
     };
+
     all_finite(&points, first, format)?;
     Ok(points)
 }
 
-/// Appends coordinates, little-endian.
+/// Appends coordinates in little-endian order.
 pub(crate) fn push(out: &mut Vec<u8>, values: &[f64], precision: Precision) {
     for &value in values {
         match precision {

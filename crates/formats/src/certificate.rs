@@ -48,7 +48,7 @@ pub struct Rounding {
     pub note: String,
 }
 
-/// What holds for the first points of a file of nested levels, as measured. Lengths are in domain units.
+/// The first points of a file of nested levels, as measured. Lengths are in domain units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedLevel {
@@ -69,7 +69,7 @@ pub struct CertifiedLevel {
 }
 
 impl CertifiedLevel {
-    /// What was found of a claim.
+    /// Returns the level as a judge found it, with its claim.
     #[must_use]
     pub fn of(found: &PrefixReport) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl CertifiedLevel {
         }
     }
 
-    /// What is to hold for these points.
+    /// Returns the claim about these points.
     #[must_use]
     pub fn claim(&self) -> PrefixClaim {
         PrefixClaim {
@@ -113,11 +113,11 @@ impl CertifiedLevel {
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
     pub format_version: u32,
-    /// The program that wrote the file.
+    /// The name of the program that wrote the file.
     pub program: String,
-    /// Its version.
+    /// The version of that program.
     pub program_version: String,
-    /// The sampling method.
+    /// The name of the sampling method.
     pub method: String,
     /// The seed and every other parameter of the method, by name.
     #[serde(deserialize_with = "distinct")]
@@ -150,7 +150,7 @@ pub struct Certificate {
     pub radius: f64,
     /// Relative tolerance of maximality used by the verifier.
     pub covering_tolerance: f64,
-    /// Number of points.
+    /// The number of points in the file.
     pub count: u64,
     /// Smallest distance between two points; null for a single point of a bounded region.
     #[serde(deserialize_with = "stated")]
@@ -168,7 +168,7 @@ pub struct Certificate {
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
-    /// Who verified.
+    /// The judges that came to the verdict.
     #[serde(deserialize_with = "parts::judges")]
     pub judges: Vec<Judge>,
     /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
@@ -190,7 +190,7 @@ pub struct Certificate {
     pub thinned: Option<Thinned>,
     /// The data file's name when it was written, without folders.
     pub file: String,
-    /// Its format.
+    /// The format of the data file.
     pub file_format: Format,
     /// Number type of its coordinates.
     pub precision: Precision,
@@ -230,15 +230,20 @@ impl Certificate {
             name: name.to_owned(),
             reason,
         };
+
+        // A data file that is given in a certificate's place by mistake may have any size, and is not parsed.
         if bytes.len() > MAX_CERTIFICATE_BYTES {
             let length = bytes.len();
             let reason = format!("{length} bytes exceed the limit of {MAX_CERTIFICATE_BYTES}");
             return Err(fault(reason));
         }
+
+        // Fields of a newer version would be reported as unknown, so that the version is read first, by itself.
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
         let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
+
         stated.check_version(name)?;
 
         // Only a certificate inside the file that it is about cannot state that file's digest.
@@ -269,10 +274,12 @@ impl Certificate {
     /// written, and how storing changed the positions.
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
+        // Parameters stated a second time, as the region or the radius, are compared with that statement.
         let known = self.known_parameters().map(|(name, ..)| name);
         let parameters = (self.parameters.keys())
             .filter(|name| !known.contains(&name.as_str()))
             .map(|name| format!("parameters.{name}"));
+
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
         let rounded = self.rounding.as_ref().map(|_| "rounding");
         (["program", "program_version", "method", "file", "judges"].into_iter())
@@ -283,13 +290,14 @@ impl Certificate {
             .collect()
     }
 
-    /// Returns what is to hold for the points to the end of each level.
+    /// Returns the claims about the points to the end of each level.
     #[must_use]
     pub fn claims(&self) -> Vec<PrefixClaim> {
         self.levels.iter().map(CertifiedLevel::claim).collect()
     }
 
-    /// Returns what is to hold for the first `count` points, by the levels stated; `None` if there are none or fewer points.
+    /// Returns the claim about the first `count` points that follows from the stated levels; `None` if there are no levels, or
+    /// fewer points.
     #[must_use]
     pub fn prefix(&self, count: usize) -> Option<PrefixClaim> {
         PrefixClaim::within(&self.claims(), count)

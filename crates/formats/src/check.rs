@@ -27,7 +27,7 @@ pub const MEASURE_TOLERANCE: f64 = 1e-9;
 /// Values that take precedence over the file and its certificate.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
-    /// The format.
+    /// The format to read the file in; without it the file's bytes and name decide.
     pub format: Option<Format>,
     /// Which set of a UTK file.
     pub set: Option<usize>,
@@ -35,13 +35,13 @@ pub struct Overrides {
     pub columns: Option<[String; 2]>,
     /// The region. Unit-torus formats are scaled to its width.
     pub region: Option<Region>,
-    /// The radius.
+    /// The radius to verify against, in domain units; without it the certificate's.
     pub radius: Option<f64>,
     /// The position in the file of the region's lower corner.
     pub origin: Option<[f64; 2]>,
     /// Takes positions that seem to be longitudes and latitudes for those of a plane.
     pub planar: bool,
-    /// Who verifies.
+    /// The judges that verify the positions.
     pub judges: JudgeChoice,
     /// Whether the certificate is left out, and with it the provenance of the points: the file is then checked as one
     /// that has none.
@@ -54,14 +54,31 @@ impl Overrides {
         let columns = self.columns.as_ref()?;
         Some(columns.each_ref().map(String::as_str))
     }
+
+    /// Returns the hint for decoding a file called `name`.
+    fn hint<'a>(&'a self, name: &'a str) -> Hint<'a> {
+        Hint {
+            name,
+            format: self.format,
+            set: self.set,
+            columns: self.chosen_columns(),
+            // A false certificate is an outcome of a check and no error, so that decoding does not compare it.
+            certificate: if self.without_certificate {
+                CertificateUse::LeftOut
+            } else {
+                CertificateUse::AsStated
+            },
+            ..Hint::default()
+        }
+    }
 }
 
 /// One statement of a certificate that does not hold for the file.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct CertificateDifference {
-    /// The certificate's field.
+    /// The name of the certificate's field.
     pub field: &'static str,
-    /// The certificate's value.
+    /// What the certificate states there.
     pub stated: String,
     /// The value of the file, or of the caller.
     pub found: String,
@@ -211,21 +228,10 @@ pub fn check_bytes(
     overrides: &Overrides,
     control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
-    let hint = Hint {
-        name,
-        format: overrides.format,
-        set: overrides.set,
-        columns: overrides.chosen_columns(),
-        certificate: if overrides.without_certificate {
-            CertificateUse::LeftOut
-        } else {
-            CertificateUse::AsStated
-        },
-        ..Hint::default()
-    };
-    let mut read = decode(data, &hint)?;
+    let mut read = decode(data, &overrides.hint(name))?;
     let (detection, precision) = (read.detection, read.precision);
     let inside = read.certificate.take();
+
     let beside = certificate.filter(|_| !overrides.without_certificate);
     let certificate = match beside {
         Some(bytes) => {
@@ -250,13 +256,18 @@ pub fn check_bytes(
     let (region, radius) = (judged.region, judged.radius);
     let report = verify(&set.points, region, radius, &judged.options, control)
         .map_err(|error| judged.fault(error, detection.format))?;
+
     // Of another region or radius the certificate's levels claim nothing.
+    // Of another region or radius the certificate's levels claim nothing.
+    // A claim about more points than there are has no verdict; the count is a difference by itself.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
     let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
     claims.retain(|claim| claim.count <= set.len());
     let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
+
     let levels = levels.iter().map(CertifiedLevel::of).collect();
 
+    // The file is hashed only if there is a digest to compare.
     let stated = certificate
         .as_ref()
         .and_then(|stated| stated.digest.as_ref());
@@ -289,17 +300,23 @@ impl Judged {
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
+        // The caller's values take precedence, since the certificate's may be in doubt.
         let unit_torus = Region::UNIT_SQUARE;
         let region = overrides
             .region
             .or_else(|| certificate.map(|c| c.region))
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
-        let radius = overrides.radius.or_else(|| certificate.map(|c| c.radius));
-        let radius = radius.ok_or(CheckError::NoRadius)?;
+
+        let radius = overrides
+            .radius
+            .or_else(|| certificate.map(|c| c.radius))
+            .ok_or(CheckError::NoRadius)?;
+
         let stated = || certificate.and_then(|c| c.origin);
         let origin = overrides.origin.or_else(stated).unwrap_or_default();
         check_origin(origin, region, radius, format, precision)?;
+
         Ok(Self {
             region,
             radius,
@@ -376,8 +393,8 @@ pub(crate) struct Contents {
     pub count: u64,
 }
 
-/// Returns the statements of a certificate that are not true of a file, as far as that shows without a judge: what is
-/// stated of the file's content, and numbers that follow from others.
+/// Returns the statements of a certificate that are not true of a file, as far as that shows without a judge: statements
+/// about the file's content, and numbers that follow from others.
 ///
 /// A certificate without such a difference was written for these points.
 pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<CertificateDifference> {
@@ -388,10 +405,14 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     list.exact("scale", &stated.scale, &mapping.scale());
     parameters(&mut list, stated);
 
+    // A certificate could hide any gap by stating a large tolerance, so that only the judges' own is true.
     let tolerance = VerifyOptions::default().covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
+
+    // Density and verdict follow from other statements; a change to one of them alone shows here.
     let density = found.count as f64 * stated.radius.powi(2) / stated.region.area();
     list.measure("density", Some(stated.density), Some(density));
+
     list.exact("valid", &stated.valid, &implied_verdict(stated));
     list.0
 }
@@ -405,8 +426,9 @@ fn implied_verdict(stated: &Certificate) -> bool {
         && stated.covering_radius <= limit
 }
 
-/// Compares what is stated of the file's content.
+/// Compares the statements about the file's content.
 fn contents(list: &mut Differences, stated: &Certificate, found: &Contents) {
+    // Inside a file a certificate has no digest, as the file would have to contain its own.
     if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
         list.exact("digest", stated, digest);
     }
@@ -429,8 +451,11 @@ fn differences(
 
     let region = judged.region;
     list.exact("region", &stated.region.to_string(), &region.to_string());
+
+    // Adding 0 turns -0 into 0: the same place would otherwise have two texts.
     let [origin, used] = [stated.origin.unwrap_or_default(), judged.origin]
         .map(|[x, y]| format!("{} {}", x + 0.0, y + 0.0));
+
     list.exact("origin", &origin, &used);
     list.exact("radius", &stated.radius, &judged.radius);
     let tolerance = report.covering_tolerance;
@@ -441,6 +466,7 @@ fn differences(
     if judged.is_as(stated) {
         measures(&mut list, stated, report);
     }
+
     if let Some(last) = levels.last() {
         compare_levels(&mut list, stated, levels, last);
     }
@@ -456,9 +482,13 @@ fn compare_levels(
     last: &CertifiedLevel,
 ) {
     let covers = |level: &CertifiedLevel| {
+        // Levels without a stated covering promise no maximality: infinity is above every limit.
         let covering = level.covering.unwrap_or(f64::INFINITY);
         covering <= MAX_COVERING * level.distance
     };
+
+    // Valid levels count in place of the verdict on the whole set (`is_valid`), so they must end with all points and at the
+    // radius.
     let is_whole = last.count == stated.count && last.distance >= stated.radius;
     list.unless(
         is_whole && found.iter().all(covers),
@@ -466,6 +496,7 @@ fn compare_levels(
         format!("levels of {} samples", last.count),
         "less than nested levels promise".to_owned(),
     );
+
     for (stated, found) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",
@@ -508,6 +539,7 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     for (field, stated, found) in measured {
         list.measure(field, stated, finite(found));
     }
+
     // Older certificates have no such upper limit.
     let counted = stated.conflicts.min(MAX_CONFLICTS);
     list.exact("conflicts", &counted, &report.conflicts);

@@ -98,7 +98,7 @@ pub struct ReadSet {
 /// How a file is to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// The format.
+    /// The format of the file.
     pub format: Format,
     /// The region of the positions; without it, unit-torus formats store positions as they are.
     pub region: Option<Region>,
@@ -189,9 +189,12 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::Json => json::read(bytes, hint.certificate),
         Format::Svg => svg::read(bytes),
     }?;
+
+    // What no format may hold is refused here, so that the codecs need not.
     if raw.set.is_empty() {
         return Err(FormatError::Empty { format });
     }
+
     if let Some(index) = hint.set.filter(|&index| index >= raw.sets) {
         return Err(FormatError::Sets {
             format,
@@ -201,6 +204,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     }
     check_provenance(&raw.set)?;
 
+    // With the certificate goes the provenance: nothing else says of which run it is.
     if hint.certificate == CertificateUse::LeftOut {
         (raw.set.provenance, raw.certificate) = (None, None);
     }
@@ -225,6 +229,8 @@ pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Resul
     let closed = region.closed();
     let is_beyond = |[x, y]: &[f64; 2]| !closed.contains([x - origin[0], y - origin[1]]);
     let first = read.set.points.iter().position(is_beyond);
+
+    // Points that all lie in the domain may well be planar, as small as their numbers are.
     match first.filter(|_| read.degrees) {
         None => Ok(()),
         Some(index) => {
@@ -281,10 +287,12 @@ pub(crate) fn encode_certified(
     }
     check_provenance(set)?;
     check_target(target)?;
+
     let points = target.stored(&set.points, 0)?;
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();
     let levels = level_column(level_ends, points.len());
+
     match format {
         Format::Csv => Ok(csv::write(&points, &levels)),
         Format::PsaText => Ok(psa::write_text(&points)),
@@ -328,6 +336,7 @@ pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
         positive(name, value.unwrap_or(1.0))?;
     }
     // Without a region, or a radius, nothing is promised of the positions.
+
     let (Some(region), Some(radius)) = (target.region, target.radius) else {
         return Ok(());
     };

@@ -52,12 +52,15 @@ pub(crate) fn named(names: &[String]) -> Result<NamedColumns, String> {
             z: find(names, "z")?,
         });
     }
+
+    // Longitude and latitude have names of their own, for which the message can say what to do.
     if let Some([longitude, latitude]) = degrees(names) {
         return Err(format!(
             "\"{longitude}\" and \"{latitude}\" are degrees on a sphere, and only planar sets are read: project them, \
              to UTM for example, and name the columns x and y"
         ));
     }
+
     let missing = if x.is_none() { "x" } else { "y" };
     Err(format!(
         "no column is named {missing}; the columns are {}: {CHOOSE}",
@@ -101,6 +104,7 @@ pub(crate) fn chosen(
         let exact = only(names, wanted, |name| name == wanted)?;
         let alike = only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?;
         let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
+        // A column may be called `2`: names are looked for before numbers.
         let column = exact.or(alike).or_else(number);
         column.filter(|&column| column < count).ok_or_else(|| {
             let named = match names {
@@ -110,6 +114,7 @@ pub(crate) fn chosen(
             format!("there is no column \"{wanted}\"; the columns are {named}1 to {count}")
         })
     };
+
     let places = [find(&choice[0])?, find(&choice[1])?];
     if places[0] == places[1] {
         return Err(format!(
@@ -167,6 +172,7 @@ fn degrees(names: &[String]) -> Option<[&String; 2]> {
 fn specific_words(name: &str) -> Vec<String> {
     let mut depth = 0_u32;
     let outside = name.chars().map(|letter| {
+        // A closing bracket still belongs to what it closes, and one that closes nothing to the name.
         let opens = matches!(letter, '[' | '(' | '{');
         let closes = matches!(letter, ']' | ')' | '}');
         depth += u32::from(opens);
@@ -174,6 +180,7 @@ fn specific_words(name: &str) -> Vec<String> {
         depth -= u32::from(closes && inside);
         if inside { ' ' } else { letter }
     });
+
     let outside: String = outside.flat_map(char::to_lowercase).collect();
     let words = outside.split(|c: char| !c.is_alphanumeric());
     let is_specific = |word: &&str| !word.is_empty() && !GENERAL.contains(word);

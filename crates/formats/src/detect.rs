@@ -38,9 +38,9 @@ pub enum Evidence {
 /// A format and how it was recognised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Detection {
-    /// The format.
+    /// The format of the file.
     pub format: Format,
-    /// The evidence.
+    /// The evidence for that format.
     pub evidence: Evidence,
 }
 
@@ -89,12 +89,13 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     if bytes.starts_with(PARQUET_MAGIC) && named != Some(Format::PsaRps) {
         return Err(FormatError::Parquet);
     }
+
     let marked = by_mark(bytes);
     let found = match (named, marked) {
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
         (Some(named), Some(marked)) => (marked, Evidence::ContentAgainst(named)),
         (Some(named), None) if !is_table(named) => (named, Evidence::Extension),
-        // Where the text shows no format, the codec that the name stands for says what is wrong with it.
+        // Where the text shows no format, the codec that the name stands for names the fault.
         (Some(named), None) => match text_format(bytes, path).unwrap_or(named) {
             found if found == named => (named, Evidence::Extension),
             found => (found, Evidence::ContentAgainst(named)),
@@ -108,6 +109,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
             (shape.ok_or_else(unknown)?, Evidence::Content)
         }
     };
+
     Ok(Detection {
         format: found.0,
         evidence: found.1,
@@ -136,6 +138,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
             Format::PlyBinary
         });
     }
+
     // A raw f32 file may begin with any byte, so for these two marks more of the text is checked.
     let text = without_bom(bytes).trim_ascii_start();
     let second = text.get(1..).unwrap_or_default().trim_ascii_start().first();
@@ -216,6 +219,7 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
         let is_remark = is_remark(line);
         if is_remark {
+            // The names in the last remark before the rows may be theirs.
             remarks = names::in_remark(line).unwrap_or_default();
         }
         !line.is_empty() && !is_remark
@@ -223,7 +227,9 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let first = rows.next()?;
     let second = rows.next().unwrap_or_default();
     drop(rows);
+
     let text = std::str::from_utf8(first).ok()?;
+    // Text has no control characters, but binary data have, and may pass for a line otherwise.
     if text.contains(|c: char| c.is_control() && !c.is_whitespace()) {
         return None;
     }
@@ -241,9 +247,11 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     if is_names || Separator::stated(first).is_some() || separator == Separator::Comma {
         return Some(TextShape::Table);
     }
+
     if !fields.iter().all(|field| looks_numeric(field)) {
         return Some(TextShape::Words(fields.len() > 1));
     }
+
     if separator == Separator::Semicolon {
         return Some(TextShape::Table);
     }
@@ -253,6 +261,7 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
         return Some(TextShape::Table);
     }
     Some(match (fields.len(), words(second).count()) {
+        // A number alone, before rows of several, is their count.
         (1, columns @ 2..) => TextShape::Counted(columns),
         (columns, _) => TextShape::Numbers(columns),
     })

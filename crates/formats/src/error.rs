@@ -37,15 +37,15 @@ pub enum FormatError {
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// The system's error.
+        /// The error that the system reported.
         source: std::io::Error,
     },
     /// A file is too large to be read into memory.
     #[error("{path}: {bytes} bytes exceed the limit of {limit} for what is read into memory")]
     TooLarge {
-        /// The file.
+        /// The path of the file.
         path: String,
         /// Its bytes, or more than are allowed.
         bytes: u64,
@@ -57,9 +57,9 @@ pub enum FormatError {
         "{path}: there is no memory for its {bytes} bytes; close other programs or use a machine with more"
     )]
     NoMemory {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// Its bytes.
+        /// The length of the file in bytes.
         bytes: u64,
     },
     /// Another writer is at work on the same file.
@@ -73,15 +73,15 @@ pub enum FormatError {
     /// The path of an output names something other than a regular file.
     #[error("{path}: this is {kind}; give the name of a file, which is made or replaced")]
     NotAFile {
-        /// The name.
+        /// The path as it was given.
         path: String,
-        /// What it is.
+        /// What it names instead, as messages have it.
         kind: &'static str,
     },
     /// A file is to be written in a format that would not be recognised under its name.
     #[error("{name}: {format} would be read as {named}, which the name stands for; call it .{}", .format.extension())]
     Misnamed {
-        /// The file's name.
+        /// The name of the file.
         name: String,
         /// The format that the name stands for.
         named: Format,
@@ -109,11 +109,11 @@ pub enum FormatError {
          plane first, in metres for instance"
     )]
     Degrees {
-        /// The first point beyond the domain.
+        /// The index of the first point beyond the domain.
         index: usize,
-        /// Its first coordinate.
+        /// The first coordinate of that point, as the file has it.
         x: f64,
-        /// Its second coordinate.
+        /// The second coordinate of that point, as the file has it.
         y: f64,
         /// Width of the domain.
         width: f64,
@@ -125,7 +125,7 @@ pub enum FormatError {
         "{format} holds positions of the unit torus, which begins at 0 0; csv, npy, ply, xyz, json and svg hold an origin"
     )]
     OriginOfTorus {
-        /// The format.
+        /// The format that was asked for.
         format: Format,
     },
     /// Floating-point numbers around an origin are too far apart for the radius.
@@ -135,13 +135,13 @@ pub enum FormatError {
          {:.1e}, would do", Number(*.radius), 1.05 * spacing / limit
     )]
     OriginTooFar {
-        /// The origin.
+        /// The position in the file of the region's lower corner, in words.
         origin: String,
         /// Number type of the coordinates.
         precision: crate::format::Precision,
-        /// How far apart they are.
+        /// How far apart numbers of that type are there, in domain units.
         spacing: f64,
-        /// The radius.
+        /// The sampling radius, in domain units.
         radius: f64,
         /// The largest spacing allowed, in radii.
         limit: f64,
@@ -161,7 +161,7 @@ pub enum FormatError {
         format: Format,
         /// Where in the file.
         place: FilePlace,
-        /// What is wrong, with the value found.
+        /// The fault, with the value found.
         reason: String,
     },
     /// The file is not of its format's syntax.
@@ -171,7 +171,7 @@ pub enum FormatError {
         format: Format,
         /// Where in the file.
         place: FilePlace,
-        /// What is wrong.
+        /// The fault, in words, with the value found.
         reason: String,
     },
     /// The file is well-formed but of a kind that is not supported.
@@ -211,9 +211,9 @@ pub enum FormatError {
     NotFinite {
         /// The format being read or written.
         format: Format,
-        /// Where.
+        /// Where in the file, or at which point of the set.
         place: FilePlace,
-        /// The value.
+        /// The value as it was read, or as rounding left it.
         value: f64,
     },
     /// A line has too few or too many columns.
@@ -221,11 +221,11 @@ pub enum FormatError {
     Columns {
         /// The format being read.
         format: Format,
-        /// The line.
+        /// The place of the row in the file.
         place: FilePlace,
-        /// Columns found.
+        /// The number of columns in that row.
         found: usize,
-        /// Columns needed.
+        /// The number of columns that each row must have.
         expected: usize,
     },
     /// A row of a table cannot be read, or could be read in two ways.
@@ -233,9 +233,9 @@ pub enum FormatError {
     Row {
         /// The format being read.
         format: Format,
-        /// The line.
+        /// The place of the row in the file.
         place: FilePlace,
-        /// What is wrong, with the value found and what would do.
+        /// The fault, with the value found and what would do instead.
         reason: String,
     },
     /// Columns were chosen in a file that is no table of text.
@@ -249,9 +249,9 @@ pub enum FormatError {
     NotPlanar {
         /// The format being read.
         format: Format,
-        /// Where.
+        /// The place of the position in the file.
         place: FilePlace,
-        /// The third coordinate.
+        /// The third coordinate, which is not 0.
         z: f64,
     },
     /// The file states a number of points and holds another.
@@ -285,7 +285,7 @@ pub enum FormatError {
         format: Format,
         /// Where the surplus begins.
         offset: u64,
-        /// How many bytes.
+        /// The number of surplus bytes.
         extra: u64,
     },
     /// The set has no points.
@@ -312,7 +312,7 @@ pub enum FormatError {
     Certificate {
         /// The certificate's file name, or "inside the file".
         name: String,
-        /// What is wrong.
+        /// The fault, in words.
         reason: String,
     },
     /// A certificate that is not that of the file beside or around it.
@@ -326,17 +326,17 @@ pub enum FormatError {
     /// Provenance whose length is not the number of points.
     #[error("{found} provenance entries for {points} points")]
     Provenance {
-        /// Entries given.
+        /// The number of entries of provenance.
         found: usize,
-        /// Points given.
+        /// The number of points in the set.
         points: usize,
     },
     /// A radius or region that cannot be written or used.
     #[error("{name} is {}; it must be finite and above 0", Number(*.value))]
     Parameter {
-        /// Which.
+        /// The name of the parameter, as messages have it.
         name: &'static str,
-        /// Its value.
+        /// The value that was refused.
         value: f64,
     },
     /// More points than the format's counter holds.
@@ -344,7 +344,7 @@ pub enum FormatError {
     TooMany {
         /// The format being written.
         format: Format,
-        /// Points given.
+        /// The number of points in the set.
         points: usize,
         /// The largest number it can state.
         limit: u64,

@@ -34,17 +34,17 @@ pub struct ExportContext {
     pub precision: Precision,
     /// Writes the points in an order drawn from this seed, so that a truncated file is a uniform subset.
     pub shuffle_seed: Option<u64>,
-    /// The program, for the certificate.
+    /// The name of the program, for the certificate.
     pub program: String,
-    /// Its version.
+    /// The version of that program, for the certificate.
     pub program_version: String,
     /// The sampling method, for the certificate.
     pub method: String,
     /// The seed and every parameter of the method.
     pub parameters: BTreeMap<String, serde_json::Value>,
-    /// How to verify.
+    /// The judges and the tolerance of the verifier.
     pub verify: VerifyOptions,
-    /// What is to hold for the points to the end of each level, if the set has nested levels. Formats with columns then
+    /// The claims about the points to the end of each level, if the set has nested levels. Formats with columns then
     /// have one that is named level. Streams leave it out.
     pub levels: Vec<PrefixClaim>,
 }
@@ -80,21 +80,21 @@ impl ExportContext {
 pub enum Warning {
     /// The stored set has conflicts.
     Conflicts {
-        /// How many pairs.
+        /// The number of pairs in conflict.
         count: u64,
         /// Whether the set had none before it was rounded.
         by_rounding: bool,
     },
     /// The stored set is not maximal.
     Gaps {
-        /// How many places.
+        /// The number of uncovered places.
         count: u64,
         /// Whether the set had none before it was rounded.
         by_rounding: bool,
     },
     /// The format cannot store the provenance of the set.
     ProvenanceLeftOut {
-        /// The format.
+        /// The format that was written.
         format: Format,
     },
 }
@@ -108,6 +108,7 @@ impl fmt::Display for Warning {
                 ""
             }
         };
+
         match *self {
             Self::Conflicts { count, by_rounding } => {
                 let cause = cause(by_rounding);
@@ -142,7 +143,7 @@ pub enum ExportError {
     Verify {
         /// Number type of the stored coordinates.
         precision: Precision,
-        /// The verifier's error.
+        /// The error of the verifier.
         source: VerifyError,
     },
     /// The format cannot be written point by point.
@@ -150,7 +151,7 @@ pub enum ExportError {
         "{format} cannot be written as a stream; csv, psa-rps, utk-binary, npy and ply-binary can"
     )]
     NotStreamed {
-        /// The format.
+        /// The format that was asked for.
         format: Format,
     },
     /// A stream cannot shuffle, because it never holds all points.
@@ -178,15 +179,15 @@ pub enum ExportError {
     Resume {
         /// The file at fault.
         path: String,
-        /// What is wrong with it.
+        /// The fault of that file, in words.
         reason: String,
     },
     /// The data read back differs from the data written.
     #[error("reading back gave {found} where {written} was written; the storage is not reliable")]
     ReadBack {
-        /// What was written.
+        /// What was written, in words.
         written: String,
-        /// What was read.
+        /// What was read back, in words.
         found: String,
     },
 }
@@ -198,7 +199,7 @@ pub struct ExportedBytes {
     pub data: Vec<u8>,
     /// The certificate file's bytes.
     pub certificate_bytes: Vec<u8>,
-    /// The certificate.
+    /// The certificate that those bytes hold.
     pub certificate: Certificate,
     /// The verifier's report on the stored positions; indices are of the stored order.
     pub report: Report,
@@ -236,14 +237,18 @@ pub(crate) fn export_through(
     control: Control<'_>,
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
+
+    // Shuffled, the first points would no longer be those of the first levels.
     if let (Some(seed), false) = (context.shuffle_seed, context.levels.is_empty()) {
         return Err(ExportError::ShuffledLevels { seed });
     }
+
     let set = ordered(set, context);
     let ends = context.level_ends();
     let encoded = encode_certified(&set, &target, None, &ends)?;
-    // Readers skip the column of levels.
+    // Readers skip the column of levels, so that it is compared as bytes.
     let expected = (!ends.is_empty()).then(|| bytes_digest(&encoded));
+
     let mut data = store(encoded)?;
     if expected.is_some_and(|expected| expected != bytes_digest(&data)) {
         return Err(ExportError::ReadBack {
@@ -251,16 +256,23 @@ pub(crate) fn export_through(
             found: "other bytes".to_owned(),
         });
     }
+
+    // Only positions that were decoded from the stored bytes are judged and certified.
     let decoded = decode_own(&data, target.format)?;
     compare(&set, &decoded, &target)?;
     let stored = target.mapping().positions(&decoded.set.points);
     let report = judge(&stored, &target, context, control)?;
     let levels = judged_levels(&stored, &report, &target, context, control)?;
     let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
+
     let digest = positions_digest(&decoded.set.points);
+    // The decoded set would be in memory beside the one that is encoded next.
     drop(decoded);
+
     let mut certificate = certificate(name, &target, context, &report, rounding, digest);
     certificate.levels = levels;
+
+    // JSON holds its certificate, so that it is written again, with the same positions. It is read back again, too.
     if target.format == Format::Json {
         data = store(encode_certified(&set, &target, Some(&certificate), &ends)?)?;
         let again = decode_own(&data, target.format)?;
@@ -272,6 +284,8 @@ pub(crate) fn export_through(
             });
         }
     }
+
+    // Inside JSON the certificate has no digest, as the file would have to contain its own.
     certificate.digest = Some(bytes_digest(&data));
     Ok(ExportedBytes {
         certificate_bytes: certificate.to_bytes()?,
@@ -311,17 +325,22 @@ fn decode_own(data: &[u8], format: Format) -> Result<ReadSet, FormatError> {
 /// Fails if the decoded positions or provenance differ, in any bit, from what the format should store.
 fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), ExportError> {
     let mapping = target.mapping();
+
     let found = &decoded.set;
     let differs = |written: String, found: String| Err(ExportError::ReadBack { written, found });
+
     if found.len() != set.len() {
         return differs(format!("{} points", set.len()), found.len().to_string());
     }
+
     let written = mapping.stored(&set.points);
     for (index, (written, read)) in written.iter().zip(&found.points).enumerate() {
+        // Numbers that are equal may have different digests, as 0 and -0 have.
         if written.map(f64::to_bits) != read.map(f64::to_bits) {
             return differs(format!("{written:?} as point {index}"), format!("{read:?}"));
         }
     }
+
     if target.format.carries_provenance() && found.provenance != set.provenance {
         return differs("provenance".to_owned(), "another".to_owned());
     }
@@ -374,16 +393,20 @@ fn rounding(
         .iter()
         .zip(stored)
         .map(|(&a, &b)| mapping.shift(a, b));
+    // Around the torus, so that a coordinate that became 0 at the far border has moved little.
     let largest_shift = shifts.fold(0.0, f64::max);
     if largest_shift == 0.0 {
         return Ok(None);
     }
+
+    // Where the stored set is valid, storing has made neither conflicts nor gaps, whatever the original had.
     let (mut made_conflicts, mut made_gaps) = (false, false);
     if !report.valid() {
         let before = judge(original, target, context, control)?;
         made_conflicts = before.conflict_free() && !report.conflict_free();
         made_gaps = before.maximal() && !report.maximal();
     }
+
     Ok(Some(statement(
         target,
         largest_shift,
@@ -431,6 +454,7 @@ pub(crate) fn certificate(
         program_version: context.program_version.clone(),
         method: context.method.clone(),
         parameters: context.parameters.clone(),
+
         region: report.region,
         // Positions that are stored as they are need no part, and keep the version that older programs read.
         origin: Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
@@ -438,6 +462,7 @@ pub(crate) fn certificate(
         shape: None,
         radius: report.radius,
         covering_tolerance: report.covering_tolerance,
+
         count: report.count as u64,
         min_distance: finite(report.min_distance),
         covering_radius: report.covering_radius,
@@ -450,6 +475,7 @@ pub(crate) fn certificate(
         levels: Vec::new(),
         prefix: None,
         thinned: None,
+
         file: name.to_owned(),
         file_format: target.format,
         precision: target.format.precision(target.precision),
@@ -469,13 +495,16 @@ pub(crate) fn warnings(
     certificate: &Certificate,
 ) -> Vec<Warning> {
     let mut warnings = Vec::new();
+
     let rounding = certificate.rounding.as_ref();
+
     if certificate.conflicts > 0 {
         warnings.push(Warning::Conflicts {
             count: certificate.conflicts,
             by_rounding: rounding.is_some_and(|r| r.made_conflicts),
         });
     }
+
     // Of nested levels that were cut to a count of samples, no maximal set is claimed.
     let last = certificate.levels.last();
     let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius));
@@ -486,6 +515,7 @@ pub(crate) fn warnings(
             by_rounding: made_gaps,
         });
     }
+
     warnings.extend(left_out(has_provenance, format));
     warnings
 }

@@ -34,8 +34,9 @@ impl Separator {
     /// The separator that a line such as `sep=;` states; the inner error is what it states instead of one.
     pub fn stated(line: &[u8]) -> Option<Result<Self, &[u8]>> {
         // Blanks are not trimmed: one of them may be the separator.
-        let inner = line.strip_prefix(b"\"");
-        let inner = inner.and_then(|inner| inner.strip_suffix(b"\""));
+        let inner = line
+            .strip_prefix(b"\"")
+            .and_then(|inner| inner.strip_suffix(b"\""));
         let (key, value) = inner.unwrap_or(line).split_at_checked(4)?;
         if !key.eq_ignore_ascii_case(b"sep=") {
             return None;
@@ -81,8 +82,9 @@ pub(crate) fn looks_numeric(field: &[u8]) -> bool {
 /// A field without blanks and quotation marks around it.
 pub(crate) fn unquoted(field: &[u8]) -> &[u8] {
     let field = field.trim_ascii();
-    let inner = field.strip_prefix(b"\"");
-    let inner = inner.and_then(|inner| inner.strip_suffix(b"\""));
+    let inner = field
+        .strip_prefix(b"\"")
+        .and_then(|inner| inner.strip_suffix(b"\""));
     inner.map_or(field, <[u8]>::trim_ascii)
 }
 

@@ -31,14 +31,14 @@ pub const MAX_IN_MEMORY: u64 = 1 << 28;
 /// a head. A stream reads larger ones.
 const MAX_BYTES_IN_MEMORY: u64 = 16 * MAX_IN_MEMORY + (1 << 20);
 
-/// A finished export.
+/// The outcome of a finished export.
 #[derive(Clone, Debug)]
 pub struct Exported {
-    /// The data file.
+    /// The path of the data file.
     pub path: PathBuf,
-    /// The certificate file.
+    /// The path of the certificate.
     pub certificate_path: PathBuf,
-    /// The certificate.
+    /// The certificate that was written.
     pub certificate: Certificate,
     /// The verifier's report on the positions read back; indices are of the file's order.
     pub report: Report,
@@ -54,14 +54,15 @@ pub struct Exported {
 pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let bytes = read_whole(path)?;
     let name = file_name(path)?;
+
     let certificate_name = certificate_beside(path).to_string_lossy().into_owned();
-    let certificate = match hint.certificate {
+    let beside = match hint.certificate {
+        // A certificate that is left out need not even be readable.
         CertificateUse::LeftOut => None,
         CertificateUse::Checked | CertificateUse::AsStated => read_certificate(path)?,
     };
-    let certificate = certificate
-        .as_deref()
-        .map(|bytes| (&*certificate_name, bytes));
+    let certificate = beside.as_deref().map(|bytes| (&*certificate_name, bytes));
+
     read_bytes(
         &bytes,
         &Hint {
@@ -108,14 +109,18 @@ pub fn export(
 ) -> Result<Exported, ExportError> {
     let name = file_name(path)?;
     let data = Temporary::of(path)?;
+    // Found out now, rather than after the set has been written and judged.
     data.place.takes_certificate()?;
     let mut store = |bytes: Vec<u8>| {
         data.write(&bytes).map_err(|e| io_error(path, e))?;
+        // Otherwise a large set would be in memory once more while it is read back.
         drop(bytes);
         Ok(read_file(&data.path)?)
     };
+
     let exported = export_through(&mut store, &name, set, context, control)?;
     data.put(Some(&exported.certificate_bytes))?;
+
     Ok(Exported {
         path: path.to_owned(),
         certificate_path: data.place.certificate.clone(),
@@ -171,6 +176,7 @@ pub fn write_through<E: From<FormatError>>(
     let failed = |e| E::from(io_error(path, e));
     let temporary = Temporary::of(path)?;
     let mut file = BufWriter::new(temporary.create().map_err(failed)?);
+
     write(&mut file)?;
     let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
     file.sync_all().map_err(failed)?;
@@ -204,7 +210,7 @@ impl Temporary {
         })
     }
 
-    /// Makes it, empty.
+    /// Makes the file, without content yet.
     fn create(&self) -> io::Result<File> {
         create_own(&self.path, &self.place.file)
     }
@@ -267,20 +273,26 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
         bytes,
         limit,
     };
+
     let length = input.length().map_err(failed)?;
     if length > limit {
         return Err(too_large(length));
     }
+
     let mut bytes = Vec::new();
     let no_memory = |_| FormatError::NoMemory {
         path: path.display().to_string(),
         bytes: length,
     };
+    // A plain allocation that fails ends the process, and the length is whatever the file system says.
     bytes
         .try_reserve_exact(length as usize)
         .map_err(no_memory)?;
+
+    // The file may grow while it is read: one byte more than the limit shows it.
     let mut limited = input.take(limit + 1);
     limited.read_to_end(&mut bytes).map_err(failed)?;
+
     match bytes.len() as u64 {
         length if length > limit => Err(too_large(length)),
         _ => Ok(bytes),

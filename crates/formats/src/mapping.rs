@@ -91,8 +91,10 @@ impl Mapping {
         let Some(region) = self.region else {
             return stored.into();
         };
+
         let extent = extent(region);
         let limit = extent / self.scale + self.origin;
+        // Positions outside the region are left as they are; only storing must not move one out of it.
         let (moves, to) = match region.boundary {
             Boundary::Periodic => (point.cmplt(extent) & stored.cmpge(limit), self.origin),
             Boundary::Bounded => (
@@ -100,6 +102,7 @@ impl Mapping {
                 stored.map(|value| self.next_down(value)),
             ),
         };
+
         DVec2::select(moves, to, stored).into()
     }
 
@@ -111,12 +114,15 @@ impl Mapping {
         let Some(region) = self.region.filter(|_| !self.keeps_units()) else {
             return point.into();
         };
+
         let extent = extent(region);
         let limit = extent / self.scale + self.origin;
+        // A stored position within the region must not leave it because the product is rounded.
         let (moves, to) = match region.boundary {
             Boundary::Periodic => (point.cmpge(extent) & stored.cmplt(limit), DVec2::ZERO),
             Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),
         };
+
         DVec2::select(moves, to, point).into()
     }
 
@@ -187,8 +193,9 @@ pub(crate) fn check_origin(
 
     let precision = format.precision(precision);
     let corners = [origin, (DVec2::from(origin) + extent(region)).into()];
-    // `max` passes over what is not a number.
+    // `max` passes over NaN.
     let is_finite = corners.as_flattened().iter().all(|at| at.is_finite());
+    // Floating-point numbers lie farthest apart at the coordinate that is farthest from 0.
     let farthest = (corners.as_flattened().iter()).fold(0.0_f64, |far, at| far.max(at.abs()));
     let spacing = match precision {
         _ if !is_finite => f64::INFINITY,

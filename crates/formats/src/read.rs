@@ -72,8 +72,10 @@ pub fn read_bytes(
 
     let stated = read.certificate.as_ref();
     let region = stated.map(|stated| stated.region);
-    let origin = hint.origin.or(stated.and_then(|stated| stated.origin));
-    let origin = origin.unwrap_or_default();
+    let origin = (hint.origin)
+        .or(stated.and_then(|stated| stated.origin))
+        .unwrap_or_default();
+    // Whether positions are degrees shows only beside a domain.
     if let Some(region) = region {
         refuse_degrees(&read, region, origin)?;
     }

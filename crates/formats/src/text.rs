@@ -51,6 +51,7 @@ pub(crate) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
         [0xFE, 0xFF, ..] => u16::from_be_bytes,
         _ => return Cow::Borrowed(bytes),
     };
+
     let (pairs, odd) = bytes[2..].as_chunks::<2>();
     let units = pairs.iter().map(|&pair| unit(pair));
     if !units.clone().take(64).all(is_of_tables) {
@@ -99,6 +100,7 @@ pub(crate) fn number(token: &[u8], format: Format, place: FilePlace) -> Result<f
         .ok()
         .and_then(|text| text.parse::<f64>().ok());
     match parsed {
+        // Rust's grammar of numbers has `inf` and `nan`, which are no coordinates.
         Some(value) if value.is_finite() => Ok(value),
         Some(value) => Err(FormatError::NotFinite {
             format,
@@ -142,6 +144,7 @@ pub(crate) fn numbers<'a, const N: usize>(
         };
         *value = number(fields.next().ok_or(columns)?, format, place)?;
     }
+
     let extra = if exact { fields.count() } else { 0 };
     if extra > 0 {
         return Err(FormatError::Columns {
@@ -163,7 +166,7 @@ pub(crate) fn push_line(out: &mut Vec<u8>, values: &[f64], separator: &str) {
     out.push(b'\n');
 }
 
-/// Appends formatted text.
+/// Appends formatted text to bytes.
 pub(crate) fn push(out: &mut Vec<u8>, text: std::fmt::Arguments<'_>) {
     // Writing to a Vec cannot fail: its io::Write only ever grows the buffer.
     let _ = out.write_fmt(text);

@@ -17,7 +17,7 @@ use super::Distinct;
 
 /// A part with a value of its own.
 pub(super) trait Part: DeserializeOwned {
-    /// Its field.
+    /// The name of its field in the certificate.
     const NAME: &'static str;
 
     /// Returns the limit that the value breaks, if it breaks one.
@@ -186,6 +186,7 @@ pub(super) fn beyond_judging(part: &str) -> String {
 pub(super) fn part<'de, D: Deserializer<'de>, T: Part>(from: D) -> Result<Option<T>, D::Error> {
     let Distinct(value) = Distinct::deserialize(from)?;
     let fault = |limit: &dyn Display| {
+        // A polygon may have thousands of corners.
         let (name, value) = (T::NAME, abridged(&value.to_string()));
         D::Error::custom(format_args!("`{name}` is {value}: {limit}"))
     };
@@ -197,7 +198,7 @@ pub(super) fn part<'de, D: Deserializer<'de>, T: Part>(from: D) -> Result<Option
     }
 }
 
-/// The longest text of a value in a message; a polygon may have thousands of corners.
+/// The longest text of a value in a message, in characters.
 const MAX_SHOWN: usize = 120;
 
 fn abridged(text: &str) -> String {
@@ -220,13 +221,16 @@ pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error
 /// Reads the judges, who must be of this program.
 pub(super) fn judges<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Judge>, D::Error> {
     let names = Vec::<String>::deserialize(from)?;
+
     let judge = |name: &String| {
+        // Version 2 has this judge's name, so a message that it is unknown would be wrong.
         if name == "subdivision" {
             return Err(D::Error::custom(beyond_judging("judges: subdivision")));
         }
         let name: StrDeserializer<'_, D::Error> = name.as_str().into_deserializer();
         Judge::deserialize(name)
     };
+
     names.iter().map(judge).collect()
 }
 
