@@ -37,30 +37,30 @@ use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::{RunView, State, Time};
 
-/// The menus.
+/// A menu of the menu bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Menu {
-    /// Files.
+    /// Runs, sessions, patterns, links and exports.
     #[default]
     File,
-    /// Undo, parameters, selection.
+    /// Undo, parameters and the selection.
     Edit,
-    /// Panels, layers, looks, camera.
+    /// Panels, layers, looks, camera and scenes.
     View,
-    /// Time.
+    /// Playing, stepping and running through time.
     Go,
-    /// Breakpoints, scenes, causes.
+    /// Breakpoints, watches and the causes of events.
     Debug,
-    /// Measures of the moment.
+    /// The measures of the moment.
     Analyze,
-    /// The second run.
+    /// The second run, and how the two differ.
     Compare,
-    /// Keys, terms, the program.
+    /// Keys, terms, lessons and the program.
     Help,
 }
 
 impl Menu {
-    /// Every menu.
+    /// Every menu, in the order of the menu bar.
     pub const ALL: [Self; 8] = [
         Self::File,
         Self::Edit,
@@ -72,7 +72,7 @@ impl Menu {
         Self::Help,
     ];
 
-    /// Returns its name.
+    /// Returns the name in the menu bar.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -88,16 +88,16 @@ impl Menu {
     }
 }
 
-/// The submenus.
+/// A submenu, which opens beside its entry in a menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submenu {
     /// The files that were opened or saved last.
     Recent,
     /// Moving and zooming by steps.
     Camera,
-    /// The panels.
+    /// The panels, each to be shown.
     Panels,
-    /// Hiding a panel.
+    /// The panels in view, each to be hidden.
     HidePanel,
     /// The layers of the canvas.
     Layers,
@@ -105,15 +105,15 @@ pub enum Submenu {
     Colours,
     /// The numbers that can be drawn over the events.
     Curve,
-    /// Looks and motion.
+    /// Looks, and less motion.
     Look,
-    /// The scenes.
+    /// Going through the scenes.
     Scenes,
-    /// The length of a tick.
+    /// The length of a tick of the clock.
     Ticks,
-    /// Stepping backwards.
+    /// Stepping backwards by the debugger's steps.
     Backwards,
-    /// Running backwards.
+    /// Running backwards to events.
     Previous,
     /// The breakpoints that are set.
     Breakpoints,
@@ -124,7 +124,7 @@ pub enum Submenu {
 }
 
 impl Submenu {
-    /// Returns its name.
+    /// Returns the name in the menu that it is in.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -147,16 +147,16 @@ impl Submenu {
     }
 }
 
-/// An action.
+/// An action of the window: a command, with its name, its keys and its position in the menus.
 #[derive(Clone, Debug)]
 pub struct Action {
-    /// Its menu.
+    /// The menu that lists it.
     pub menu: Menu,
-    /// Its name.
+    /// Its name in the list of all actions.
     pub name: String,
-    /// Its shortcut.
+    /// The shortcut that is shown beside it.
     pub shortcut: Option<KeyboardShortcut>,
-    /// An alternative shortcut.
+    /// A second shortcut for the same.
     pub also: Option<KeyboardShortcut>,
     /// The command it issues.
     pub command: Command,
@@ -178,7 +178,9 @@ pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
         let name = format!("{} {}", action.menu.name(), action.name).to_lowercase();
         text.split_whitespace().all(|word| name.contains(word))
     };
+
     let mut found: Vec<Action> = actions(state).into_iter().filter(fits).collect();
+    // The sort is stable, so that the others keep the order of the menus.
     found.sort_by_key(|action| !action.name.to_lowercase().starts_with(&text));
     found
 }
@@ -228,6 +230,8 @@ pub fn actions(state: &State) -> Vec<Action> {
     lessons::add(&mut list, state);
     talk::add(&mut list, state);
     help(&mut list);
+
+    // Keys are settled once every action is there: a lesson's replace others, Escape goes to one action, a talk's replace all.
     lessons::lead(&mut list, state);
     list.escape(state);
     talk::lead(&mut list, state);
@@ -320,7 +324,7 @@ impl Action {
         }
     }
 
-    /// Returns its shortcuts.
+    /// Returns the shortcuts of the action, first the one that menus show.
     pub fn keys(&self) -> impl Iterator<Item = KeyboardShortcut> {
         self.shortcut.into_iter().chain(self.also)
     }
@@ -341,9 +345,11 @@ impl List {
             Command::Analysis(AnalysisCommand::Brush(None)),
             Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
         ];
+
         for way in caption.into_iter().chain(ways).chain(projector) {
             let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
             if let Some(action) = self.actions.iter_mut().find(is_way) {
+                // Escape does not replace the key that menus show.
                 let key = match action.shortcut {
                     Some(_) => &mut action.also,
                     None => &mut action.shortcut,
@@ -363,13 +369,16 @@ fn edit(list: &mut List, state: &State) {
     list.menu = Menu::Edit;
     let no_past = (!state.past().history.can_undo()).then_some("Nothing was changed yet.");
     let no_future = (!state.past().history.can_redo()).then_some("Nothing was undone.");
+
     let undo = list.add("Undo", Command::Undo);
     undo.on_keys(COMMAND, Key::Z).refused(no_past);
     let redo = list.add("Redo", Command::Redo);
     redo.on_keys(COMMAND | SHIFT, Key::Z).refused(no_future);
     list.add("Reset parameters", Command::Form(FormCommand::Reset));
+
     let run = &state.runs().first;
     let is_nothing = run.selected.is_none() && run.place.is_none();
+
     list.group();
     let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
     list.add("Select at the centre of the view", middle)
@@ -378,6 +387,7 @@ fn edit(list: &mut List, state: &State) {
     let deselect = Command::View(Which::First, ViewCommand::Pick(Selection::Nothing));
     list.add("Deselect", deselect)
         .refused(is_nothing.then_some("Nothing is selected."));
+
     list.group();
     let finder = Command::Window(WindowCommand::ToggleFinder);
     list.add("All actions\u{2026}", finder)
@@ -400,10 +410,12 @@ fn scenes(list: &mut List, state: &State) {
         state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
+
     let add_scene = Command::Scene(SceneCommand::Add);
     list.add("Make a scene of this moment", add_scene)
         .on_key(Key::B)
         .refused(no_events(state));
+
     let next = list.add("Next scene", step(Direction::Forwards));
     next.on_key(Key::PageDown).refused(no_scenes);
     if state.scenes().is_touring() {
@@ -411,6 +423,7 @@ fn scenes(list: &mut List, state: &State) {
     }
     let previous = list.add("Previous scene", step(Direction::Backwards));
     previous.on_key(Key::PageUp).refused(no_scenes);
+
     if state.scenes().shown.is_some() {
         let leave = Command::Scene(SceneCommand::Leave);
         list.add("Close the scene's caption", leave);
@@ -432,6 +445,7 @@ fn view(list: &mut List, state: &State) {
     let run_a = |command| Command::View(Which::First, command);
     list.add("Fit the domain", run_a(ViewCommand::Fit))
         .on_key(Key::F);
+
     let current = run_a(ViewCommand::GoToCurrent);
     list.add("Show the current event", current)
         .on_key(Key::Period);
@@ -440,6 +454,7 @@ fn view(list: &mut List, state: &State) {
         .on_keys(SHIFT, Key::F)
         .marked(state.appearance().follows_events);
     list.within(Submenu::Camera, |list| camera(list, state));
+
     list.group();
     list.within(Submenu::Panels, |list| panels(list, state));
     list.within(Submenu::HidePanel, |list| hidden_panels(list, state));
@@ -452,13 +467,17 @@ fn view(list: &mut List, state: &State) {
     });
     list.within(Submenu::Look, |list| look(list, state));
     list.within(Submenu::Scenes, |list| scenes(list, state));
+
     list.group();
     let command = Command::Window(WindowCommand::ToggleFullScreen);
     let full = list.add("Full screen", command);
     full.on_keys(Modifiers::ALT, Key::Enter)
         .refused(state.window().full_screen.refusal());
+    // Where the system does not say whether the window is full, the action is no switch.
     full.is_on = state.window().is_full;
+
     let drawer = &state.window().drawer;
+    // In a small window one panel is open at a time, and the canvas has all of the room without one.
     if drawer.arrangement.is_compact() {
         let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
@@ -484,17 +503,20 @@ fn panels(list: &mut List, state: &State) {
     let no_panels = no_panels(state);
     for panel in Panel::all() {
         let command = Command::Window(WindowCommand::OpenPanel(panel));
+        // The projector mode has room for the analysis alone.
         let action = list.add(format!("Panel: {}", panel.name()), command);
         action.refused(no_panels.filter(|_| panel != Panel::Analysis));
         // The key never hides the panel: a digit that is typed beside a field takes no panel away.
         if let Some(key) = Key::from_name(panel.key()) {
             action.on_key(key);
         }
+        // While it is shown, the same keys hide it: see `hidden_panels`.
         if panel == Panel::Timeline && !window.can_hide(panel) {
             action.on_keys(TIMELINE_KEYS.0, TIMELINE_KEYS.1);
         }
         action.marked(window.shows(panel));
     }
+
     list.group();
     if !window.drawer.arrangement.is_compact() {
         let name = if window.shows_sides() {
@@ -505,6 +527,7 @@ fn panels(list: &mut List, state: &State) {
         let sides = list.add(name, Command::Window(WindowCommand::ToggleSides));
         sides.on_key(Key::F4).refused(no_panels);
     }
+
     let reset = Command::Window(WindowCommand::ResetLayout);
     list.add("Reset layout", reset);
 }
@@ -529,13 +552,16 @@ fn layers(list: &mut List, state: &State) {
         .on_key(Key::T)
         .marked(state.appearance().chosen_layers.is_none());
     list.group();
+
     let shown = state
         .appearance()
         .layers(state.runs().first.current_stage());
     let is_nested = state.runs().first.kind() == SessionKind::Nested;
+    // The open question of a lesson hides layers that would show its answer.
     let hidden = state
         .lessons()
         .hidden_layers(state.runs().first.current_stage());
+
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let has_none = is_nested && !layer.is_of(SessionKind::Nested);
@@ -573,12 +599,14 @@ fn curves(list: &mut List, state: &State) {
     let no_run = state.runs().first.cursor().is_none();
     let refusal =
         no_run.then_some("This session has no events, over which a curve could be drawn.");
+
     for number in CurveNumber::all() {
         let command = Command::Appearance(AppearanceCommand::Curve(Some(number)));
         list.add(format!("Curve: {}", number.row().name), command)
             .refused(refusal)
             .marked(shown == Some(number));
     }
+
     let command = Command::Appearance(AppearanceCommand::Curve(None));
     let nothing = "No curve is shown.";
     list.add("No curve", command)
@@ -603,6 +631,7 @@ fn rises(list: &mut List, state: &State) {
 fn look(list: &mut List, state: &State) {
     let shown = state.appearance().look;
     for look in Look::ALL {
+        // This look is a mode: its action enters and leaves it.
         if look == Look::Projector {
             let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
             list.add(projector_action(shown), projector)
@@ -613,6 +642,7 @@ fn look(list: &mut List, state: &State) {
             list.add(look.name(), command).marked(shown == look);
         }
     }
+
     list.group();
     let motion = Command::Appearance(AppearanceCommand::ToggleReducedMotion);
     list.add("Reduced motion", motion)
@@ -634,8 +664,10 @@ fn camera(list: &mut List, state: &State) {
         let action = list.add(name, run_a(ViewCommand::Pan(delta)));
         action.on_keys(SHIFT, key).refused(no_session(state));
     }
+
     list.group();
     let middle = state.runs().first.viewport.center();
+    // The factors are inverse to each other: zooming in and out leads back.
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let action = list.add(name, run_a(ViewCommand::Zoom(middle, factor)));
         action.on_key(key).refused(no_session(state));
@@ -673,12 +705,14 @@ fn debug(list: &mut List, state: &State) {
             .on_key(Key::F9)
             .marked(is_set);
     }
+
     let at_start = state.runs().first.cursor().is_some_and(|(at, _)| at == 0);
     let no_cause = at_start.then_some("Nothing has happened yet.");
     let why = Command::Debug(DebugCommand::Why);
     list.add("Why? Go to the cause of the last event", why)
         .on_key(Key::W)
         .refused(no_events.or(no_cause));
+
     list.group();
     list.within(Submenu::Breakpoints, |list| breakpoints(list, state));
     let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
@@ -701,6 +735,7 @@ fn breakpoints(list: &mut List, state: &State) {
                 .marked(breakpoint.enabled);
         }
     }
+
     let panel = Command::Window(WindowCommand::OpenPanel(Panel::Scenes));
     list.add("Breakpoint: conditions\u{2026}", panel)
         .refused(no_events(state));

@@ -21,12 +21,14 @@ pub(super) fn add(list: &mut List, state: &State) {
     } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);
         ("Hide analysis", WindowCommand::Drawer(close))
+    // Its tab goes behind another one, and this mode shows no panel but the analysis.
     } else if state.appearance().look.is_projector() {
         ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     };
     list.add(name, Command::Window(command)).on_key(Key::A);
+
     let against = Command::File(FileCommand::Sheet(Purpose::Against));
     list.add("Compare with a file\u{2026}", against)
         .refused(no_session(state));
@@ -34,16 +36,19 @@ pub(super) fn add(list: &mut List, state: &State) {
     let clear = Command::Analysis(AnalysisCommand::Clear);
     list.add("Remove the comparison file", clear)
         .refused(is_without.then_some("This run is not compared with a file."));
+
     let measuring = &state.runs().first.measuring;
     let is_idle = measuring.progress().is_none();
     let stop = Command::Analysis(AnalysisCommand::Stop);
     list.add("Cancel measuring", stop)
         .refused(is_idle.then_some("Nothing is being measured."));
+
     let shown = state.runs().first.shown();
     let is_stopped = shown.is_some_and(|shown| measuring.is_stopped(&shown));
     let resume = Command::Analysis(AnalysisCommand::Resume);
     list.add("Measure this moment", resume)
         .refused((!is_stopped).then_some("Measuring this moment was not cancelled."));
+
     list.group();
     brushes(list, state);
 }
@@ -70,6 +75,7 @@ fn brushes(list: &mut List, state: &State) {
         let brush = Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
         list.add(name, brush).refused(no_session(state));
     }
+
     let is_nothing = state.analysis().brush.is_none();
     let clear = Command::Analysis(AnalysisCommand::Brush(None));
     list.add("Clear the brush", clear)

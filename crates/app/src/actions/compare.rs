@@ -24,29 +24,37 @@ pub(super) fn add(list: &mut List, state: &State) {
                 );
         }
     });
+
     list.add("Keep this run as B", Command::Compare(CompareCommand::Keep))
         .refused(no_session(state));
+
     let second = state.runs().second.as_ref();
+    // After the swap all panels show this run, so that it must be there.
     let is_ready = second.is_some_and(|(side, _)| side.session.is_some());
     list.add("Swap A and B", Command::Compare(CompareCommand::Swap))
         .on_key(Key::X)
         .refused((!is_ready).then_some(NO_SECOND));
+
     let go = Command::Compare(CompareCommand::GoToDivergence);
     list.add("Go to the event where A and B diverge", go)
         .on_key(Key::D)
         .refused(state.runs().parting_refusal());
+
     let is_at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
     list.add("Cancel B", Command::Cancel(Which::Second))
         .refused((!is_at_work).then_some("B is not being sampled."));
     let refusal = second.is_none().then_some(NO_SECOND);
     list.add("Close B", Command::Compare(CompareCommand::Close))
         .refused(refusal);
+
     list.group();
+
     let comparison = second.map(|(_, comparison)| comparison);
     let is_on = |switch: fn(&Comparison) -> bool| comparison.is_some_and(switch);
     let cameras = is_on(|comparison| comparison.linked_cameras);
     let playback = is_on(|comparison| comparison.linked_playback);
     let marks = is_on(|comparison| comparison.shows_differences);
+
     for (name, is_on, command) in [
         (
             "Cameras together",

@@ -15,13 +15,16 @@ pub(super) fn add(list: &mut List, state: &State) {
     let run = list.add("Run with these parameters", Command::Run);
     run.on_keys(COMMAND, Key::Enter)
         .refused(state.form().refusal(state.gpu()).as_deref());
+
     let is_idle = state.runs().first.sampling.is_none();
     list.add("Cancel the run", Command::Cancel(Which::First))
         .refused(is_idle.then_some("Nothing is being sampled."));
     list.group();
     sessions(list, state);
     list.group();
+
     let form = state.files().exports.sheet.as_ref();
+    // The action that opened a sheet closes it, with the same keys.
     let sheet = |kind| {
         Command::Export(if form.is_some_and(|form| form.kind == kind) {
             ExportCommand::Close
@@ -29,14 +32,15 @@ pub(super) fn add(list: &mut List, state: &State) {
             ExportCommand::Open(kind)
         })
     };
+
     for (name, kind) in [
         ("Export samples\u{2026}", ExportKind::Result),
         ("Export samples of this moment\u{2026}", ExportKind::Samples),
         ("Export picture of this moment\u{2026}", ExportKind::Picture),
         ("Export animation\u{2026}", ExportKind::Animation),
     ] {
-        let refusal = ExportSource::of(state).kind_refusal(kind);
-        let refusal = refusal.map(|refusal| refusal.to_string());
+        let refusal =
+            (ExportSource::of(state).kind_refusal(kind)).map(|refusal| refusal.to_string());
         let action = toggle(list, name, sheet(kind), refusal.as_deref());
         match kind {
             ExportKind::Result => action.on_keys(COMMAND, Key::E),
@@ -44,9 +48,11 @@ pub(super) fn add(list: &mut List, state: &State) {
             _ => action,
         };
     }
+
     let is_idle = state.files().exports.fraction().is_none();
     list.add("Cancel the export", Command::Export(ExportCommand::Cancel))
         .refused(is_idle.then_some("Nothing is being exported."));
+
     list.group();
     list.add("Copy link", Command::Link(LinkCommand::Copy))
         .on_keys(COMMAND | SHIFT, Key::L);
@@ -93,6 +99,7 @@ fn sessions(list: &mut List, state: &State) {
         state.runs().first.save_refusal(),
     )
     .on_keys(COMMAND, Key::S);
+
     recent(list, state);
     let combination = sheet(Purpose::Combination);
     toggle(list, "Open a combination\u{2026}", combination, None);
@@ -100,6 +107,7 @@ fn sessions(list: &mut List, state: &State) {
     list.add("Combine nine sets (figure 12)", nine);
     let pattern = sheet(Purpose::Pattern);
     toggle(list, "Use a pattern from a file\u{2026}", pattern, None);
+
     let is_generated = state.form().own_pattern.is_none();
     let generated = Command::Form(FormCommand::GeneratedPattern);
     list.add("Use a generated pattern", generated)

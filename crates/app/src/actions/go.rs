@@ -18,6 +18,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
+    // Nested levels are gone through level by level.
     let [first, last] = match state.runs().first.prefix() {
         Some(_) => ["First level", "Last level"],
         None => ["First stage", "Last stage"],
@@ -48,6 +49,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         }
     });
 
+    // Prefixes of nested levels can be looped over, too: they have a cursor without events.
     let no_loop = no_events.filter(|_| state.runs().first.cursor().is_none());
     let (on, back) = (no_events.or(at_end), no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
@@ -85,6 +87,7 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
         let out = (SHIFT | with_alt, Key::F11);
         [(shifted, Key::F5), (with_alt, Key::F11), out]
     };
+
     for (name, keys, step) in [
         ("Step into", into, Step::Into),
         ("Step over", (shifted, Key::F10), Step::Over),
@@ -94,6 +97,7 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
         let action = list.add(format!("{name}{way}"), command);
         action.on_keys(keys.0, keys.1).refused(refusal);
     }
+
     let command = Command::Time(TimeCommand::Continue(direction));
     let action = list.add(format!("Continue to a breakpoint{way}"), command);
     action.on_keys(on.0, on.1).refused(refusal);
@@ -113,6 +117,7 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
 
 /// Returns the events that can be run to, with a key each.
 fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
+    // The keys are initials; with Shift they run backwards.
     let mut targets: Vec<(String, Option<Key>, Target)> = [
         ("conflict", Key::C, Target::Conflict),
         ("elimination", Key::E, Target::Elimination),
@@ -128,6 +133,7 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .into_iter()
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
+
     if let Some(id) = state.runs().first.selected {
         let name = format!("event of sample {}", grouped(id as usize));
         targets.push((name, Some(Key::H), Target::Sample(id)));

@@ -66,6 +66,7 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
         return false;
     };
     let is_taken = |action: &Action| {
+        // A frame keeps no key from its page for a command that it does not carry out.
         let here = state.window().embedding.is_none() || action.command.rules().in_frame;
         here && action.keys().any(|shortcut| {
             shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
@@ -82,6 +83,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let pointed = ctx.memory(|memory| memory.focused().is_some());
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
+
     // Each press carries its own modifiers, since a slow frame may hold presses and releases of several.
     let asked = ahead(ctx, state);
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
@@ -90,6 +92,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
             .map_or(input.events.len(), |asked| asked.from);
         input.events[..end].iter().filter_map(press).collect()
     });
+
     let mut any = false;
     for (key, pressed) in presses {
         let free = !typing || pressed.command || is_function(key);
@@ -113,6 +116,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         state.apply(action);
         any = true;
     }
+
     for command in asked.map_or_else(Vec::new, |asked| asked.commands(state)) {
         state.apply(command);
         any = true;
@@ -127,6 +131,7 @@ fn meant_by(key: Key, pressed: Modifiers, state: &State) -> Option<(Command, Mod
         let shortcut = action.keys().find(|shortcut| {
             shortcut.logical_key == key && pressed.matches_exact(shortcut.modifiers)
         })?;
+        // While the list of actions is open, text is typed into it: only its own key counts.
         let is_open = !listed || action.command == Command::Window(WindowCommand::ToggleFinder);
         let is_here = state.window().embedding.is_none() || action.command.rules().in_frame;
         let can = action.refusal.is_none() && is_open && is_here;
@@ -164,6 +169,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
     let open = state.window().finder.as_ref();
     ctx.input_mut(|input| {
         let from = match open {
+            // The field has the focus by now, and takes the text itself.
             Some(_) if typing => return None,
             Some(_) => 0,
             None => {
@@ -175,14 +181,17 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
                 input.events.iter().position(opens)? + 1
             }
         };
+
         let mut asked = Ahead {
             from,
             text: open.map_or_else(String::new, |open| open.text.clone()),
             is_entered: false,
             is_closed: false,
         };
+
         for event in &input.events[from..] {
             match event {
+                // Behind the key that ends the list, text is no longer for it.
                 _ if asked.is_entered || asked.is_closed => {}
                 Event::Text(text) => asked.text.push_str(text),
                 event if press(event) == Some((Key::Enter, NONE)) => asked.is_entered = true,
@@ -190,9 +199,12 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
                 _ => {}
             }
         }
+
+        // Nothing was typed since the frame before.
         if !asked.is_closed && open.is_some_and(|open| open.text == asked.text) {
             return None;
         }
+
         // Consume the events, so that no other widget reacts to them.
         let mut count = 0;
         let taken = [

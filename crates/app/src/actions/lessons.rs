@@ -40,11 +40,12 @@ pub(super) fn add(list: &mut List, state: &State) {
         list.group();
         return;
     };
+
     let learner = &open.learner;
     let is_last = learner.index() + 1 == learner.lesson().steps.len();
     let last = is_last.then_some("This is the last step.");
-    let waits = learner.is_open();
-    let waits = waits.then_some("The question is open: answer it, or give up.");
+    let waits = (learner.is_open()).then_some("The question is open: answer it, or give up.");
+
     let next = LessonCommand::Step(Direction::Forwards);
     own(list, "Next step of the lesson", next)
         .on_key(Key::PageDown)
@@ -54,6 +55,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         .on_key(Key::PageUp)
         .refused((learner.index() == 0).then_some("This is the first step."));
     own(list, "Close the lesson", LessonCommand::Leave);
+
     if let Some(question) = state.lessons().open_question() {
         own(list, "Answer the question", LessonCommand::Answer).on_key(Key::Enter);
         let no_hint = question.hint.is_none();
@@ -62,17 +64,20 @@ pub(super) fn add(list: &mut List, state: &State) {
         own(list, "Give up", LessonCommand::GiveUp);
         let controls = open.controls(&state.lessons().language);
         let count = controls.iter().flat_map(Control::items).count();
+        // Digits count through the items of all lists, as far as there are digits.
         for (index, key) in DIGITS.into_iter().enumerate().take(count) {
             let choose = LessonCommand::Draft(DraftCommand::Choose(index));
             own(list, &format!("Choose answer {}", index + 1), choose).on_key(key);
         }
     }
+
     list.group();
 }
 
 /// While a lesson is open, removes its keys from other actions; while a question is open, refuses the actions that would
 /// show its answer.
 pub(super) fn lead(list: &mut List, state: &State) {
+    // During a talk, its keys count instead.
     if state.lessons().open.is_none() || state.talks().open.is_some() {
         return;
     }
@@ -83,6 +88,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .filter(|action| is_lesson(&action.command))
         .filter_map(|action| action.shortcut)
         .collect();
+
     // Digits choose answers: they open no panels meanwhile.
     let is_digit =
         |keys: KeyboardShortcut| keys.modifiers == NONE && DIGITS.contains(&keys.logical_key);

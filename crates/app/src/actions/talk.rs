@@ -30,6 +30,7 @@ fn begin(list: &mut List, state: &State) {
     let no_lesson = (!has_lesson).then_some("No lesson is open.");
     // Without a lesson this key is the debugger's.
     let f5 = has_lesson.then_some(Key::F5);
+
     let present = |from_start| TalkCommand::Lesson { from_start };
     own(list, "Present the lesson", present(true))
         .on_keys(NONE, f5)
@@ -42,9 +43,11 @@ fn begin(list: &mut List, state: &State) {
         "Present the lecture of 50 minutes",
         TalkCommand::Lecture,
     );
-    let no_scenes = SceneList::Own.scenes(&state.runs().first).is_empty();
-    let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
+
+    let no_scenes = (SceneList::Own.scenes(&state.runs().first).is_empty())
+        .then_some("There are no scenes: add some in the panel Scenes.");
     own(list, "Present the scenes", TalkCommand::Scenes).refused(no_scenes);
+
     let handout = |answers| TalkCommand::Handout {
         answers,
         notes: answers,
@@ -61,6 +64,8 @@ fn given(list: &mut List, talk: &Talk) {
     } else {
         TalkCommand::OpenStage
     };
+
+    // Clickers send these keys.
     let next = own(list, "Next", TalkCommand::Next);
     next.on_key(Key::PageDown).or_on(NONE, Key::ArrowRight);
     let back = own(list, "Back", TalkCommand::Previous);
@@ -70,6 +75,8 @@ fn given(list: &mut List, talk: &Talk) {
     own(list, "End the talk", TalkCommand::End).on_key(Key::Escape);
     own(list, "From the first step", first).on_key(Key::F5);
     own(list, "The stage again", TalkCommand::OpenStage).on_keys(SHIFT, Key::F5);
+
+    // Single letters are for the tools.
     own(list, "Notes", TalkCommand::ToggleNotes).on_key(Key::N);
     own(list, "Exchange the screens", TalkCommand::Swap).on_key(Key::S);
     own(list, "Laser", TalkCommand::Tool(Tool::Laser)).on_key(Key::L);
@@ -107,6 +114,8 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .filter(|action| matches!(action.command, Command::Talk(_)))
         .flat_map(|action| action.keys().collect::<Vec<_>>())
         .collect();
+
+    // Keys of the debugger, for instance, would show later steps.
     for action in &mut list.actions {
         let is_own = matches!(action.command, Command::Talk(_));
         let stays = stays(&action.command);
