@@ -33,7 +33,7 @@ pub use stage::stage_accent;
 
 use stage::Stage;
 
-/// The application.
+/// The application: the state of the workbench, and all that the window itself keeps between frames.
 pub struct App {
     /// The state of the workbench.
     pub state: State,
@@ -72,8 +72,10 @@ impl App {
             now: now(),
             is_full: None,
         });
+
         theme::install(ctx, state.appearance().look);
         ctx.add_plugin(Presses::default());
+
         Self {
             shown_look: state.appearance().look,
             shown_input_style: InputStyle::default(),
@@ -125,37 +127,66 @@ impl App {
         self.canvas.draw_with(render_state);
     }
 
-    /// Shows one frame.
+    /// Shows one frame: advances the state, shows the panels and carries out the commands that they issue.
     pub fn show(&mut self, ui: &mut Ui) {
         self.state.begin_frame(FrameStart {
             now: now(),
             is_full: ui.input(|input| input.viewport().fullscreen),
         });
         language::speak(ui.ctx(), self.state.lessons().shown_language());
+
+        // The lesson takes its side of the window first: the room that is left decides how the panels are arranged.
         if self.state.window().embedding.is_none() && self.state.talks().open.is_none() {
             panels::lesson::show(ui, &self.state, &mut self.commands);
         }
         self.arrange(ui);
         self.follow_look(ui.ctx());
+
         let dt = ui.input(|i| i.stable_dt);
+        // Something moves: play, a flight of the camera, or a picture that follows work in the background.
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
         self.follow_requests(ui.ctx());
+
         if self.state.talks().open.is_some() {
+            // A talk has its windows to itself, without panels, menus and sheets.
             return self.show_talk(ui);
         }
         self.leave_stage(ui.ctx());
+
         if self.state.window().embedding.is_none() {
             self.take_dropped(ui);
         }
+        self.take_keys(ui);
+        self.show_panels(ui);
+
+        let is_playing = self.state.time().playback.is_playing();
+        ui.ctx()
+            // While the run plays, values that change in every frame are not announced.
+            .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
+        focus::ring(
+            ui.ctx(),
+            tilescope_drawing::palette::Palette::of(self.state.appearance().look),
+        );
+        self.follow_focus(ui.ctx());
+        self.apply_commands(ui.ctx());
+    }
+
+    /// Carries out the actions whose keys were pressed, so that the panels of this frame show what they did.
+    fn take_keys(&mut self, ui: &Ui) {
         let window = self.state.window();
         let is_covered =
             window.finder.is_some() || window.help.is_some() || self.state.files().has_sheet();
+        // Left and right step through time, unless something that covers the window needs them.
         focus::keep_arrows(ui.ctx(), is_covered);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
         }
+    }
+
+    /// Shows the panels as they are arranged in a window of this size and look.
+    fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
             self.commands.retain(|command| command.rules().in_frame);
             panels::show_embedded(
@@ -177,18 +208,10 @@ impl App {
             }
             self.show_tiles(ui);
         }
+
         if self.state.window().embedding.is_none() {
             panels::show_floating(ui, &self.state, &mut self.commands);
         }
-        let is_playing = self.state.time().playback.is_playing();
-        ui.ctx()
-            .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
-        focus::ring(
-            ui.ctx(),
-            tilescope_drawing::palette::Palette::of(self.state.appearance().look),
-        );
-        self.follow_focus(ui.ctx());
-        self.apply_commands(ui.ctx());
     }
 
     /// Returns the part of the window that is shown, if not all of it: as embedded in another page, and beside a lesson
@@ -217,10 +240,13 @@ impl App {
         if !dropped.is_empty() {
             let waker = ui.ctx().clone();
             let wake: tilescope_session::jobs::Wake = Arc::new(move || waker.request_repaint());
-            let files = dropped.iter().filter_map(|file| file.web_file().cloned());
-            let files = files.collect();
+            let files = (dropped.iter())
+                .filter_map(|file| file.web_file().cloned())
+                .collect();
             self.dropped = Some(tilescope_workbench::files::web::take(files, &wake));
         }
+
+        // The browser reads files in the background, so that they come in a later frame.
         let read = self
             .dropped
             .as_ref()
@@ -281,9 +307,13 @@ impl App {
     fn show_tiles(&mut self, ui: &mut Ui) {
         let before = &self.state.window().layout;
         let mut layout = before.clone();
+
         let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
+        // Tiles have minimum sizes for the window at hand. A tile that is enlarged for them keeps its share in the layout
+        // itself.
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
+
         let mut tree = tiles::tree(&layout);
         let mut shower = Shower {
             ctx: ui.ctx().clone(),
@@ -299,7 +329,9 @@ impl App {
             tree.ui(&mut shower, ui);
             focus::name_tiles(ui);
         });
+
         let (edited, moved) = (shower.edited, shower.moved);
+        // Only what the user dragged changes the layout.
         if edited {
             // Remove empty tab containers, left when the last panel was dragged out.
             tree.simplify(&shower.simplification_options());
@@ -362,9 +394,11 @@ impl App {
     /// Arranges the panels for the window's size. A layout that was arranged for less than a whole window is kept.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
+        // This look enlarges screen points, which leaves fewer of them; the window is as large as before.
         if self.state.appearance().look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
+
         let lessons = self.state.lessons();
         let look = self.state.appearance().look;
         let arrangement = if self.state.window().layout.is_whole() {
@@ -376,6 +410,7 @@ impl App {
         } else {
             Arrangement::Tiles
         };
+
         if arrangement != self.state.window().drawer.arrangement {
             let command = DrawerCommand::Arrange(arrangement);
             self.state
@@ -389,16 +424,19 @@ impl App {
             touch: is_compact,
             still: self.state.appearance().reduced_motion,
         };
+
         let look = self.state.appearance().look;
         if (self.shown_look, self.shown_input_style) == (look, input_style) {
             return;
         }
+
         theme::restyle(ctx, look, input_style);
         let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
         let (before, after) = (
             zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );
+
         // If the window is enlarged otherwise, the layout is kept.
         if before.to_bits() != after.to_bits() {
             ctx.set_zoom_factor(after);
@@ -526,6 +564,7 @@ impl Behavior<Panel> for Shower<'_> {
 
     fn simplification_options(&self) -> SimplificationOptions {
         SimplificationOptions {
+            // A row of tabs stays when one panel is left in it, with the tab by which that panel is dragged.
             prune_single_child_tabs: false,
             ..SimplificationOptions::default()
         }
@@ -541,7 +580,9 @@ impl Behavior<Panel> for Shower<'_> {
         let Some(panel) = tiles::panel_of(tile) else {
             return button;
         };
+
         button.known_as(format_args!("tab.{}", Kebab(panel)));
+        // The canvas cannot be hidden.
         if panel != Panel::Canvas {
             button.context_menu(|ui| {
                 let hide = ui.button(ui.words(format!("Hide {}", panel.name())));
@@ -553,13 +594,17 @@ impl Behavior<Panel> for Shower<'_> {
                 }
             });
         }
+
         let id = egui::Id::unique("seen tab").with(tile);
+        // Behind another tab it is not in view. Once it comes forward, it is scrolled to.
         if !self.state.window().layout.shows(panel) {
             button.ctx.data_mut(|data| data.remove::<u8>(id));
             return button;
         }
-        let frames = button.ctx.data(|data| data.get_temp::<u8>(id));
-        let frames = frames.unwrap_or_default();
+
+        let frames = (button.ctx)
+            .data(|data| data.get_temp::<u8>(id))
+            .unwrap_or_default();
         if frames < TAB_FRAMES {
             button.ctx.data_mut(|data| data.insert_temp(id, frames + 1));
             button.scroll_to_me_animation(None, egui::style::ScrollAnimation::none());

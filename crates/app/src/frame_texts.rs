@@ -28,6 +28,7 @@ pub fn texts_of(output: &FullOutput) -> BTreeSet<String> {
     for clipped in &output.shapes {
         add_drawn(&clipped.shape, &mut texts);
     }
+
     let update = output.platform_output.accesskit_update.iter();
     for (_, node) in update.flat_map(|update| &update.nodes) {
         let told = [
@@ -100,7 +101,7 @@ impl Unseen {
 pub struct Asked {
     /// The line of the question in the lesson's file.
     pub line: usize,
-    /// The question.
+    /// The question that is open.
     pub question: Question,
     /// All texts of the frame.
     pub texts: BTreeSet<String>,
@@ -116,8 +117,9 @@ pub fn asked(name: &str, text: &str) -> Result<Vec<Asked>, String> {
     let mut window = Unseen::new();
     window.send(LessonCommand::Read(name.to_owned(), text.to_owned()));
     let open = window.app.state.lessons().open.as_ref();
-    let lesson = open.map(|open| Arc::clone(open.learner.lesson()));
-    let lesson = lesson.ok_or_else(|| format!("the window cannot show the lesson {name}"))?;
+    let lesson = open
+        .map(|open| Arc::clone(open.learner.lesson()))
+        .ok_or_else(|| format!("the window cannot show the lesson {name}"))?;
 
     let mut all = Vec::new();
     for (step, gate) in lesson.gates() {

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use tilescope_classroom::lessons::ResultsToStore;
 use tilescope_formats::write_whole;
 
-/// The results of lessons.
+/// The name of the file of lessons' results.
 const RESULTS: &str = "results.json";
 /// Held by a window while it merges its results with those of the file.
 const LOCK: &str = "results.lock";
-/// The last session.
+/// The name of the file of the last session.
 const LAST: &str = "last-session.json";
 
 /// The folder of the native window.

@@ -133,6 +133,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
     if !display_available() {
         return Err(AppError::NoDisplay);
     }
+
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tilescope")
@@ -141,10 +142,13 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
+
     let (light, link) = (options.light, options.link.clone());
     let commands = options.commands.clone();
+    // They tell after an error whether the window was open.
     let frames = Arc::new(Frames::default());
     let counter = Arc::clone(&frames);
+
     let run = || {
         eframe::run_native(
             NAME,
@@ -154,6 +158,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 if let Some(render_state) = &creation.wgpu_render_state {
                     app.draw_with(render_state);
                 }
+                // A link or a command says what to show: then neither the last session is offered nor the tour shown.
                 let is_default = link.is_none() && commands.is_empty();
                 if let Some(folder) = eframe::storage_dir(NAME) {
                     app.keep_in(KeptFolder::new(folder), is_default);
@@ -161,6 +166,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 if let Some(storage) = creation.storage {
                     app.remember(storage, is_default);
                 }
+
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(
                         tilescope_workbench::command::AppearanceCommand::ToggleTheme,
@@ -179,6 +185,8 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
             }),
         )
     };
+
+    // Windowing systems may report a failure by a panic.
     outcome(catch_unwind(AssertUnwindSafe(run)), &frames)
 }
 

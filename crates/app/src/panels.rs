@@ -80,8 +80,10 @@ pub fn show_projector(
 ) {
     let palette = Palette::of(state.appearance().look);
     let frame = Frame::new().fill(palette.panel);
+    // The timeline is as wide as the window without the margins of its panel.
     let width = ui.available_width() - 2.0 * 14.0;
     let height = timeline::height(ui.ctx(), &TimeContext::of(state), width);
+
     egui::Panel::bottom("projector")
         .resizable(false)
         .exact_size(height + 2.0 * 8.0)
@@ -90,6 +92,7 @@ pub fn show_projector(
             ui.spacing_mut().item_spacing.y = 0.0;
             timeline::show(ui, &TimeContext::of(state), commands);
         });
+
     if state.window().shows(Panel::Analysis) {
         let side = Frame::new().fill(palette.panel);
         egui::Panel::left("projected analysis")
@@ -102,6 +105,7 @@ pub fn show_projector(
                 });
             });
     }
+
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
         canvas.show(ui, &CanvasContext::of(state), commands);
     });
@@ -123,6 +127,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 if button.on_hover_text(&name).clicked() {
                     commands.push(Command::Appearance(AppearanceCommand::ToggleTheme));
                 }
+
                 let text = RichText::new("F2: leave").small().color(palette.muted);
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
                 let name =

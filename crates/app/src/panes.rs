@@ -87,6 +87,7 @@ impl Canvas {
         let size = ui.available_size().max(vec2(1.0, 1.0));
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
         let subject = context.subjects[0];
+
         let Some((second, comparison)) = &context.runs.second else {
             let side = PaneSide {
                 which: Which::First,
@@ -98,6 +99,8 @@ impl Canvas {
                 .known_as("canvas");
             return;
         };
+
+        // Seen in the gap between the two pictures, as a line.
         ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
         let left = PaneSide {
@@ -108,9 +111,12 @@ impl Canvas {
         };
         left.show(ui, context, &mut self.first, &mut self.marks, commands)
             .known_as("canvas-a");
+
+        // Its pipelines are created when a second run is shown for the first time.
         if let Some(device) = self.device.take() {
             self.second.draw_with(&device);
         }
+
         let subject = context.subjects[1];
         let right = PaneSide {
             rect: titles::heading(ui, right, context, &titles::second_title(context, second)),
@@ -121,6 +127,7 @@ impl Canvas {
         right
             .show(ui, context, &mut self.second, &mut self.marks, commands)
             .known_as("canvas-b");
+
         titles::echo(
             ui,
             [left.rect, right.rect],
@@ -152,25 +159,32 @@ impl PaneSide<'_> {
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         let name = ui.words(self.name);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, &name));
+
         let run = context.runs.get(self.which);
+        // The state fits and frames views, and needs the rectangle for that.
         if run.is_some_and(|run| run.viewport != rect) {
             commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));
         }
+
         let palette = context.palette;
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
+
         let Some(subject) = &self.subject else {
             let waits = run.is_some_and(|run| run.sampling.is_some());
             overlay::waiting(&painter, rect, waits, palette);
             return response;
         };
+
         let mut moves = Vec::new();
         let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
+        // Its entries lead to panels, which a frame and a stage lack.
         if !context.is_embedded && !context.is_stage {
             menu::show(ui, &response, subject, self.which, commands);
         }
+
         let note = pane.paint(ui, rect, subject, palette);
         let rows = match self.which {
             Which::First => context.rows,
@@ -180,13 +194,16 @@ impl PaneSide<'_> {
             Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note),
             None => note,
         };
+
         overlay::scale_bar(&painter, rect, subject, palette);
         if context.is_stage {
             return response;
         }
+
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
+
         let brief = context.look.is_projector();
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, brief);

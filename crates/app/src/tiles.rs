@@ -36,6 +36,7 @@ pub fn tree(layout: &Layout) -> Tree<Panel> {
         containers: 0,
     };
     let root = maker.insert(&layout.root);
+    // A hidden panel keeps its place among the tiles, to which it comes back.
     for panel in layout.hidden().panels() {
         maker.tiles.set_visible(tile_of(panel), false);
     }
@@ -54,6 +55,8 @@ impl Maker {
             self.tiles.insert(id, Tile::Pane(*panel));
             return id;
         }
+
+        // Layouts of one shape get the same numbers, by which `with_shares_of` finds their containers.
         let id = TileId::from_u64(CONTAINERS + self.containers);
         self.containers += 1;
         let children: Vec<TileId> = tile.children().map(|tile| self.insert(tile)).collect();
@@ -77,6 +80,7 @@ impl Maker {
             }
             layout::LayoutTile::Panel(_) => return id,
         };
+
         self.tiles.insert(id, Tile::Container(container));
         id
     }
@@ -93,9 +97,11 @@ pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
 }
 
 fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::LayoutTile> {
+    // Deeper layouts would not be read back from a link or a file.
     if depth > MAX_DEPTH {
         return None;
     }
+
     let inner = |id: &TileId| tile(tiles, *id, depth + 1);
     Some(match tiles.get(id)? {
         Tile::Pane(panel) => layout::LayoutTile::Panel(*panel),

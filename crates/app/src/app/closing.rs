@@ -13,10 +13,10 @@ use super::App;
 /// Whether the window may close.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Closing {
-    /// Nobody asked it to.
+    /// No request to close has come.
     #[default]
     No,
-    /// The user is asked whether to.
+    /// The question is open whether it may.
     Asked,
     /// It closes with the next frame.
     Sure,
@@ -53,9 +53,12 @@ impl App {
             self.closing = Closing::No;
             return;
         }
+
         let palette = Palette::of(self.state.appearance().look);
+        // Of what would be lost, scenes can be saved; an export that is running cannot.
         let saves = self.state.files().unsaved_scenes(&self.state.runs().first) > 0
             && self.state.runs().first.save_refusal().is_none();
+
         let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
             ui.set_width(320.0);
             heading(ui, "Close Tilescope?");
@@ -78,6 +81,7 @@ impl App {
             })
             .inner
         });
+
         let (stay, save, close) = modal.inner;
         if close {
             self.closing = Closing::Sure;

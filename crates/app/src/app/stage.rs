@@ -45,17 +45,21 @@ impl App {
         let Some(talk) = &self.state.talks().open else {
             return;
         };
+
         // The first window cannot be closed: if its content is closed, that of the other window moves there.
         let windows = talk.windows;
         let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],
             _ => [Role::Stage, Role::Notes],
         };
+
         let open = |role: Role| match role {
             Role::Stage => windows.stage,
             Role::Notes => windows.notes,
         };
+
         let [root, other] = roles;
+        // On a page there is no second window.
         let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
         if ui.input(|input| input.viewport().close_requested()) && other.is_some() {
             // Only the content is closed: this window then shows the content of the other one, and the talk continues.
@@ -63,6 +67,7 @@ impl App {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             self.commands.push(Command::Talk(close_command(root)));
         }
+
         self.show_role(ui, root);
         if let Some(role) = other {
             let builder = self.window_of(role);
@@ -77,6 +82,7 @@ impl App {
                 self.show_role(ui, role);
             });
         }
+
         self.apply_commands(&ctx);
     }
 
@@ -105,15 +111,18 @@ impl App {
         let Some(window) = frame.winit_window().filter(|_| is_beginning) else {
             return;
         };
+
         let pixels_per_point = ctx.pixels_per_point();
-        let screens = window.available_monitors().map(|monitor| {
+        let each = window.available_monitors().map(|monitor| {
             let (at, size) = (monitor.position(), monitor.size());
             let corner = egui::pos2(at.x as f32, at.y as f32);
             Rect::from_min_size(corner, egui::vec2(size.width as f32, size.height as f32))
         });
-        let screens: Vec<Rect> = screens.collect();
-        let here = window.outer_position().unwrap_or_default();
-        let here = egui::pos2(here.x as f32 + 1.0, here.y as f32 + 1.0);
+        let screens: Vec<Rect> = each.collect();
+
+        // One pixel within the window, as its corner may lie on the border of two screens.
+        let corner = window.outer_position().unwrap_or_default();
+        let here = egui::pos2(corner.x as f32 + 1.0, corner.y as f32 + 1.0);
         let other = other_screen(&screens, here);
         self.stage.other_screen = other.map(|screen| screen / pixels_per_point);
     }

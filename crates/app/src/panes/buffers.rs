@@ -59,11 +59,13 @@ pub fn show(
             }
         }
     }
+
     let note = note.or_else(|| {
         let most = tilescope_session::words::grouped(MAX_MARKS);
         let more = tilescope_session::words::grouped(left_out);
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
+
     let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;
     tag(ui, &painter, rect.min + corner, buffers, left_out, palette);
     note
@@ -94,12 +96,14 @@ impl InView {
             } else {
                 &mut view.unchanged
             };
+
             for &row in rows.shown.rows() {
                 if rows.table.is_changed(row as usize) != changed {
                     continue;
                 }
                 for spot in rows.marks(row).iter().filter(|spot| row_painter.sees(spot)) {
                     if rest == 0 {
+                        // Counted for the remark.
                         view.left_out += 1;
                     } else {
                         rest -= 1;
@@ -221,6 +225,7 @@ fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     if strong {
         mesh.add_colored_rect(inner, color.gamma_multiply(0.2));
     }
+
     let (across, up) = (vec2(inner.width(), width), vec2(width, inner.height()));
     let color = color.gamma_multiply(if strong { 1.0 } else { 0.6 });
     for (corner, size) in [
@@ -244,7 +249,7 @@ fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
     mesh.add_triangle(first + 1, first + 2, first + 3);
 }
 
-/// Draws the tag.
+/// Draws the tag that names the rows and says how many changed.
 fn tag(
     ui: &Ui,
     painter: &Painter,
@@ -258,6 +263,7 @@ fn tag(
     let format = |color| TextFormat::simple(font.clone(), color);
     let mut job = LayoutJob::default();
     job.append(&what, 0.0, format(palette.text));
+
     let strong = buffers
         .rows
         .is_some_and(|rows| rows.shown.counts().changed > 0);
@@ -268,16 +274,19 @@ fn tag(
     };
     job.append(&changed, 0.0, format(color));
     job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
+
     let galley = painter.layout_job(job);
     let text_rect = Rect::from_min_size(corner, galley.size());
     let ground = text_rect.expand2(vec2(7.0, 4.0));
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
     painter.galley(text_rect.min, galley, palette.text);
+
     let response = ui.interact(
         ground,
         ui.scope_id().with("buffer on the canvas"),
         egui::Sense::hover(),
     );
+
     let mut words = format!("On the canvas: {what}{changed}");
     if left_out > 0 {
         let _ = write!(words, "; {left_out} more marks are in view than are drawn");

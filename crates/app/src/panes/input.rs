@@ -40,12 +40,14 @@ pub fn handle(
     move_view(ui, response, &touch, context.is_embedded, commands);
     let is_picked = pick(response, subject, &touch, commands);
     keys(ui, response, commands);
+    // Two fingers that are lifted one after the other make no double tap.
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
     if flies && let Some(pos) = response.interact_pointer_pos() {
         let position = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(ViewCommand::FlyToBlock(position));
     }
     inspect_later(ui, response, is_picked, flies, context, commands);
+    // A finger that was lifted hovers nowhere.
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
@@ -69,6 +71,7 @@ fn inspect_later(
     let Some(at) = at else {
         return;
     };
+
     let wait = if context.is_compact {
         ui.options(|options| options.input_options.max_double_click_delay)
     } else {
@@ -76,11 +79,13 @@ fn inspect_later(
     };
     let rest = at + wait - now;
     if rest > 0.0 && !flies {
+        // A later frame comes back to it, once no second tap can follow.
         ui.data_mut(|data| data.insert_temp(id, at));
         ui.ctx()
             .request_repaint_after(std::time::Duration::from_secs_f64(rest));
         return;
     }
+
     ui.data_mut(|data| data.remove::<f64>(id));
     if !flies {
         commands.push(ViewCommand::Inspect);
@@ -101,6 +106,7 @@ fn move_view(
         hint::give(ui, Hint::Fingers);
         return;
     }
+
     let moved = match touch.pinch {
         Some(pinch) => pinch.moved,
         // When one of two fingers is lifted, the other one still belongs to the gesture.
@@ -110,10 +116,12 @@ fn move_view(
     if moved != Vec2::ZERO {
         commands.push(ViewCommand::Pan(moved));
     }
+
     let (at, factor) = if let Some(pinch) = touch.pinch {
         (pinch.middle, f64::from(pinch.factor))
     } else if response.contains_pointer() && touch.hand == Hand::Mouse {
         let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        // On another page the plain wheel scrolls that page: a hint says that it zooms with Ctrl.
         let scroll = if is_embedded {
             if ui.input(|input| input.events.iter().any(is_plain_wheel)) {
                 hint::give(ui, Hint::Wheel);
@@ -128,6 +136,8 @@ fn move_view(
     } else {
         return;
     };
+
+    // Rounding alone is no movement of the wheel.
     if (factor - 1.0).abs() > 1e-6 {
         commands.push(ViewCommand::Zoom(at, factor));
     }
@@ -160,14 +170,17 @@ fn pick(
     if hovered != subject.hovered {
         commands.push(ViewCommand::Hover(hovered));
     }
+
     if touch.hand == Hand::Gesture {
         return false;
     }
+
     // Enter selects at the centre.
     let by_key = response.has_focus() && response.interact_pointer_pos().is_none();
     if !(response.long_touched() || response.clicked() && !by_key) {
         return false;
     }
+
     let selection = response.interact_pointer_pos().map(|pos| {
         let sample = nearest(response, subject, pos, reach).map(Selection::Sample);
         sample.unwrap_or_else(|| selection_at(response, subject, pos))
@@ -186,9 +199,12 @@ pub(super) fn nearest(
 ) -> Option<u32> {
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
+    // Zoomed out, so many points of the screen would reach over many samples.
     let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
+
     let mut best: Option<(f64, u32)> = None;
     let index = &shown.session.index;
+
     // A copy across a periodic border is drawn, and a click on it selects its sample.
     let around = drawn_around(shown.session);
     index.visit_around(position, position, reach, around, |seen| {
@@ -198,6 +214,8 @@ pub(super) fn nearest(
             best = Some((distance, seen.id));
         }
     });
+
+    // Where no sample is near, an exposed arc leads to the sample of its circle.
     if best.is_none() && subject.layers.has(Layer::CoveredCircles) {
         return subject.geometry.exposed_at(&shown, position, reach);
     }
@@ -238,18 +256,22 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
         return;
     }
     ui.data_mut(|data| data.insert_temp(focused_id(), response.id));
+
     let filter = EventFilter {
         horizontal_arrows: true,
         vertical_arrows: true,
         ..EventFilter::default()
     };
+    // Arrow keys would otherwise move the focus.
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+
     let moves = [
         (Key::ArrowLeft, vec2(PAN, 0.0)),
         (Key::ArrowRight, vec2(-PAN, 0.0)),
         (Key::ArrowUp, vec2(0.0, PAN)),
         (Key::ArrowDown, vec2(0.0, -PAN)),
     ];
+
     ui.input_mut(|input| {
         for (key, delta) in moves {
             let count = input.count_and_consume_key(egui::Modifiers::NONE, key);

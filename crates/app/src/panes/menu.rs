@@ -18,7 +18,7 @@ use super::input;
 #[derive(Clone, Copy)]
 struct MenuSubject {
     sample: Option<u32>,
-    /// In r.
+    /// The place, in r.
     place: DVec2,
 }
 
@@ -56,9 +56,12 @@ pub fn show(
         ui.data_mut(|data| data.insert_temp(id, (pos, about)));
         Popup::open_id(ui.ctx(), id);
     }
+
+    // The subject is kept while the menu is open: the pointer moves on to the entries.
     let Some((pos, about)) = ui.data(|data| data.get_temp::<(Pos2, MenuSubject)>(id)) else {
         return;
     };
+
     let closes = response.clicked().then_some(SetOpenCommand::Bool(false));
     let popup = Popup::menu(response).id(id).open_memory(closes);
     popup.at_position(pos).show(|ui| {
@@ -89,9 +92,10 @@ fn asked_at(ui: &Ui, response: &Response, subject: &Subject<'_>) -> Option<Pos2>
         let session = subject.shown.session;
         let sample = subject.selected.map(|id| session.position(id));
         let selected = sample.or(subject.place);
-        let at = selected.map(|at| subject.camera.screen_from_domain(response.rect, at));
-        let at = at.filter(|at| response.rect.contains(*at));
-        at.unwrap_or(response.rect.center())
+        selected
+            .map(|at| subject.camera.screen_from_domain(response.rect, at))
+            .filter(|at| response.rect.contains(*at))
+            .unwrap_or(response.rect.center())
     })
 }
 
@@ -110,14 +114,17 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
     if let Some(sample) = about.sample {
         entries.extend(of_sample(subject, which, sample));
     }
+
     let mut add = |group: Vec<MenuEntry>| {
         let start = entries.len();
         entries.extend(group);
+        // The first entries have no line above them.
         if let Some(first) = entries.get_mut(start).filter(|_| start > 0) {
             first.begins_group = true;
         }
     };
     add(of_place(subject, which, about.place));
+
     let session = subject.shown.session;
     let at = about.sample.map_or(about.place, |id| session.position(id));
     let view = |command| vec![Command::View(which, command)];
@@ -127,6 +134,7 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
         MenuEntry::new("centre", "Centre here", centre),
         MenuEntry::new("copy", "Copy the position", copy),
     ];
+    // Scenes are moments of run A, and moments are of events.
     if which == Which::First && subject.shown.debugger.is_some() {
         let scene = vec![Command::Scene(SceneCommand::Add)];
         others.push(MenuEntry::new(
@@ -135,6 +143,7 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
             scene,
         ));
     }
+
     add(others);
     entries
 }
@@ -145,6 +154,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
     let name = format!("Show the history of sample {}", grouped(sample as usize));
     let inspect = Command::View(which, ViewCommand::Inspect);
     let mut entries = vec![MenuEntry::new("history", name, vec![pick.clone(), inspect])];
+
     let debugger = subject.shown.debugger.filter(|_| which == Which::First);
     let Some(recording) = debugger.map(tilescope_debugger::Debugger::recording) else {
         return entries;
@@ -152,6 +162,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
     let Some(life) = recording.life(sample) else {
         return entries;
     };
+
     let origin = recording.run().samples.origins[sample as usize];
     let is_inserted = matches!(origin, Origin::Inserted { .. });
     let born = if is_inserted {
@@ -159,20 +170,22 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
     } else {
         ("placed", "Go to where it was placed")
     };
+
     for ((id, name), event) in [
         (born, life.born),
         (("kept", "Go to where it was kept"), life.kept),
         (("lost", "Go to where it was eliminated"), life.lost),
     ] {
-        // The insertion of a sample keeps it, and what lies outside the domain is dropped when it is placed.
+        // A sample is kept when it is inserted, and dropped when it is placed outside the domain: one entry is enough.
         let is_told = event != life.born || id == born.0;
         if event != NONE && is_told {
             let jump = Command::Time(TimeCommand::Jump(event as usize + 1));
             entries.push(MenuEntry::new(id, name, vec![pick.clone(), jump]));
         }
     }
-    let next = TimeCommand::RunTo(Target::Sample(sample), Direction::Forwards);
-    let next = vec![pick, Command::Time(next)];
+
+    let run_to = TimeCommand::RunTo(Target::Sample(sample), Direction::Forwards);
+    let next = vec![pick, Command::Time(run_to)];
     entries.push(MenuEntry::new("next", "Go to its next event", next));
     entries
 }
@@ -181,9 +194,11 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
 fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry> {
     let shown = subject.shown;
     let size = shown.session.size_radii();
+    // Around the domain there are copies alone, and places beyond it have no history.
     if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
         return Vec::new();
     }
+
     let (history, fly) = if subject.geometry.is_gap(&shown, place) {
         let history = "Why is this a gap? The history of this place";
         (history, ("gap", "Go to this gap"))
@@ -191,6 +206,7 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry>
         let history = "Show the history of this place";
         (history, ("block", "Zoom to this block"))
     };
+
     let view = |command| Command::View(which, command);
     let pick = view(ViewCommand::Pick(Selection::Place(place)));
     let inspect = vec![pick, view(ViewCommand::Inspect)];

@@ -98,6 +98,7 @@ fn title(
             parts.push(own.engine.clone());
         }
     }
+
     if let Some(own) = own {
         parts.push(tilescope_session::words::counted(
             own.summary.count,
@@ -105,8 +106,11 @@ fn title(
             "samples",
         ));
     }
+
     parts.push(verdict(verification).to_owned());
+    // A run that has no verdict yet has an empty one.
     parts.retain(|part| !part.is_empty());
+
     Title {
         letter,
         run: parts.join("   "),
@@ -130,13 +134,16 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
     let (mut above, mut below) = (rect, rect);
     above.max.y = rect.min.y + HEADING;
     below.min.y = above.max.y;
+
     let painter = ui.painter_at(above);
     painter.rect_filled(above, 0.0, palette.raised);
     let line = |text: &str, font: FontId, color: Color32| {
         let mut job = egui::text::LayoutJob::simple_singleline(text.to_owned(), font, color);
+        // The text begins behind the letter, 40 points from the left, and ends 12 points before the right.
         job.wrap = egui::text::TextWrapping::truncate_at_width(above.width() - 52.0);
         ui.painter().layout_job(job)
     };
+
     let letter = painter.layout_no_wrap(
         title.letter.to_owned(),
         FontId::new(20.0, semibold()),
@@ -144,6 +151,7 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
     );
     let at = above.left_center() + vec2(14.0, -letter.size().y / 2.0);
     painter.galley(at, letter, palette.accent);
+
     for (text, y, size, color) in [
         (&title.run, 5.0, 13.0, palette.text),
         (&title.happened, 23.0, 12.5, palette.muted),
@@ -151,6 +159,7 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
         let galley = line(text, FontId::proportional(size), color);
         painter.galley(above.left_top() + vec2(40.0, y), galley, color);
     }
+
     let id = ui.scope_id().with(("title of a run", title.letter));
     let response = ui.interact(above, id, egui::Sense::hover());
     let words = format!("Run {}: {}. {}", title.letter, title.run, title.happened);
@@ -174,6 +183,7 @@ pub fn echo(
     if !comparison.linked_cameras {
         return;
     }
+
     for (here, there) in [(0, 1), (1, 0)] {
         let (Some(from), Some(to)) = (subjects[here], subjects[there]) else {
             continue;
@@ -181,10 +191,12 @@ pub fn echo(
         if !rects[here].contains(pointer) {
             continue;
         }
+
         let position = from.camera.domain_from_screen(rects[here], pointer);
         let at = to.camera.screen_from_domain(rects[there], position);
         let painter = ui.painter_at(rects[there]);
         let stroke = Stroke::new(1.2, context.palette.halo.gamma_multiply(0.7));
+        // A cross that is open in its middle, so that the place itself is seen.
         for side in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
             for way in [-1.0, 1.0] {
                 painter.line_segment([at + way * side * 0.35, at + way * side], stroke);
