@@ -36,26 +36,26 @@ const fn line_of_second(palette: &Palette) -> (Dash, Color32) {
     (Dash::Long, palette.inserted)
 }
 
-/// The context of the panel.
+/// The context of the panel of the analysis.
 pub struct AnalysisContext<'a> {
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'static Palette,
-    /// The run.
+    /// The run whose moment is measured.
     pub run: &'a RunView,
     /// The run that it is compared with.
     pub second: Option<&'a RunView>,
-    /// What is measured beside the runs.
+    /// The measures beside those of the runs.
     pub analysis: &'a Analysis,
     /// The reference file, or why it could not be measured.
     pub reference_file: Option<Result<&'a Arc<ReferenceFile>, String>>,
-    /// The result of the brush.
+    /// The result of the brush, in words.
     pub brush_text: String,
 }
 
 /// The measures of the moment of a run, as far as they are there.
 #[derive(Clone, Copy)]
 struct RunMeasures<'a> {
-    /// Those at rest.
+    /// The measures of a moment at rest.
     now: Option<&'a MeasuredSet>,
     /// Those that move with the run.
     live: Option<&'a MeasuredSet>,
@@ -82,8 +82,8 @@ impl<'a> RunMeasures<'a> {
         let now = self
             .now
             .and_then(&part)
-            .or_else(|| self.live.and_then(&part));
-        let now = now.map(|found| (found, false));
+            .or_else(|| self.live.and_then(&part))
+            .map(|found| (found, false));
         now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
     }
 
@@ -137,7 +137,7 @@ impl<'a> AnalysisContext<'a> {
     }
 }
 
-/// Shows the panel.
+/// Shows the analysis: its state, charts and numbers, in two columns where there is room.
 pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(shown) = context.run.shown() else {
@@ -145,9 +145,11 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         ui.label(RichText::new(text).color(palette.muted));
         return;
     };
+
     let mut own = Vec::new();
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);
+
     let brush = context.analysis.brush;
     if ui.available_width() >= TWO_COLUMNS {
         ui.columns_const(|[left, right]| {
@@ -162,6 +164,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         charts::curves(ui, &sets, brush, &mut own);
         rest(ui, context, &sets, commands, &mut own);
     }
+
     ui.add_space(8.0);
     commands.extend(own.into_iter().map(Command::Analysis));
 }
@@ -267,6 +270,7 @@ fn progress(
         if cancel.clicked() {
             own.push(AnalysisCommand::Stop);
         }
+
         let bar = ProgressBar::new(fraction).desired_height(6.0);
         ui.add(bar.desired_width(56.0).fill(palette.accent));
         ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
@@ -311,17 +315,20 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
         (Some(_), true) => "run A at this moment, with its 95% band",
         (Some(_), false) => "run A at this moment",
     };
+
     entry(ui, Dash::Solid, palette.accent, this).known_as("analysis.moment");
     if sets.second.is_some() {
         let (line, color) = line_of_second(palette);
         entry(ui, line, color, "run B at its moment").known_as("analysis.second");
     }
+
     let reference = &context.analysis.reference;
     let name = match reference {
         tilescope_workbench::analysis::Reference::Failed(why) => format!("reference: {why}"),
         _ => format!("reference: {}", reference.name()),
     };
     entry(ui, Dash::Dotted, palette.text, &name).known_as("analysis.reference");
+
     match context.reference_file.clone() {
         Some(Ok(file)) => {
             let guessed = if file.guessed {
@@ -333,6 +340,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
             let judged = radius.map_or_else(String::new, |r| format!(", judged at r = {r}"));
             let name = format!("file: {}{guessed}{judged}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
+            // The file keeps its own unit, in which r has another length.
             if let Some(reason) = numbers::unjudged(&file.measured.with_radius(sets.unit)) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
@@ -370,12 +378,15 @@ fn file(
         let open = ui.button("Compare with a file\u{2026}");
         let command = Command::File(FileCommand::Sheet(Purpose::Against));
         open.issues("analysis.hold", command, commands);
+
         let there = context.analysis.reference_file.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
         clear.known_as("analysis.clear");
-        let clear = clear.on_hover_text("Stops comparing with the file.");
-        let clear = clear.on_disabled_hover_text("This run is not compared with a file.");
-        if clear.clicked() {
+        if clear
+            .on_hover_text("Stops comparing with the file.")
+            .on_disabled_hover_text("This run is not compared with a file.")
+            .clicked()
+        {
             own.push(AnalysisCommand::Clear);
         }
     });
@@ -392,11 +403,13 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
         ui.horizontal(|ui| {
             let mut on = range.is_some();
             let [mut low, mut high] = range.unwrap_or(start);
+            // The fields of both rows begin at the same place.
             let room = ui.max_rect().left() + 108.0;
             let switch = ui.checkbox(&mut on, name);
             let id = format_args!("brush.{}", Kebab(axis));
             let mut changed = switch.known_as(id).changed();
             ui.add_space((room - ui.cursor().left()).max(0.0));
+
             for (value, which) in [(&mut low, "from"), (&mut high, "to")] {
                 let field = DragValue::new(value)
                     .range(0.0..=axis.end())
@@ -413,6 +426,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                 changed |= field.changed();
                 field.on_disabled_hover_text("Switched off: no range is selected.");
             }
+
             if changed {
                 let brush = Brush::between(axis, low, high).filter(|_| on);
                 own.push(AnalysisCommand::Brush(brush));
@@ -420,6 +434,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
         });
     }
     ui.horizontal(|ui| {
+        // The row is there without a search, too, so that nothing below it moves when one begins.
         ui.set_height(24.0);
         if let Some(fraction) = context.analysis.marks.progress() {
             let bar = ProgressBar::new(fraction).desired_height(6.0);
@@ -431,6 +446,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
             }
         }
     });
+
     let text = RichText::new(&*context.brush_text).size(12.0);
     let response = lines(ui, text.color(palette.muted));
     super::common::read_out(ui, &response);

@@ -136,8 +136,8 @@ fn issue(commands: &mut Vec<Command>, command: LessonCommand) {
 
 /// Returns the counts of a vote by option: "A 12, B 30".
 fn counts_text(counts: &[u32]) -> String {
-    let each = counts.iter().enumerate();
-    let each = each.map(|(option, count)| format!("{} {count}", letter(option)));
+    let each =
+        (counts.iter().enumerate()).map(|(option, count)| format!("{} {count}", letter(option)));
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -166,6 +166,7 @@ impl LessonPanel<'_> {
         self.bar(ui);
         self.steps(ui);
         ui.add_space(6.0);
+
         let (open, learner) = (self.open, &self.open.learner);
         let step = learner.step();
         let font = FontId::new(self.size + 4.0, semibold());
@@ -173,23 +174,27 @@ impl LessonPanel<'_> {
         ui.add(Label::new(heading).wrap()).known_as("lesson-step");
         ui.add_space(4.0);
         text::show(ui, open, &step.text, self.size, self.palette);
+
         if let Some(fault) = &open.fault {
             let fault = ui.words(fault.to_string());
-            let text = format!("{} {fault}.", self.labels.cannot_show);
-            let text = RichText::new(text).color(self.palette.conflict);
+            let sentence = format!("{} {fault}.", self.labels.cannot_show);
+            let text = RichText::new(sentence).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
         } else if learner.scene().is_none() {
             ui.label(self.muted(self.labels.makes_run))
                 .known_as("lesson-waits");
         }
+
         if let Some(question) = learner.question() {
             divide(ui, self.palette);
             self.question(ui, question);
         }
+
         if let Some(outcome) = self.state.lessons().outcome() {
             divide(ui, self.palette);
             self.outcome(ui, outcome);
         }
+
         divide(ui, self.palette);
         self.walk(ui);
     }
@@ -236,12 +241,15 @@ impl LessonPanel<'_> {
                     (false, Some(_)) => self.palette.candidate,
                     (false, None) => self.palette.muted,
                 };
+
                 let mut name = RichText::new((index + 1).to_string()).color(color).small();
                 if is_here {
                     name = name.strong().underline();
                 }
-                let button = ui.add(Button::new(name).small().frame(false));
-                let button = button.on_hover_text(learner.words(&step.title));
+
+                let button = ui
+                    .add(Button::new(name).small().frame(false))
+                    .on_hover_text(learner.words(&step.title));
                 let id = format_args!("lesson-step-{}", index + 1);
                 self.on_click(&button, id, LessonCommand::Go(step.name.clone()));
             }
@@ -253,14 +261,17 @@ impl LessonPanel<'_> {
         let learner = &open.learner;
         let (_, traced) = learner.tries();
         if let Some(steps) = question.traced() {
+            // Once all steps are traced, the last of them stays.
             let number = (traced + 1).min(steps);
             let text = format!("{} {number} {} {steps}", labels.step, labels.of);
             ui.label(self.muted(text)).known_as("lesson-traced");
         }
+
         let ask = text::paragraph(ui, question.ask(traced), self.size, self.palette.text);
         read_out(ui, &ask);
         ask.known_as("lesson-ask");
         ui.add_space(6.0);
+
         let answers = Answers {
             open,
             labels,
@@ -270,6 +281,7 @@ impl LessonPanel<'_> {
             palette: self.palette,
         };
         answers.show(ui, self.commands);
+
         let top = ui.cursor().top();
         if !learner.is_open() {
             self.feedback(ui);
@@ -277,6 +289,7 @@ impl LessonPanel<'_> {
             self.follow_verdict(ui, top);
             return;
         }
+
         self.ways_on(ui, question);
         // Below the buttons, which stay where the learner has just clicked.
         if let Some(lacking) = &open.lacking {
@@ -286,6 +299,7 @@ impl LessonPanel<'_> {
             label.known_as("lesson-lacking");
         }
         self.feedback(ui);
+
         if let Some(hint) = &open.hint {
             let label = text::paragraph(ui, hint, self.size, self.palette.muted);
             read_out(ui, &label);
@@ -326,6 +340,7 @@ impl LessonPanel<'_> {
         let button = primary_button(ui, &name, None, self.palette);
         self.on_click(&button, "lesson-answer", LessonCommand::Answer);
         ui.add_space(4.0);
+
         // Long words go on in the next row: a row wider than the panel would push it over the canvas.
         ui.horizontal_wrapped(|ui| {
             if question.hint.is_some() {
@@ -375,9 +390,11 @@ impl LessonPanel<'_> {
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
                 .known_as("lesson-key");
         }
+
         ui.add_space(4.0);
         let step = learner.step();
         text::show(ui, self.open, &step.after, self.size, self.palette);
+
         let reasons = self.open.reasons();
         if !reasons.is_empty() {
             let why = CollapsingHeader::new(self.labels.why).id_salt("lesson-why");
@@ -388,6 +405,7 @@ impl LessonPanel<'_> {
                 }
             });
         }
+
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
             // The seed of another run of the same kind: any number serves, and the time differs from click to click.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
@@ -408,8 +426,8 @@ impl LessonPanel<'_> {
         if outcome.gates > 0 {
             let tries = labels
                 .first_tries
-                .replace("{right}", &outcome.right.to_string());
-            let tries = tries.replace("{count}", &outcome.gates.to_string());
+                .replace("{right}", &outcome.right.to_string())
+                .replace("{count}", &outcome.gates.to_string());
             ui.add(Label::new(self.muted(tries)).wrap())
                 .known_as("lesson-first-tries");
         }
@@ -438,18 +456,22 @@ impl LessonPanel<'_> {
         let (labels, learner) = (self.labels, &self.open.learner);
         let (index, len) = (learner.index(), learner.lesson().steps.len());
         ui.horizontal(|ui| {
-            let back = Button::new(format!("{} ({})", labels.back, ui.words("PageUp")));
-            let back = ui.add_enabled(index > 0, back);
+            let button = Button::new(format!("{} ({})", labels.back, ui.words("PageUp")));
+            let back = ui.add_enabled(index > 0, button);
             let command = LessonCommand::Step(Direction::Backwards);
             self.on_click(&back, "lesson-back", command);
+
             if index + 1 == len {
                 let more = ui.button(labels.more);
                 self.on_click(&more, "lesson-more", LessonCommand::ToggleList);
                 return;
             }
-            let next = Button::new(format!("{} ({})", labels.next, ui.words("PageDown")));
-            let next = ui.add_enabled(learner.may_go_on(), next);
-            let next = next.on_disabled_hover_text(labels.waits);
+
+            let button = Button::new(format!("{} ({})", labels.next, ui.words("PageDown")));
+            // An open question is answered first, or given up.
+            let next = ui
+                .add_enabled(learner.may_go_on(), button)
+                .on_disabled_hover_text(labels.waits);
             let command = LessonCommand::Step(Direction::Forwards);
             self.on_click(&next, "lesson-next", command);
         });
@@ -462,8 +484,9 @@ fn language(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         "de" => ("EN", "en"),
         _ => ("DE", "de"),
     };
-    let button = ui.add(Button::new(name).small());
-    let button = button.on_hover_text(labels(state).other_language);
+    let button = ui
+        .add(Button::new(name).small())
+        .on_hover_text(labels(state).other_language);
     let command = Command::Lesson(LessonCommand::Language(id.to_owned()));
     button.issues("lesson-language", command, commands);
 }

@@ -19,7 +19,7 @@ const MIN_SIDE: f32 = 150.0;
 /// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
 /// Ends of the axes of power and of g: those of a maximal set with room above its peaks. They never change, so that a moment has
-/// one picture, whichever moments were seen before, and charts can be compared while stepping. What is higher, as the power after
+/// one picture, whichever moments were seen before, and charts can be compared while stepping. Higher values, as the power after
 /// tiling, is cut off and marked with its value; the periodogram is white from the same power on.
 const END_OF_POWER: f64 = periodogram::WHITE;
 const END_OF_PAIRS: f64 = 4.0;
@@ -122,6 +122,7 @@ fn cells_of(spectrum: &Spectrum) -> String {
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
+        // Measured about to the limit of cycles it goes no farther; otherwise it goes on.
         let so_far = if longest as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
@@ -142,13 +143,14 @@ const fn frequencies() -> PlotAxis<'static> {
     }
 }
 
-/// Shows the curves.
+/// Shows the charts of power, anisotropy and pair correlation.
 pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     ui.add_space(8.0);
     let power = curves_of(sets, &|measured, _| {
         let spectrum = measured.spectrum_so_far()?;
         Some((spectrum.power(), spectrum.bands.clone()))
     });
+
     let ring = Brush::along(brush, BrushAxis::Frequency);
     let chart = Plot {
         title: "Radial mean power P(\u{3bd})",
@@ -164,12 +166,14 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         brush: ring,
         height: HEIGHT,
     };
+
     drag(
         BrushAxis::Frequency,
         chart.show(ui, sets.palette),
         brush,
         own,
     );
+
     ui.add_space(6.0);
     anisotropy(ui, sets, brush, own);
     ui.add_space(6.0);
@@ -196,6 +200,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         brush: Brush::along(brush, BrushAxis::Frequency),
         height: HEIGHT - 14.0,
     };
+
     drag(
         BrushAxis::Frequency,
         chart.show(ui, sets.palette),
@@ -209,6 +214,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
         let points = measured.correlation(unit);
         (!points.is_empty()).then_some((points, None))
     });
+
     let chart = Plot {
         title: "Pair correlation g",
         x: PlotAxis {
@@ -227,6 +233,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
         brush: Brush::along(brush, BrushAxis::Distance),
         height: HEIGHT,
     };
+
     drag(
         BrushAxis::Distance,
         chart.show(ui, sets.palette),
@@ -251,6 +258,7 @@ fn curves_of(
         line,
         color,
     };
+
     let mut curves = Vec::new();
     // Those at rest are in r, those that move in user units.
     let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
@@ -265,6 +273,7 @@ fn curves_of(
             curves.push(curve(name, line, color, found));
         }
     };
+
     if let Some(second) = sets.second {
         add(sets.first, "run A", Dash::Solid, palette.accent);
         let (line, color) = line_of_second(palette);
@@ -272,6 +281,7 @@ fn curves_of(
     } else {
         add(sets.first, "this moment", Dash::Solid, palette.accent);
     }
+
     let others = [
         sets.reference
             .map(|measured| (measured, 1.0, "reference", Dash::Dotted, palette.text)),
@@ -280,6 +290,7 @@ fn curves_of(
             (&file.measured, sets.unit, file.name(), line, color)
         }),
     ];
+
     for (measured, unit, name, line, color) in others.into_iter().flatten() {
         if let Some((found, _)) = points(measured, unit) {
             curves.push(curve(name, line, color, (found, None)));

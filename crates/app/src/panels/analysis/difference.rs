@@ -93,8 +93,10 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     let cell = |index: usize, count: usize, reach: f64| {
         let nu = ((2 * index + 1) as f64 / count as f64 - 1.0) * reach;
         let cell = (0.5 * (nu / Spectrum::MAX_NU + 1.0) * side as f64).floor();
+        // A frequency at the rim of the picture belongs to the last cell.
         cell.clamp(0.0, (side - 1) as f64) as usize
     };
+
     for (index, power) in picture.power.iter().enumerate() {
         if power.is_finite() {
             let x = cell(
@@ -112,6 +114,7 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
             *count += 1.0;
         }
     }
+
     sums.into_iter().map(|[sum, count]| sum / count).collect()
 }
 
@@ -137,10 +140,12 @@ pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette
         if let Some(at) = response.hover_pos() {
             let offset = (at - rect.center()) / (0.5 * side);
             let nu = f64::from(offset.length()) * Spectrum::MAX_NU;
-            let value = differences.at([offset.x, -offset.y]);
-            let value = value.map_or_else(String::new, |value| {
-                format!("   B \u{2212} A = {value:+.3}")
-            });
+            // Screens count y downwards, frequencies upwards.
+            let value = differences
+                .at([offset.x, -offset.y])
+                .map_or_else(String::new, |value| {
+                    format!("   B \u{2212} A = {value:+.3}")
+                });
             let text = RichText::new(format!("\u{3bd} = {nu:.3}{value}")).monospace();
             response.on_hover_text_at_pointer(text);
         }

@@ -24,9 +24,9 @@ enum Column {
     Second,
     /// How much more B has than A.
     Difference,
-    /// The reference.
+    /// The set of reference.
     Reference,
-    /// The file.
+    /// The file to compare with.
     File,
 }
 
@@ -138,12 +138,14 @@ fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
     let difference = value(sets.second?)? - value(sets.first)?;
     let decimals = if number.decimals == 0 { 0 } else { 4 };
     let text = format!("{:.decimals$}", difference.abs());
+    // A difference that is 0 with these decimals has no sign.
     let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
     let sign = match difference {
         _ if is_zero => "",
         below if below < 0.0 => "\u{2212}",
         _ => "+",
     };
+
     let text = if decimals == 0 {
         grouped(difference.abs() as usize)
     } else {
@@ -231,6 +233,7 @@ fn row(
     let at = rect.left_center();
     let font = FontId::proportional(12.8);
     painter.text(at, Align2::LEFT_CENTER, name, font, palette.muted);
+    // The columns of the runs are A, B and their difference, or the one run.
     let own = if sets.second.is_some() { 3 } else { 1 };
     for (k, (text, faded)) in texts.iter().enumerate() {
         let color: Color32 = match k {

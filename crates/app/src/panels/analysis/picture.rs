@@ -35,11 +35,13 @@ pub fn show(
     let (area, response) = ui.allocate_exact_size(room, Sense::CLICK | Sense::DRAG);
     let rect = Rect::from_center_size(area.center(), vec2(side, side));
     let reach = Spectrum::MAX_NU;
+
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
     response.known_as(format_args!("chart.periodogram{run}"));
     let response = response.on_hover_cursor(CursorIcon::Crosshair);
+
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, palette.domain);
     let per_nu = f64::from(side) / (2.0 * reach);
@@ -55,16 +57,20 @@ pub fn show(
         let texture = texture_of(ui, id, spectrum, TextureOptions::NEAREST, image);
         painter.image(texture.id(), cells, tilescope_canvas::UNIT, tint);
     }
+
     ring(&painter, rect, brush, per_nu, palette);
     let border = Stroke::new(1.0, palette.border);
     painter.rect_stroke(rect, 0.0, border, egui::StrokeKind::Inside);
+
     let nu = |at: Pos2| f64::from(at.distance(rect.center())) / per_nu;
     let over = response.hover_pos().filter(|at| rect.contains(*at));
+    // During a drag the range is of interest, not the value under the pointer.
     let response = match over.filter(|_| !response.dragged()) {
         Some(at) => {
             let offset = at - rect.center();
-            let power = spectrum.and_then(|spectrum| power_at(spectrum, offset, per_nu));
-            let power = power.map_or_else(String::new, |power| format!("   P = {power:.3}"));
+            let power = spectrum
+                .and_then(|spectrum| power_at(spectrum, offset, per_nu))
+                .map_or_else(String::new, |power| format!("   P = {power:.3}"));
             let text = format!("\u{3bd} = {:.3}{power}", nu(at));
             response.on_hover_text_at_pointer(egui::RichText::new(text).monospace())
         }
@@ -92,6 +98,7 @@ fn power_at(spectrum: &Spectrum, offset: egui::Vec2, per_nu: f64) -> Option<f64>
     };
     let [half_x, half_y] = spectrum.picture_reach;
     let x = index(offset.x, half_x, picture.size)?;
+    // Screens count y downwards, frequencies upwards.
     let y = index(-offset.y, half_y, picture.rows)?;
     let power = picture.power.get(y * picture.size + x).copied();
     power.filter(|power| power.is_finite())

@@ -21,45 +21,45 @@ const TICKS_APART: [f32; 2] = [33.0, 26.0];
 /// The style of a line, so that lines are distinguishable without colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
-    /// Solid and wide.
+    /// A solid and wide line, for the run.
     Solid,
-    /// Dotted.
+    /// A dotted line, for the reference.
     Dotted,
-    /// Dashed.
+    /// A dashed line, for a file.
     Dashed,
-    /// With long dashes.
+    /// A line of long dashes, for run B.
     Long,
 }
 
-/// A curve.
+/// A curve of the chart, with its name for readers and legends.
 pub struct Curve {
-    /// Its name.
+    /// Its name in the values under the pointer.
     pub name: String,
     /// Its points, ascending in x.
     pub points: Vec<[f64; 2]>,
     /// The confidence band at each point.
     pub band: Option<Vec<[f64; 2]>>,
-    /// How it is drawn.
+    /// The style of its line.
     pub line: Dash,
-    /// Its colour.
+    /// The colour of its line and its band.
     pub color: Color32,
 }
 
-/// An axis.
+/// An axis of the chart.
 pub struct PlotAxis<'a> {
     /// Its label, with the unit.
     pub label: &'a str,
     /// Its symbol, for the readout.
     pub sign: &'a str,
-    /// Its range.
+    /// The values at its ends.
     pub range: [f64; 2],
 }
 
-/// A chart.
+/// A chart of several curves over one axis.
 pub struct Plot<'a> {
-    /// Its title.
+    /// The title above it.
     pub title: &'a str,
-    /// The horizontal axis.
+    /// The horizontal axis, with its label below.
     pub x: PlotAxis<'a>,
     /// The vertical axis; its label is only read out.
     pub y: PlotAxis<'a>,
@@ -69,7 +69,7 @@ pub struct Plot<'a> {
     pub curves: Vec<Curve>,
     /// Whether the first two are those of runs A and B, whose difference is of interest.
     pub is_compared: bool,
-    /// The selected range.
+    /// The selected range of the horizontal axis.
     pub brush: Option<[f64; 2]>,
     /// Height, in screen points.
     pub height: f32,
@@ -78,9 +78,9 @@ pub struct Plot<'a> {
 /// A change of the selected range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dragged {
-    /// Selected.
+    /// A range was selected, with these ends in any order.
     Between(f64, f64),
-    /// Cleared.
+    /// The selected range was cleared.
     Nothing,
 }
 
@@ -108,14 +108,17 @@ impl Plot<'_> {
         let description = self.description();
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
         response.known_as(format_args!("chart.{}", self.y.sign));
+
         let mut inner = rect;
         inner.min += vec2(LEFT, ABOVE);
         inner.max -= vec2(13.0, BELOW);
         let frame = PlotFrame { plot: self, inner };
+
         let painter = ui.painter_at(rect);
         frame.ground(&painter, rect, palette);
         let within = ui.painter_at(inner.expand(1.0));
         frame.marked(&within, palette);
+        // In reverse, so that the most important curve, which is the first, lies on top.
         for curve in self.curves.iter().rev() {
             frame.curve(&within, curve);
         }
@@ -123,10 +126,13 @@ impl Plot<'_> {
         if let Some(second) = self.curves.get(1).filter(|_| self.is_compared) {
             frame.curve(&within, second);
         }
+
         for (row, curve) in self.curves.iter().enumerate() {
             frame.cut_off(&within, curve, row);
         }
+
         let pointer = response.hover_pos().filter(|at| inner.contains(*at));
+        // During a drag the range is of interest, not the values under the pointer.
         if let Some(at) = pointer.filter(|_| !response.dragged()) {
             let x = frame.x_at(at);
             frame.cursor(&within, x, palette);
@@ -137,6 +143,7 @@ impl Plot<'_> {
                 }
             });
         }
+
         let response = response.on_hover_cursor(CursorIcon::Crosshair);
         dragged(ui, &response, self.brush, |at| frame.x_at(at))
     }
@@ -154,11 +161,12 @@ impl Plot<'_> {
                 curve.name, self.x.sign
             ))
         });
-        let curves: String = each.collect();
-        let curves = if curves.is_empty() {
+
+        let highest: String = each.collect();
+        let curves = if highest.is_empty() {
             " Nothing yet.".to_owned()
         } else {
-            curves
+            highest
         };
         format!("Chart: {} over {}.{curves}", self.title, self.x.label)
     }
@@ -171,12 +179,14 @@ impl Plot<'_> {
                 rows.push(format!("{} {y:>8.3}  {}", self.y.sign, curve.name));
             }
         }
+
         if let [a, b, ..] = &self.curves[..]
             && self.is_compared
             && let (Some([_, a]), Some([_, b])) = (nearest(&a.points, x), nearest(&b.points, x))
         {
             rows.push(format!("{} {:>+8.3}  B \u{2212} A", self.y.sign, b - a));
         }
+
         rows.push(format!(
             "{} {:>8.3}  {}",
             self.y.sign, self.level.0, self.level.1
@@ -229,9 +239,11 @@ impl PlotFrame<'_> {
     fn ground(&self, painter: &Painter, rect: Rect, palette: &Palette) {
         let (inner, plot) = (self.inner, self.plot);
         painter.rect_filled(inner, 2.0, palette.domain);
+
         let title = FontId::new(12.5, semibold());
         let at = pos2(rect.left(), rect.top() + 1.0);
         painter.text(at, Align2::LEFT_TOP, plot.title, title, palette.text);
+
         let (number, words) = (FontId::monospace(10.5), FontId::proportional(11.5));
         let thin = Stroke::new(1.0, palette.line);
         for (value, text) in ticks(plot.x.range, inner.width() / TICKS_APART[0]) {
@@ -240,6 +252,7 @@ impl PlotFrame<'_> {
             let at = pos2(x, inner.bottom() + 3.0);
             painter.text(at, Align2::CENTER_TOP, text, number.clone(), palette.muted);
         }
+
         for (value, text) in ticks(plot.y.range, inner.height() / TICKS_APART[1]) {
             let y = self.at([plot.x.range[0], value]).y;
             painter.hline(inner.x_range(), y, thin);
@@ -252,6 +265,7 @@ impl PlotFrame<'_> {
                 palette.muted,
             );
         }
+
         let under = pos2(inner.center().x, rect.bottom() - 1.0);
         painter.text(
             under,
@@ -260,6 +274,7 @@ impl PlotFrame<'_> {
             words,
             palette.muted,
         );
+
         self.level(painter, palette);
         let border = Stroke::new(1.0, palette.border);
         painter.hline(inner.x_range(), inner.bottom(), border);
@@ -296,6 +311,7 @@ impl PlotFrame<'_> {
         if let Some(band) = &curve.band {
             painter.add(self.band(curve, band));
         }
+
         match curve.line {
             Dash::Solid => {
                 painter.line(points, Stroke::new(1.8, curve.color));
@@ -418,11 +434,15 @@ fn ticks([low, high]: [f64; 2], most: f32) -> Vec<(f64, String)> {
     let rough = (high - low) / f64::from(most.max(2.0));
     let power = 10_f64.powf(rough.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0];
+    // Rounding must not pass over a step that is just large enough.
     let times = steps.into_iter().find(|step| step * power >= rough * 0.999);
     let step = times.unwrap_or(10.0) * power;
     let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+
+    // Ends of the range that are round have a number, whatever rounding makes of them.
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;
+
     let text = |value: f64| format!("{value:.decimals$}").replace('-', "\u{2212}");
     (first..=last)
         .map(|k| k as f64 * step)

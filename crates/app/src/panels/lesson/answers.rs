@@ -22,7 +22,7 @@ pub struct Answers<'a> {
     pub language: &'a str,
     /// Size of texts, in screen points.
     pub size: f32,
-    /// Height of plots.
+    /// Height of plots, in screen points.
     pub plot: f32,
     pub palette: &'a Palette,
 }
@@ -62,11 +62,13 @@ impl Answers<'_> {
                 let text = RichText::new(text).color(self.palette.muted);
                 ui.add(Label::new(text).wrap());
             }
+
             Control::List { items } => {
                 for (index, item) in items.iter().enumerate() {
                     self.wide(ui, item, index, commands);
                 }
             }
+
             Control::Chips { items } => {
                 ui.horizontal_wrapped(|ui| {
                     for (index, item) in items.iter().enumerate() {
@@ -74,11 +76,13 @@ impl Answers<'_> {
                     }
                 });
             }
+
             Control::Rows { rows } => {
                 for row in rows {
                     self.row(ui, row, commands);
                 }
             }
+
             Control::Field { label, unit } => self.field(ui, label, unit, commands),
             Control::Plot { curves } => {
                 let curves: Vec<_> = curves.iter().collect();
@@ -132,14 +136,13 @@ impl Answers<'_> {
             None => format!("{}{text}", key(index)),
         };
         if let Some(place) = item.right_place {
-            let right = self.labels.right_place;
-            let right = right.replace("{place}", &place.to_string());
+            let right = (self.labels.right_place).replace("{place}", &place.to_string());
             words = format!("{words} \u{2013} **{right}**");
         }
 
         let words = text::job(ui, &words, self.size, self.ink(item));
-        let button = self.button(item, words);
-        let button = button.wrap().min_size([ui.available_width(), 30.0].into());
+        let button =
+            (self.button(item, words).wrap()).min_size([ui.available_width(), 30.0].into());
         let key = ui.words(format!("Key {}", index + 1));
         let button = ui.add(button).on_hover_text(key);
         on_click(&button, &item.id, &item.change, commands);
@@ -187,8 +190,8 @@ impl Answers<'_> {
     fn field(&self, ui: &mut Ui, label: &str, unit: &str, commands: &mut Vec<Command>) {
         ui.horizontal(|ui| {
             let mut text = self.open.draft.text().to_owned();
-            let field = TextEdit::singleline(&mut text).hint_text(label);
-            let field = ui.add(field.desired_width(110.0));
+            let edit = TextEdit::singleline(&mut text).hint_text(label);
+            let field = ui.add(edit.desired_width(110.0));
             field.known_as("lesson-number");
             if field.changed() {
                 issue(commands, LessonCommand::Draft(DraftCommand::Type(text)));

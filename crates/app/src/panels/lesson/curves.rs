@@ -14,19 +14,23 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     let plot = rect
         .shrink2(vec2(10.0, 4.0))
         .with_max_y(rect.bottom() - 16.0);
+
     let painter = ui.painter().with_clip_rect(rect);
     painter.rect_filled(rect, 4.0, palette.raised);
     let at = |[x, y]: [f64; 2]| {
+        // More power than the plot shows is drawn at its upper end.
         let (x, y) = (x / REACH[0], (y / REACH[1]).min(1.0));
         pos2(
             plot.left() + x as f32 * plot.width(),
             plot.bottom() - y as f32 * plot.height(),
         )
     };
+
     let thin = Stroke::new(1.0, palette.line);
     for level in [0.0, 1.0] {
         painter.line_segment([at([0.0, level]), at([REACH[0], level])], thin);
     }
+
     let (below, font) = (vec2(0.0, 2.0), FontId::proportional(11.0));
     for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
         let (pos, text) = (at([tick, 0.0]) + below, ui.words(format!("{tick}")));
@@ -34,6 +38,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     }
     let pos = plot.right_bottom() + below;
     painter.text(pos, Align2::RIGHT_TOP, "1/r", font, palette.muted);
+
     for (curve, color) in curves.iter().zip([palette.sample, palette.inserted]) {
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points = inside.map(|&point| at(point)).collect::<Vec<_>>();

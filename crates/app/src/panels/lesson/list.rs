@@ -13,7 +13,7 @@ use tilescope_workbench::state::State;
 use super::super::common::{divide, read_out};
 use super::{issue, labels};
 
-/// Shows the list.
+/// Shows the list of lessons, the forms and the results.
 pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         heading(ui, labels(state).lessons).known_as("lessons");
@@ -26,6 +26,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     });
     ui.add(Label::new(RichText::new(labels(state).intro).color(palette.muted)).wrap());
     ui.add_space(6.0);
+
     let mut forms = Vec::new();
     for (index, shipped) in state.lessons().shelf.iter().enumerate() {
         // Tests read every shipped lesson, so this does not fail.
@@ -35,9 +36,10 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         if lesson.form.is_some() {
             forms.push((lesson, shipped));
         } else {
-            entry(ui, state, (&lesson, shipped, index), palette, commands);
+            entry(ui, state, &lesson, shipped, index, palette, commands);
         }
     }
+
     ui.add_space(4.0);
     if ui
         .button(labels(state).tour)
@@ -49,6 +51,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     }
     let own = RichText::new(labels(state).own).small();
     ui.add(Label::new(own.color(palette.muted)).wrap());
+
     if !forms.is_empty() {
         divide(ui, palette);
         heading(ui, labels(state).forms).known_as("lesson-forms");
@@ -56,9 +59,10 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         ui.add(Label::new(intro).wrap());
         for (lesson, shipped) in &forms {
             // Forms have no number, as the first lesson.
-            entry(ui, state, (lesson, shipped, 0), palette, commands);
+            entry(ui, state, lesson, shipped, 0, palette, commands);
         }
     }
+
     divide(ui, palette);
     results(ui, state, palette, commands);
 }
@@ -66,12 +70,15 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
 fn entry(
     ui: &mut Ui,
     state: &State,
-    (lesson, shipped, index): (&Lesson, &shipped::Shipped, usize),
+    lesson: &Lesson,
+    shipped: &shipped::Shipped,
+    index: usize,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    let german = tilescope_lessons::Translation::read(&shipped.german).ok();
-    let german = german.filter(|_| state.lessons().language == "de");
+    let german = tilescope_lessons::Translation::read(&shipped.german)
+        .ok()
+        .filter(|_| state.lessons().language == "de");
     let words = |text: &str| match &german {
         Some(german) => german.of(text).to_owned(),
         None => text.to_owned(),
@@ -79,18 +86,21 @@ fn entry(
     let gates = lesson.gates().count();
     let results = &state.lessons().results;
     let is_done = |gate: &str| results.of_gate(&shipped.name, gate).is_some();
-    let done = lesson.gates().filter(|(_, gate)| is_done(&gate.name));
-    let done = done.count();
+    let done = (lesson.gates())
+        .filter(|(_, gate)| is_done(&gate.name))
+        .count();
+
     let number = if index == 0 {
         String::new()
     } else {
         format!("{index}. ")
     };
-    let title = format!("{number}{}", words(&lesson.title));
+    let text = format!("{number}{}", words(&lesson.title));
     // The colour of links says that a click opens something.
-    let title = RichText::new(title).size(14.5).color(palette.accent);
-    let button = ui.add(Button::new(title).frame(false).wrap());
-    let button = button.on_hover_cursor(CursorIcon::PointingHand);
+    let title = RichText::new(text).size(14.5).color(palette.accent);
+    let button = ui
+        .add(Button::new(title).frame(false).wrap())
+        .on_hover_cursor(CursorIcon::PointingHand);
     let command = Command::Lesson(LessonCommand::Open(shipped.name.to_string()));
     button.issues(format_args!("lesson-{}", shipped.name), command, commands);
 
@@ -115,6 +125,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     let results = &state.lessons().results;
     let labels = labels(state);
     heading(ui, labels.results);
+
     let count = results.entries.len();
     let text = if count == 0 {
         labels.no_results.to_owned()
@@ -125,19 +136,23 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     };
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
         .known_as("lesson-results");
+
     // The votes of a class are saved too.
     if count == 0 && results.votes.is_empty() {
         return;
     }
+
     ui.horizontal(|ui| {
         let label = ui.label(labels.name);
         let mut name = results.learner.clone();
-        let field = ui.add(TextEdit::singleline(&mut name).desired_width(130.0));
-        let field = field.labelled_by(label.id);
+        let field = ui
+            .add(TextEdit::singleline(&mut name).desired_width(130.0))
+            .labelled_by(label.id);
         if field.known_as("lesson-learner").changed() {
             issue(commands, LessonCommand::Name(name));
         }
     });
+
     ui.horizontal(|ui| {
         for (name, format) in [
             (format!("{} JSON", labels.save), "json"),
@@ -154,6 +169,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
                 .issues("lesson-clear", clear, commands);
         }
     });
+
     if state.lessons().asks_to_clear {
         ask_to_clear(ui, state, palette, commands);
     }
@@ -162,8 +178,8 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
 /// Asks whether to clear the results, with a button for each answer.
 fn ask_to_clear(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
     let labels = labels(state);
-    let question = RichText::new(labels.clear_all).color(palette.candidate);
-    let question = ui.add(Label::new(question).wrap());
+    let text = RichText::new(labels.clear_all).color(palette.candidate);
+    let question = ui.add(Label::new(text).wrap());
     read_out(ui, &question);
     question.known_as("lesson-clear-asked");
     ui.horizontal(|ui| {

@@ -24,16 +24,18 @@ use super::{counts_text, text};
 /// Font sizes of the notes in points of a window of normal size: paragraphs, headings, the clock.
 const SIZES: [f32; 3] = [16.0, 19.0, 26.0];
 
-/// Shows the notes.
+/// Shows the lecturer's window, while a talk is given.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let (Some(talk), Some(open)) = (&state.talks().open, &state.lessons().open) else {
         return;
     };
     let palette = Palette::of(state.appearance().look);
+
     // The zoom of the stage holds for all windows: the notes divide every size by it.
     let k = 1.0 / ui.ctx().zoom_factor();
     let margin = Margin::same((14.0 * k).round() as i8);
     let frame = Frame::new().fill(palette.panel).inner_margin(margin);
+
     CentralPanel::no_frame().frame(frame).show(ui, |ui| {
         scale(ui, k);
         let notes = Notes {
@@ -87,7 +89,7 @@ fn clock(now: f64) -> String {
     format!("{:02}:{:02}", local.hour(), local.minute())
 }
 
-/// Returns nothing: on a page the page itself shows the notes.
+/// Returns nothing: a page shows the notes itself.
 #[cfg(target_arch = "wasm32")]
 fn clock(_: f64) -> String {
     String::new()
@@ -139,8 +141,10 @@ impl Notes<'_> {
         let learner = &self.open.learner;
         let [before, this, all] = self.talk.planned_secs(learner.index());
         let elapsed = now - self.talk.begun;
+        // A talk is behind the plan once the time for this step is over, too, and ahead of it before that time has begun.
         let late = elapsed - before - this;
         let early = before - elapsed;
+
         ui.horizontal_wrapped(|ui| {
             let large = |text: String| RichText::new(text).size(self.size(2)).monospace();
             phrase(ui, large(clock(now)), "notes-clock");
@@ -148,6 +152,7 @@ impl Notes<'_> {
             let text = format!("{} / {}", minutes(elapsed), minutes(all));
             phrase(ui, large(text), "notes-elapsed");
             ui.add_space(16.0 * self.k);
+
             let (text, color) = if late > 0.0 {
                 let text = format!("{} behind the plan", minutes(late));
                 (text, self.palette.conflict)
@@ -160,12 +165,14 @@ impl Notes<'_> {
             let text = RichText::new(ui.words(text)).color(color);
             phrase(ui, text, "notes-plan");
             ui.add_space(16.0 * self.k);
+
             let parts = self.talk.parts.len();
             let part = if parts > 1 {
                 format!(" of lesson {} of {parts}", self.talk.part + 1)
             } else {
                 String::new()
             };
+
             let steps = learner.lesson().steps.len();
             let text = format!(
                 "Step {} of {steps}{part}, {} here, {} planned",
@@ -175,6 +182,7 @@ impl Notes<'_> {
             );
             let text = RichText::new(ui.words(text)).color(self.palette.muted);
             phrase(ui, text, "notes-place");
+
             button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
         });
     }
@@ -185,6 +193,7 @@ impl Notes<'_> {
         ui.horizontal_wrapped(|ui| {
             let back = TalkCommand::Previous;
             button(ui, "Back (PageUp)", "notes-back", back, commands);
+            // A step that cannot be shown has no question to wait for.
             let waits = self.open.learner.is_open() && self.open.fault.is_none();
             let next = match (talk.cover == Some(Cover::Blank), waits, talk.is_voting) {
                 (true, _, _) => "Show again (PageDown)",
@@ -194,6 +203,7 @@ impl Notes<'_> {
             };
             button(ui, next, "notes-next", TalkCommand::Next, commands);
             button(ui, "Blank (B)", "notes-blank", TalkCommand::Blank, commands);
+
             for (name, id, tool) in [
                 ("Laser (L)", "notes-tool-L", Tool::Laser),
                 ("Pen (P)", "notes-tool-P", Tool::Pen),
@@ -202,17 +212,8 @@ impl Notes<'_> {
                 let button = ui.selectable_label(talk.tool == tool, ui.words(name));
                 button.issues(id, command, commands);
             }
-            let side = 16.0 * self.k;
-            let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
-            let dark = self.state.appearance().look.is_dark();
-            ui.painter()
-                .rect_filled(rect, 3.0 * self.k, pen_color(talk.color, dark));
-            if swatch
-                .on_hover_text(ui.words("The pen's colour (C)"))
-                .clicked()
-            {
-                commands.push(Command::Talk(TalkCommand::NextColor));
-            }
+            self.pen_swatch(ui, commands);
+
             for (name, id, command) in [
                 ("Undo line (U)", "notes-undo", TalkCommand::UndoStroke),
                 ("Clear (X)", "notes-clear", TalkCommand::ClearStrokes),
@@ -221,10 +222,12 @@ impl Notes<'_> {
             ] {
                 button(ui, name, id, command, commands);
             }
+
             if !talk.windows.stage {
                 let open = TalkCommand::OpenStage;
                 button(ui, "Open the stage (F5)", "notes-stage", open, commands);
             }
+
             let mut is_kept = self.state.talks().is_kept;
             let kept = ui.checkbox(&mut is_kept, ui.words("Keep drawings and votes"));
             let hint = "They are saved with the session and printed in handouts.";
@@ -232,6 +235,8 @@ impl Notes<'_> {
                 commands.push(Command::Talk(TalkCommand::Keep(is_kept)));
             }
         });
+
+        // A window on a page has the address of its page.
         if self.state.window().address.is_none() {
             ui.horizontal(|ui| {
                 self.muted(ui, ui.words("Address of the page for phones:"));
@@ -241,6 +246,21 @@ impl Notes<'_> {
                     commands.push(Command::Talk(TalkCommand::Address(address)));
                 }
             });
+        }
+    }
+
+    /// Shows the colour of the pen; a click goes on to the next one.
+    fn pen_swatch(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let side = 16.0 * self.k;
+        let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
+        let dark = self.state.appearance().look.is_dark();
+        ui.painter()
+            .rect_filled(rect, 3.0 * self.k, pen_color(self.talk.color, dark));
+        if swatch
+            .on_hover_text(ui.words("The pen's colour (C)"))
+            .clicked()
+        {
+            commands.push(Command::Talk(TalkCommand::NextColor));
         }
     }
 
@@ -255,6 +275,7 @@ impl Notes<'_> {
                     self.heading(ui, &ui.words("The talk is over."));
                     return;
                 }
+
                 self.heading(ui, &learner.words(&step.title));
                 for note in &step.notes {
                     text::paragraph(
@@ -266,14 +287,17 @@ impl Notes<'_> {
                     .known_as("notes-note");
                     ui.add_space(4.0 * self.k);
                 }
+
                 let Some(question) = learner.question() else {
                     return;
                 };
                 ui.separator();
                 let (_, traced) = learner.tries();
                 text::paragraph(ui, question.ask(traced), self.size(0), self.palette.text);
+
                 let labels = super::labels(self.state);
                 let language = &self.state.lessons().language;
+
                 if let Some(answer) = self.open.right_answer(language) {
                     let text = format!("{} {answer}", labels.the_answer);
                     self.colored(ui, text, self.palette.inserted)
@@ -282,6 +306,7 @@ impl Notes<'_> {
                 if let Some(hint) = &question.hint {
                     self.muted(ui, format!("{}: {hint}", labels.hint));
                 }
+
                 ui.separator();
                 self.votes(ui, commands);
             });
@@ -295,12 +320,14 @@ impl Notes<'_> {
         let mut typed = ui
             .data(|data| data.get_temp::<String>(id))
             .unwrap_or_default();
+
         ui.horizontal(|ui| {
             let name = if votes.is_empty() {
                 "First vote:"
             } else {
                 "Second vote:"
             };
+
             let label = ui.label(ui.words(name));
             let field = TextEdit::singleline(&mut typed)
                 .hint_text(ui.words("A 12 B 30, or none, few, half, most"))
@@ -310,6 +337,7 @@ impl Notes<'_> {
             let is_entered =
                 field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if is_entered && !typed.trim().is_empty() {
+                // The field is empty for the second vote.
                 commands.push(Command::Talk(TalkCommand::Vote(std::mem::take(&mut typed))));
             }
             if !votes.is_empty() {
@@ -317,11 +345,13 @@ impl Notes<'_> {
                 button(ui, "Take back", "notes-unvote", unvote, commands);
             }
         });
+
         ui.data_mut(|data| data.insert_temp(id, typed));
         if let Some(fault) = &self.talk.vote_fault {
             let text = RichText::new(ui.words(fault)).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("notes-vote-fault");
         }
+
         for (vote, name) in votes.iter().zip(["First", "Second"]) {
             let said = match vote {
                 Vote::Right(share) => format!("{} right", share.name()),
@@ -329,12 +359,14 @@ impl Notes<'_> {
             };
             ui.label(ui.words(format!("{name} vote: {said}")));
         }
+
         if votes.len() == 1 {
             self.muted(
                 ui,
                 ui.words("The class sees both votes after the second one."),
             );
         }
+
         let question = self.open.learner.question();
         let right = question.and_then(tilescope_lessons::Question::right_option);
         if let Some(advice) = advised(votes, right) {

@@ -58,12 +58,14 @@ pub fn palette_of(state: &State) -> Palette {
     }
 }
 
-/// Shows the stage.
+/// Shows the stage, while a talk is given.
 pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
     let (Some(talk), Some(open)) = (&state.talks().open, &state.lessons().open) else {
         return;
     };
+
     hide_pointer(ui, talk);
+
     if matches!(talk.cover, Some(Cover::Blank | Cover::Over)) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.interact(rect, Id::unique("blank stage"), Sense::hover());
@@ -71,6 +73,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
         return;
     }
+
     let palette = palette_of(state);
     let frame = Frame::new()
         .fill(palette.panel)
@@ -81,10 +84,13 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     } else {
         egui::Panel::bottom("stage below").exact_size((BELOW * room.y).round())
     };
+
     panel.resizable(false).frame(frame).show(ui, |ui| {
         use egui::scroll_area::ScrollBarVisibility;
         let scroll = ScrollArea::vertical()
+            // A new step begins at its top, and so does its explanation after the answer.
             .id_salt(("stage", open.learner.index(), open.learner.is_open()))
+            // The text of a step fits on the stage, which needs no bar.
             .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
             .auto_shrink([false, false]);
         scroll.show(ui, |ui| {
@@ -98,12 +104,14 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             slide.show(ui, commands);
         });
     });
+
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
         canvas.show(ui, &CanvasContext::of(state), commands);
         let rect = state.runs().first.viewport;
         point(ui, state, talk, rect, commands);
         draw(ui, state, talk, rect);
     });
+
     super::show_marks(ui, state);
     if talk.cover == Some(Cover::Code) {
         code(ui, state);
@@ -143,6 +151,7 @@ impl Slide<'_> {
             RichText::new(learner.words(&step.title)).font(FontId::new(HEADING, semibold()));
         ui.add(Label::new(heading).wrap()).known_as("stage-title");
         ui.add_space(4.0);
+
         let is_revealed = step.gate.is_some() && !learner.is_open();
         // Beside plots there is no room for the text once the class votes.
         let controls = self.open.controls(&self.state.lessons().language);
@@ -150,12 +159,14 @@ impl Slide<'_> {
         if !(is_revealed || self.talk.is_voting && has_plots) {
             text::show(ui, self.open, &step.text, SIZE, &self.palette);
         }
+
         if let Some(fault) = &self.open.fault {
             let fault = ui.words(fault.to_string());
-            let text = format!("{} {fault}.", self.labels.cannot_show);
-            let text = RichText::new(text).size(SIZE);
+            let sentence = format!("{} {fault}.", self.labels.cannot_show);
+            let text = RichText::new(sentence).size(SIZE);
             ui.add(Label::new(text).wrap()).known_as("stage-fault");
         }
+
         if let Some(question) = learner.question() {
             self.question(ui, question, is_revealed, commands);
         }
@@ -170,11 +181,13 @@ impl Slide<'_> {
     ) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
+
         ui.add_space(6.0);
         let (_, traced) = learner.tries();
         self.paragraph(ui, question.ask(traced))
             .known_as("stage-ask");
         ui.add_space(6.0);
+
         // After the answer the options stay as legible as before.
         ui.visuals_mut().disabled_alpha = 1.0;
         let language = &self.state.lessons().language;
@@ -188,15 +201,18 @@ impl Slide<'_> {
         };
         answers.show(ui, commands);
         ui.add_space(6.0);
+
         let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
         if self.talk.is_voting && learner.is_open() {
             ui.label(bold(labels.vote_now.to_owned()))
                 .known_as("stage-vote");
         }
+
         let key = self.state.classroom().talk_key();
         if let [first, second] = self.state.talks().record.votes_on(&key) {
             self.votes(ui, [first, second]);
         }
+
         let feedback = open.feedback.as_ref();
         if is_revealed {
             let verdict = match (learner.progress(), open.told_answer(language)) {
@@ -225,6 +241,7 @@ impl Slide<'_> {
             }
         });
         legend.response.known_as("stage-votes");
+
         if let [Vote::Counts(first), Vote::Counts(second)] = both {
             let most = first.iter().chain(second).copied().max();
             for option in 0..first.len() {
@@ -233,6 +250,7 @@ impl Slide<'_> {
             }
             return;
         }
+
         for (name, vote) in names.into_iter().zip(both) {
             let said = match vote {
                 Vote::Right(share) => share_name(self.labels, *share).to_owned(),
@@ -260,10 +278,12 @@ impl Slide<'_> {
             font(SIZE),
             ink,
         );
+
         let room = row.width() - 64.0;
         let most = most.unwrap_or(0).max(1) as f32;
         for (k, (count, color)) in counts.enumerate() {
             let top = row.top() + 1.0 + 16.0 * k as f32;
+            // A count of 0 has a bar, too, in which its colour is seen.
             let width = (room * count as f32 / most).max(2.0);
             let bar = Rect::from_min_size(pos2(row.left() + 22.0, top), vec2(width, 14.0));
             painter.rect_filled(bar, CornerRadius::same(3), color);
@@ -287,13 +307,16 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
     if talk.tool == Tool::Hand || !rect.is_positive() {
         return;
     }
+
     // An area over the canvas takes the drag, which would move the picture otherwise.
     let response = ui.interact(rect, Id::unique("laser and pen"), Sense::click_and_drag());
     let camera = &state.runs().first.camera;
     let position = |pos: Pos2| -> [f64; 2] { camera.domain_from_screen(rect, pos).into() };
-    let at = response.interact_pointer_pos().or(response.hover_pos());
-    let at = at.filter(|pos| rect.contains(*pos));
+    let at = (response.interact_pointer_pos())
+        .or(response.hover_pos())
+        .filter(|pos| rect.contains(*pos));
     let mut issue = |command| commands.push(Command::Talk(command));
+
     match talk.tool {
         Tool::Laser => {
             let at = at.map(position);
@@ -307,9 +330,10 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
                 let last = talk
                     .is_drawing
                     .then(|| state.classroom().strokes().last())
-                    .flatten();
-                let last = last.and_then(|stroke| stroke.points.last());
+                    .flatten()
+                    .and_then(|stroke| stroke.points.last());
                 let from = last.map(|&at| camera.screen_from_domain(rect, DVec2::from(at)));
+                // Nearer positions add points to a line, but nothing to its shape.
                 if from.is_none_or(|from| from.distance(pos) >= 1.5) {
                     issue(TalkCommand::Draw(position(pos)));
                 }
@@ -328,14 +352,17 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
     let layer = LayerId::new(Order::Middle, Id::unique("lines of the talk"));
     let painter = ui.ctx().layer_painter(layer).with_clip_rect(rect);
     let screen = |at: [f64; 2]| camera.screen_from_domain(rect, DVec2::from(at));
+
     for stroke in state.classroom().strokes() {
         let points: Vec<Pos2> = stroke.points.iter().map(|&at| screen(at)).collect();
         let ink = stroke.color(dark);
+        // A line of one point has no length: a click leaves a dot.
         if let [only] = points[..] {
             painter.circle_filled(only, 2.5, ink);
         }
         painter.add(Shape::line(points, Stroke::new(3.0, ink)));
     }
+
     if let Some(at) = talk.pointer {
         let at = screen(at);
         let [radius, glow] = LASER;
@@ -343,6 +370,7 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
         painter.circle_filled(at, glow, red.gamma_multiply(0.25));
         painter.circle(at, radius, red, Stroke::new(1.5, Color32::WHITE));
     }
+
     let hovered = ui.input(|input| input.pointer.hover_pos());
     if talk.tool == Tool::Pen
         && let Some(at) = hovered.filter(|at| rect.contains(*at))
@@ -358,19 +386,23 @@ fn code(ui: &Ui, state: &State) {
     let address = state.classroom().talk_address(page, &state.link().fragment);
     let rect = state.runs().first.viewport;
     let modules = tilescope_classroom::talk::code(&address);
+
     egui::Area::new(Id::unique("code for phones"))
         .order(Order::Foreground)
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(rect.center())
         .show(ui.ctx(), |ui| {
             Frame::new()
+                // Phones read codes that are dark on light, whatever the look of the window.
                 .fill(Color32::WHITE)
                 .corner_radius(8)
                 .inner_margin(Margin::same(18))
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
+                        // Room for the margins, and for the address below the code.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
+
                         if let Some(rows) = &modules {
                             let (square, _) =
                                 ui.allocate_exact_size(vec2(side, side), Sense::hover());
@@ -379,12 +411,14 @@ fn code(ui: &Ui, state: &State) {
                                 for (x, _) in row.iter().enumerate().filter(|(_, dark)| **dark) {
                                     let at = square.min + vec2(x as f32, y as f32) * size;
                                     let cell =
+                                        // A little larger, so that no light seams show between cells.
                                         Rect::from_min_size(at, vec2(size + 0.3, size + 0.3));
                                     ui.painter().rect_filled(cell, 0.0, Color32::BLACK);
                                 }
                             }
                             ui.add_space(8.0);
                         }
+
                         let shown = if address.is_empty() {
                             labels(state).no_address
                         } else {
