@@ -62,12 +62,15 @@ impl<'a> Card<'a> {
             ui.label(RichText::new(&of_tour.title).font(font))
                 .known_as("caption-title");
         }
+
+        // The speaker's note, which follows the caption, is for the lecturer alone.
         let text = RichText::new(split_caption(&self.scene.caption).0).size(self.size);
         let response = ui.add(Label::new(text).wrap());
         read_out(ui, &response);
         response.known_as("caption");
         offers(ui, self.of_tour, self.palette, commands);
         ui.add_space(6.0);
+
         ui.horizontal(|ui| {
             let of = format!("{} of {}", self.shown.index + 1, self.len);
             ui.label(RichText::new(of).color(self.palette.muted))
@@ -95,6 +98,8 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(card) = Card::of(state) else {
         return;
     };
+
+    // Between the scale bar and the zoom if there is room, otherwise above them.
     let [widest, least] = CAPTION_WIDTHS;
     let between = canvas.width() - 2.0 * BESIDE;
     let (room, above) = if between >= least {
@@ -104,6 +109,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let width = room.clamp(200.0, widest);
     let at = pos2(canvas.center().x, canvas.bottom() - above);
+
     Area::new(Id::unique("caption of the scene"))
         .order(Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
@@ -167,6 +173,7 @@ fn offers(
     if offers.is_empty() {
         return;
     }
+
     ui.add_space(4.0);
     ui.columns(offers.len(), |columns| {
         for (index, (offer, ui)) in offers.iter().zip(columns).enumerate() {
@@ -198,12 +205,14 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
             format!("{name} ({key})")
         }
     };
+
     let on = match (is_tour, is_last) {
         (true, true) => named("Finish", "Space"),
         (true, false) => named("Next", "Space"),
         (false, _) => named("Next", "PageDown"),
     };
     let close = named("Close", "Esc");
+
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
             ui.add_enabled(can, Button::new(name))

@@ -37,7 +37,7 @@ pub fn options(parameter: Parameter) -> Vec<Listed<&'static ParameterOption>> {
     let default = parameter.chosen(&Parameters::default());
     let all = parameter.options().iter();
     let mut options: Vec<_> = all.map(|it| (it, it.label, it.meaning)).collect();
-    // What is chosen if nothing is said is what one looks for first.
+    // The default is looked for first.
     options.sort_by_key(|(option, ..)| Some(*option) != default);
     options
 }

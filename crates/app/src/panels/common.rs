@@ -52,9 +52,11 @@ pub fn progress(
         "" => format!("{percent:.0}%"),
         activity => format!("{activity}: {percent:.0}%"),
     };
+
     if let Some(left) = time_left(ui, name, fraction) {
         text = format!("{text}, {left}");
     }
+
     let text = RichText::new(text).small().color(palette.text);
     let bar = ProgressBar::new(fraction)
         .desired_height(height)

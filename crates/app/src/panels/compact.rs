@@ -52,6 +52,7 @@ fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let is_open = state.window().drawer.open.is_some() || caption::is_below(state);
     let drawer = if is_open { MIN_DRAWER_HEIGHT } else { 0.0 };
     let canvas = match state.window().drawer.arrangement {
+        // Beside the column the canvas needs no height of its own.
         Arrangement::Landscape => 0.0,
         _ => MIN_CANVAS_HEIGHT,
     };
@@ -87,11 +88,14 @@ impl PartRects {
         let drawer = &state.window().drawer;
         let bar = if state.window().bare { 0.0 } else { BAR };
         let (column, controls) = (column(room, state), controls(ctx, room, state));
+
         let mut canvas = room;
         let is_landscape = drawer.arrangement == Arrangement::Landscape;
         if is_landscape {
             canvas.max.x = column.left();
         } else {
+            // An open panel leaves half of the height to the canvas, unless it was made tall, and both keep their least
+            // heights.
             let rest = room.height() - bar - controls - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
@@ -108,10 +112,12 @@ impl PartRects {
             canvas.min.y = room.top() + bar;
             canvas.max.y = (canvas.top() + rest - panel.max(0.0)).round();
         }
+
         let slice = |top: f32, height: f32| {
             let bottom = (top + height).min(column.bottom());
             Rect::from_min_max(pos2(column.left(), top), pos2(column.right(), bottom))
         };
+
         let bar = slice(column.top(), bar);
         let top = if is_landscape {
             bar.bottom()
@@ -140,20 +146,23 @@ fn is_low(room: Rect) -> bool {
     room.height() < LOW
 }
 
-/// Shows the window.
+/// Shows the small window, which scrolls where it is too low.
 pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     let needed = needed_height(ui.ctx(), room, state);
     let mut high = room;
     high.max.y = room.top() + needed.max(room.height());
+
     let mut shown = CompactWindow {
         state,
         canvas,
         commands,
     };
+
     if needed <= room.height() {
         shown.all(ui, &PartRects::of(ui.ctx(), room, state));
     } else if state.window().drawer.arrangement == Arrangement::Landscape {
+        // Only the side column scrolls: the canvas beside it has all of the height that there is.
         let rects = PartRects::of(ui.ctx(), high, state);
         shown.canvas(ui, rects.canvas.intersect(room));
         let beside = room.with_min_x(rects.bar.left());
@@ -253,6 +262,7 @@ impl CompactWindow<'_> {
             );
             return;
         }
+
         part(ui, "time", rects.controls, TIME_MARGIN, fill, |ui| {
             timeline::show_compact(
                 ui,
@@ -261,12 +271,15 @@ impl CompactWindow<'_> {
                 self.commands,
             );
         });
+
         part(ui, "tabs", rects.tabs, vec2(8.0, 4.0), fill, |ui| {
             tabs(ui, self.state, self.commands);
         });
+        // No panel is open, or the window has no room for it.
         if rects.drawer.height() < 1.0 {
             return;
         }
+
         part(ui, "drawer", rects.drawer, vec2(0.0, 0.0), fill, |ui| {
             if let Some(panel) = self.state.window().drawer.open {
                 drawer(ui, panel, self.state, self.canvas, self.commands);
@@ -307,6 +320,7 @@ fn drawer(
         top: 4,
         bottom: 8,
     };
+
     let mut scrolled = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui, &mut Vec<Command>)| {
         Frame::new().inner_margin(inner).show(ui, |ui| {
             ScrollArea::vertical()
@@ -318,7 +332,9 @@ fn drawer(
                 });
         });
     };
+
     match panel {
+        // These two are in view already, so that their tabs open the rest of their controls.
         Panel::Canvas => scrolled(ui, &mut |ui, commands| {
             layers::show(ui, &PanelContext::of(state), commands);
         }),
@@ -343,12 +359,15 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let open = state.window().drawer.open;
+
+        // Beside the button that closes an open panel, a portrait window has one for the panel's height.
         let buttons = match (open, state.window().drawer.arrangement) {
             (None, _) => 0.0,
             (Some(_), Arrangement::Portrait) => 2.0,
             (Some(_), _) => 1.0,
         };
         let width = ui.available_width() - buttons * (FINGER + 4.0);
+
         ScrollArea::horizontal()
             .id_salt("tabs")
             .max_width(width)
@@ -361,10 +380,13 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     }
                 });
             });
+
         if open.is_none() {
             return;
         }
+
         let mut push = |command| commands.push(Command::Window(WindowCommand::Drawer(command)));
+        // In a landscape window a panel has all of the height already.
         if state.window().drawer.arrangement == Arrangement::Portrait {
             let is_tall = state.window().drawer.is_tall;
             let (icon, name) = if is_tall {
@@ -377,6 +399,7 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 push(DrawerCommand::Tall(!is_tall));
             }
         }
+
         let close = icon_button(ui, Icon::Close, "Close the panel", None, palette);
         if close.known_as("drawer.close").clicked() {
             push(DrawerCommand::Show(None));
@@ -400,16 +423,20 @@ fn tab(
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, name));
     response.known_as(format_args!("tab.{}", Kebab(panel)));
+
     let painter = ui.painter();
     if is_open {
         painter.rect_filled(rect, 8.0, palette.accent.gamma_multiply(0.18));
-        let ends = [rect.left_bottom(), rect.right_bottom()];
-        let ends = [ends[0] + vec2(9.0, -3.0), ends[1] + vec2(-9.0, -3.0)];
+        let ends = [
+            rect.left_bottom() + vec2(9.0, -3.0),
+            rect.right_bottom() + vec2(-9.0, -3.0),
+        ];
         painter.line_segment(ends, Stroke::new(2.0, palette.accent));
     } else if response.hovered() {
         painter.rect_filled(rect, 8.0, palette.text.gamma_multiply(0.07));
     }
     painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
+
     // Also scroll to the tab of a panel that was opened by a command or link.
     let seen = ui.scope_id().with("seen");
     let is_new = is_open && ui.data(|data| data.get_temp(seen)) != Some(panel);
@@ -419,6 +446,7 @@ fn tab(
     if is_new || response.gained_focus() {
         ui.scroll_to_rect(rect.expand2(vec2(24.0, 0.0)), None);
     }
+
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
         let panel = (!is_open).then_some(panel);
         commands.push(Command::Window(WindowCommand::Drawer(DrawerCommand::Show(

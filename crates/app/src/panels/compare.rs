@@ -14,11 +14,11 @@ use tilescope_workbench::compare::{
 };
 use tilescope_workbench::state::{RunView, State};
 
-/// The context of the panel.
+/// The context of the panel of the comparison.
 pub struct CompareContext<'a> {
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'static Palette,
-    /// Run A.
+    /// The run that all panels show, run A.
     pub first: &'a RunView,
     /// Run B, if there is one, and the results of the comparison.
     pub second: Option<&'a (RunView, Comparison)>,
@@ -50,7 +50,7 @@ impl<'a> CompareContext<'a> {
     }
 }
 
-/// Shows the panel.
+/// Shows the comparison, or what a second run would show.
 pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let mut own = Vec::new();
@@ -70,18 +70,22 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
             for (name, first, second) in differing.unwrap_or_default() {
                 row(ui, &name, &format!("A {first}   B {second}"), palette);
             }
-            let counts = [a, b].map(|session| grouped(session.summary.count));
-            let counts = format!("A {}   B {}", counts[0], counts[1]);
+
+            let [of_a, of_b] = [a, b].map(|session| grouped(session.summary.count));
+            let counts = format!("A {of_a}   B {of_b}");
             row(ui, "samples", &counts, palette);
+
             parting(ui, context, side, comparison, &mut own);
             now(ui, context, side, comparison, &mut own);
         }
+
         links(ui, comparison, &mut own);
         ui.add_space(8.0);
     } else {
         let text = "A second run beside this one: same view, same moment, what differs, and the first event at which the two part.";
         ui.label(RichText::new(text).color(palette.muted));
     }
+
     presets(ui, context, &mut own);
     commands.extend(own.into_iter().map(Command::Compare));
 }
@@ -98,15 +102,18 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
         {
             commands.push(Command::Compare(CompareCommand::Swap));
         }
+
         let command = Command::Compare(CompareCommand::Close);
         ui.button("Close B")
             .issues("compare.close", command, commands);
+
         if side.sampling.is_some() {
             let command = Command::Cancel(Which::Second);
             ui.button("Cancel B")
                 .issues("compare.cancel", command, commands);
         }
     });
+
     // The bar's height is reserved, with or without progress.
     match &side.sampling {
         Some(job) => {
@@ -127,6 +134,7 @@ fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareComma
             own.push(CompareCommand::Start(*preset));
         }
     }
+
     let kept = ui.add_enabled(
         context.first.session.is_some(),
         Button::new("my next run (keeps this one as B)"),
@@ -158,9 +166,11 @@ fn parting(
             .known_as("parting-0");
         return;
     };
+
     for (k, line) in description(divergence).into_iter().enumerate() {
         ui.label(line).known_as(format_args!("parting-{k}"));
     }
+
     let thinned = [a, b].into_iter().any(|session| {
         let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
         session.recording().is_some_and(left_out)
@@ -169,6 +179,7 @@ fn parting(
         let text = "Some events were not recorded: only recorded ones are compared.";
         ui.label(RichText::new(text).color(palette.muted));
     }
+
     let refusal = context.parting;
     let command = CompareCommand::GoToDivergence;
     primary_button(ui, "Go there in both", refusal, palette).issues("compare.go", command, own);
@@ -180,11 +191,13 @@ fn description(divergence: &Divergence) -> Vec<String> {
         Divergence::Same => {
             vec!["Nowhere: every event is the same, sample by sample, to the bit.".to_owned()]
         }
+
         Divergence::Domain { a, b } => vec![
             "The domains differ: the runs cannot be compared event by event.".to_owned(),
             format!("A: {a}."),
             format!("B: {b}."),
         ],
+
         Divergence::Events {
             a,
             sentence_a,
@@ -198,6 +211,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
             format!("A: {sentence_a}"),
             format!("B: {sentence_b}"),
         ],
+
         Divergence::Ends {
             a_goes_on,
             event,
@@ -212,6 +226,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
             },
             format!("{} goes on: {sentence}", if *a_goes_on { "A" } else { "B" }),
         ],
+
         Divergence::Stage { stage, a, b, .. } => vec![
             format!("At stage {}.", stage_name(*stage)),
             format!("A: {a}"),
@@ -232,6 +247,7 @@ fn now(
     let (Some(a), Some(b)) = (context.first.shown(), side.shown()) else {
         return;
     };
+
     let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);
     let found = comparison.differences.of(&a, &b);
     if difference::comparable(&a, &b) {
@@ -247,6 +263,7 @@ fn now(
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("compare.refusal");
     }
+
     let mut on = comparison.shows_differences;
     let text = "Mark them on the canvas";
     let hint = "A square: this run alone has it. Four corners: the other run alone has it.";
@@ -264,6 +281,7 @@ fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
     if cameras.known_as("compare.cameras").changed() {
         own.push(CompareCommand::LinkCameras(on));
     }
+
     let mut on = comparison.linked_playback;
     let hint =
         "The same event as long as the runs are the same, then the same share of the same stage.";

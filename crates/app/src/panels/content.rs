@@ -45,7 +45,7 @@ impl Content {
         Self { room, show }
     }
 
-    /// Shows it.
+    /// Shows the content of the panel.
     pub fn show(&self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         match self.show {
             Show::Run(show) => show(ui, &PanelContext::of(state), commands),

@@ -9,11 +9,11 @@ use tilescope_workbench::state::{Appearance, RunView, State, Time};
 
 /// The context of most panels: a run, and how it is drawn. Panels that need more receive a context of their own.
 pub struct PanelContext<'a> {
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'static Palette,
     /// How moments are drawn.
     pub appearance: &'a Appearance,
-    /// The run.
+    /// The run that the panel shows.
     pub run: &'a RunView,
     /// Whether another run is shown beside it.
     pub is_compared: bool,
@@ -39,11 +39,11 @@ impl<'a> PanelContext<'a> {
 
 /// The context of the timeline: a run, playback, and the room there is.
 pub struct TimeContext<'a> {
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'static Palette,
-    /// The run.
+    /// The run that the timeline is of.
     pub run: &'a RunView,
-    /// Playback.
+    /// Playback, and the way through passes.
     pub time: &'a Time,
     /// The curve above the track.
     pub curve: ShownCurve,

@@ -44,14 +44,17 @@ pub fn show(
     let (Some(number), Some(session)) = (context.curve.number, &context.run.session) else {
         return;
     };
+
     let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
     let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
     if beside.width() >= MIN_BESIDE {
         let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
         chooser(&mut side, context, commands);
     }
+
     border(ui, context, chart, commands);
     let chart = chart.with_min_y(chart.top() + BORDER);
+    // The events of the curve stand above those of the track.
     let segments = track::segments_within(session, track);
     chart_of(ui, context, session, number, &segments, chart, commands);
 }
@@ -104,6 +107,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
             |number| capital(number.row().name),
         )
     };
+
     let chosen = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
     let name = ui.words(named(number));
     let response = chosen.selected_text(name).show_ui(ui, |ui| {
@@ -119,6 +123,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
             }
         }
     });
+
     let response = response.response;
     let name = ui.words("Number of the curve");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
@@ -132,6 +137,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
         ui.label(RichText::new(ui.words("Save as")).small());
         for format in CurveFormat::ALL {
             let button = Button::new(format.name()).small();
+            // There is nothing to save before the curve is made.
             let save = ui.add_enabled(points.is_some(), button);
             let id = format_args!("curve.save-{}", format.extension());
             save.issues(id, Command::File(FileCommand::SaveCurve(format)), commands);
@@ -139,9 +145,10 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
         let command = Command::Appearance(AppearanceCommand::Curve(None));
         ui.add(Button::new(ui.words("Hide")).small())
             .issues("curve.hide", command, commands);
+
         let now = points.zip(context.run.cursor());
-        let text = now.map(|(points, (cursor, _))| value_of(points, number.row(), cursor));
-        let text = RichText::new(ui.words(text.unwrap_or_default())).monospace();
+        let value = now.map(|(points, (cursor, _))| value_of(points, number.row(), cursor));
+        let text = RichText::new(ui.words(value.unwrap_or_default())).monospace();
         ui.label(text.color(context.palette.muted))
             .known_as("curve.value");
     });
@@ -154,13 +161,14 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
     let name = ui.words("Height of the curve");
     response.widget_info(|| WidgetInfo::labeled(Role::Splitter, true, &name));
     response.known_as("curve.height");
+
     if let Some(pointer) = response.interact_pointer_pos()
         && response.dragged()
     {
-        let height = chart.bottom() - pointer.y;
-        let height = height.clamp(0.0, f32::from(u16::MAX)) as u16;
+        let height = (chart.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
         commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
     }
+
     let is_hot = response.hovered() || response.dragged();
     response.on_hover_cursor(CursorIcon::ResizeVertical);
     let color = if is_hot {
@@ -242,6 +250,7 @@ impl CurveFrame<'_> {
         if let Some((cursor, _)) = context.run.cursor() {
             self.mark(&painter, cursor, palette);
         }
+
         let pointer = response.interact_pointer_pos();
         let is_chosen = response.clicked() || response.dragged();
         if let Some(at) = pointer.filter(|_| is_chosen) {
@@ -282,19 +291,19 @@ impl CurveFrame<'_> {
                 Id::unique(("row of the curve", index)),
                 Sense::hover(),
             );
+
             let events = &segment.events;
             let name = match session.nested {
                 Some(_) => format!("Level {index}"),
                 None => tilescope_session::sentence::name_in(session, session.stages[index]),
             };
-            let text = format!(
+            let text = ui.words(format!(
                 "{name}: {} {} at its start, {} at its end, event {}",
                 self.number.name,
                 before(events.start),
                 before(events.end),
                 grouped(events.end)
-            );
-            let text = ui.words(text);
+            ));
             row.widget_info(|| WidgetInfo::labeled(Role::Row, true, &text));
             row.known_as(format_args!("curve.row-{index}"));
         }
@@ -329,6 +338,7 @@ impl CurveFrame<'_> {
         for segment in self.segments {
             painter.vline(segment.right, self.rect.y_range(), stroke);
         }
+
         let font = FontId::monospace(10.0);
         let [low, high] = (self.range).map(|value| ui.words(written(self.number, value)));
         for (at, align, text) in [
@@ -345,8 +355,10 @@ impl CurveFrame<'_> {
         let (left, right) = (self.segments[0].left, self.rect.right());
         let mut line: Vec<Pos2> = Vec::new();
         let mut first = 0;
+
         let mut x = left;
         while x < right {
+            // The column ends where the next pixel begins.
             let last = self.points.at(track::cursor_at(self.segments, x + 1.0));
             let values = &self.points.values[first..=last];
             let defined = values.iter().copied().filter(|value| value.is_finite());
@@ -355,8 +367,8 @@ impl CurveFrame<'_> {
             });
             if low <= high {
                 // The last value is the one that the next column goes on from.
-                let end = values[values.len() - 1];
-                let end = if end.is_finite() { end } else { high };
+                let next = values[values.len() - 1];
+                let end = if next.is_finite() { next } else { high };
                 let values = if low < high {
                     &[low, high, end][..]
                 } else {
@@ -366,10 +378,11 @@ impl CurveFrame<'_> {
             }
             (first, x) = (last, x + 1.0);
         }
+
         painter.line(line, Stroke::new(1.4, palette.accent));
     }
 
-    /// Marks the moment.
+    /// Marks the moment on the curve.
     fn mark(&self, painter: &Painter, cursor: usize, palette: &Palette) {
         let x = track::x_of(self.segments, cursor);
         let stroke = Stroke::new(1.0, palette.halo);

@@ -28,6 +28,7 @@ pub fn show(
 ) {
     let palette = Palette::of(state.appearance().look);
     let room = ui.available_rect_before_wrap();
+
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let height = player.map_or(0.0, |_| player_height(ui.ctx(), room.size(), state));
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
@@ -42,9 +43,11 @@ pub fn show(
             canvas.show(ui, &CanvasContext::of(state), commands);
         },
     );
+
     if state.runs().first.session.is_some() && !state.runs().first.is_fitted() {
         whole_domain(ui, above, palette, commands);
     }
+
     if let Some(player) = player {
         part(ui, "player", below, PLAYER_MARGIN, palette.panel, |ui| {
             player.show(ui, &TimeContext::of(state), commands);
@@ -75,10 +78,12 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         .max_rect(corner)
         .layout(egui::Layout::right_to_left(egui::Align::Min));
     ui.scope_builder(builder, |ui| {
+        // The ground lies below the button, whose size is known once it is shown.
         let ground = ui.painter().add(egui::Shape::Noop);
         let name = "Fit the domain (F)";
         let response = icon_button(ui, Icon::Fit, name, None, palette);
         response.known_as("fit");
+
         let color = palette.panel.gamma_multiply(0.82);
         let fill = egui::Shape::rect_filled(response.rect, 7.0, color);
         ui.painter().set(ground, fill);

@@ -17,6 +17,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         if context.engine_differs {
             changed_mark(ui, palette);
         }
+
         let combo = ComboBox::from_id_salt("Engine")
             .selected_text(text(context, context.gpu.engine))
             .width(field_width(ui))
@@ -30,6 +31,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         response.known_as("engine");
         response.on_hover_text(EXPLANATION);
     });
+
     if let Some((line, all)) = &context.engine {
         let line = RichText::new(line).small().color(palette.muted);
         let label = ui.label(line);

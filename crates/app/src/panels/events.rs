@@ -24,13 +24,14 @@ const ROW: f32 = 20.0;
 
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
-/// Shows the panel.
+/// Shows the query, and the events that it finds.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
         no_events(ui, context);
         return;
     };
+
     let mut text = context.run.query.text.clone();
     let mut chosen = None;
     let is_changed = ui.horizontal(|ui| {
@@ -44,12 +45,14 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         chosen = words(ui, &context.run.query.text);
         response.changed()
     });
+
     if is_changed.inner {
         chosen = Some(text);
     }
     if let Some(text) = chosen.or_else(|| completions(ui, &context.run.query.text)) {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
+
     let (note, color) = match (&context.run.query.error, &context.run.query.found) {
         (Some(error), _) => (error.clone(), palette.conflict),
         (None, FoundEvents::Nothing) => (
@@ -57,6 +60,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             palette.muted,
         ),
         (None, FoundEvents::Pending(_)) => ("looking\u{2026}".to_owned(), palette.muted),
+        // There may be more of them: the search ends at this number.
         (None, FoundEvents::Events(events)) if events.len() == MAX_FOUND => (
             format!("the first {} events", grouped(MAX_FOUND)),
             palette.muted,
@@ -66,9 +70,11 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             (counted(events.len(), "event", "events"), palette.muted)
         }
     };
+
     ui.label(RichText::new(note).color(color))
         .known_as("found-events");
     ui.add_space(2.0);
+
     let found = match &context.run.query.found {
         FoundEvents::Events(events) => Some(events.as_slice()),
         _ => None,
@@ -100,6 +106,7 @@ fn words(ui: &mut Ui, text: &str) -> Option<String> {
             }
         });
     });
+
     let button = button.response;
     button.known_as("query-words");
     button.on_hover_text("The words that a query can have");
@@ -147,6 +154,7 @@ fn list(
     let last = debugger.state().cursor().checked_sub(1);
     let rows = context.run.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
+
     let line = |row: usize| match found {
         Some(events) => Some(EventRow {
             event: events[row],
@@ -159,6 +167,8 @@ fn list(
             expanded: row.has_children.then_some(row.expanded),
         }),
     };
+
+    // Of the events that were found, the last one that has happened is current; in the tree it may be folded away.
     let here = match (found, last) {
         (Some(events), Some(last)) => events
             .partition_point(|&event| event <= last)
@@ -166,12 +176,15 @@ fn list(
         (None, Some(last)) => visible_row(context, last),
         (_, None) => None,
     };
+
     ui.spacing_mut().item_spacing.y = 0.0;
     let height = row_height(ui.ctx(), ROW);
     let area = ScrollArea::vertical()
         .auto_shrink([false, false])
+        // The tree and the results are scrolled independently.
         .id_salt(found.is_some());
     let seen = ui.scope_id().with(("seen", found.is_some()));
+
     area.show_rows(ui, height, count, |ui, rows| {
         let top = ui.max_rect().top() - rows.start as f32 * height;
         for row in rows {
@@ -217,10 +230,12 @@ fn show_row(
         vec2(ui.available_width() - 10.0, row_height(ui.ctx(), ROW)),
         Sense::click(),
     );
+
     let text = tilescope_debugger::short(debugger.recording(), index);
     let label = format!("Event {}: {text}", event_number(index));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
     response.known_as(format_args!("event-{index}"));
+
     if current {
         ui.painter()
             .rect_filled(rect, 3.0, palette.accent.gamma_multiply(0.22));
@@ -228,10 +243,12 @@ fn show_row(
         ui.painter()
             .rect_filled(rect, 3.0, palette.text.gamma_multiply(0.07));
     }
+
     let indent = 10.0 * line.level as f32;
     if let Some(expanded) = line.expanded {
         arrow(ui, rect, indent, index, expanded, palette, commands);
     }
+
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let past = index < debugger.state().cursor();
     let ink = if past { palette.text } else { palette.muted };
@@ -242,13 +259,15 @@ fn show_row(
         FontId::monospace(10.0),
         palette.muted,
     );
+
     let left = rect.left() + 18.0 + indent;
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), ink);
-    // What does not fit ends with an ellipsis, and the tooltip has all of it.
+    // A long text ends with an ellipsis, and the tooltip has all of it.
     job.wrap = TextWrapping::truncate_at_width((number.left() - 6.0 - left).max(0.0));
     let galley = painter.layout_job(job);
     let at = pos2(left, rect.center().y - 0.5 * galley.size().y);
     painter.galley(at, galley, ink);
+
     let tip = tilescope_debugger::sentence(debugger.recording(), index);
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -272,10 +291,12 @@ fn arrow(
     let area = egui::Rect::from_center_size(
         at,
         vec2(
+            // A finger needs more room than the arrow has.
             if is_for_fingers(ui.ctx()) { 36.0 } else { 16.0 },
             rect.height(),
         ),
     );
+
     let response = ui.interact(area, ui.scope_id().with(("arrow", event)), Sense::click());
     let name = format!(
         "{} event {}",
@@ -284,6 +305,7 @@ fn arrow(
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as(format_args!("event-{event}.expand"));
+
     let corners = if expanded {
         [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
     } else {
@@ -294,6 +316,7 @@ fn arrow(
     } else {
         palette.muted
     };
+
     let corners = corners.map(|v| at + v).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(
         corners,

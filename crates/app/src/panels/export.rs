@@ -37,6 +37,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         palette: Palette::of(state.appearance().look),
         commands: Vec::new(),
     };
+
     let mut open = true;
     Window::new("Export")
         .open(&mut open)
@@ -49,6 +50,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 super::notice::in_sheet(ui, state);
             });
         });
+
     if !open || escaped(ui, state) {
         sheet.commands.push(ExportCommand::Close);
     }
@@ -92,6 +94,7 @@ impl Sheet<'_> {
                 self.delay(ui);
             }
         }
+
         ui.add_space(8.0);
         self.prospect(ui);
         ui.add_space(6.0);
@@ -102,8 +105,7 @@ impl Sheet<'_> {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for kind in ExportKind::ALL {
-                let refusal = self.source.kind_refusal(kind);
-                let refusal = refusal.map(|refusal| refusal.to_string());
+                let refusal = (self.source.kind_refusal(kind)).map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
                 let button = Button::selectable(chosen, kind.name());
                 // The choice stays readable; the reason is shown below.
@@ -169,11 +171,13 @@ impl Sheet<'_> {
                         - if web {
                             16.0
                         } else {
+                            // Room for the button that browses.
                             67.0 + 2.0 * ui.spacing().button_padding.x
                         },
                 );
             let response = ui.add(edit).labelled_by(label.id);
             response.known_as("export.path");
+            // Typing replaces the proposed name.
             if just_opened(ui, "export") {
                 select_all(ui, &response, path.chars().count());
             }
@@ -195,8 +199,7 @@ impl Sheet<'_> {
         let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
-            let format = self.form.kind.format(&self.form.file());
-            let format = format.unwrap_or_default();
+            let format = (self.form.kind.format(&self.form.file())).unwrap_or_default();
             let folder = self.folder();
             let file = self.form.file();
             // The ending is added to a name that has none.
@@ -244,8 +247,8 @@ impl Sheet<'_> {
         if self.in_browser {
             return String::new();
         }
-        let folder = std::path::absolute(self.form.file());
-        let folder = folder.as_deref().ok().and_then(Path::parent);
+        let file = std::path::absolute(self.form.file());
+        let folder = file.as_deref().ok().and_then(Path::parent);
         folder.map_or_else(String::new, |folder| {
             format!(" Folder: {}", folder.display())
         })
@@ -253,6 +256,7 @@ impl Sheet<'_> {
 
     fn precision(&mut self, ui: &mut Ui) {
         let format = Format::from_path(&self.form.file());
+        // A format with one number type shows it, without a choice.
         let has_choice = format
             .is_some_and(|f| f.precision(Precision::Single) != f.precision(Precision::Double));
         self.named(ui, "Coordinates", |sheet, ui, _| {
@@ -388,6 +392,7 @@ impl Sheet<'_> {
             .text_color_opt((is_wrong && enabled).then_some(self.palette.conflict))
             .margin(egui::Margin::symmetric(8, 4))
             .desired_width(NUMBER_WIDTH);
+
         let response = ui.add_enabled(enabled, edit).labelled_by(label);
         response.known_as(format_args!("export.{}", Kebab(entry)));
         if response.changed() {
@@ -439,8 +444,8 @@ impl Sheet<'_> {
             });
             return;
         }
-        let refusal = self.exports.prospect(self.source).err();
-        let refusal = refusal.map(|refusal| refusal.to_string());
+
+        let refusal = (self.exports.prospect(self.source).err()).map(|refusal| refusal.to_string());
         let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
         button.known_as("export.write");
         // The second click of a double click must not answer the question.

@@ -48,8 +48,10 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     {
         ui.label(RichText::new(more).color(palette.muted));
     }
+
     ui.add_space(8.0);
     file(ui, state, form, own);
+
     // The line's height is reserved, with or without a question.
     let saves = form.purpose == Purpose::Save;
     let missing = no_folder(form.path.trim()).filter(|_| saves);
@@ -62,11 +64,13 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     read_out(ui, &response);
     response.known_as("file.question");
     ui.add_space(4.0);
+
     let verb = if form.asked {
         "Replace the file"
     } else {
         form.purpose.verb()
     };
+
     let refusal = refusal(state, form);
     let button = primary_button(ui, verb, refusal.as_deref(), palette);
     button.known_as("file.go");
@@ -74,6 +78,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     if button.clicked() && !(form.asked && button.double_clicked()) {
         own.push(FileCommand::Go);
     }
+
     ui.horizontal(|ui| {
         ui.set_height(24.0);
         progress(ui, state, palette, own);
@@ -109,6 +114,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
             .desired_width(ui.available_width() - 110.0);
         let response = ui.add(edit).labelled_by(label.id);
         response.known_as("file.path");
+
         if just_opened(ui, form.purpose.title()) && (saves || !web) {
             select_all(ui, &response, path.chars().count());
         }
@@ -118,6 +124,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
         if entered(ui, &response) && refusal(state, form).is_none() {
             own.push(FileCommand::Go);
         }
+        // A browser chooses the folder of a download itself.
         if web && saves {
             return;
         }

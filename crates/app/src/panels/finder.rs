@@ -34,15 +34,19 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let (field, open) = field(ui, open, commands);
         found = actions::found(&open, state);
         let choice = open.choice.min(found.len().saturating_sub(1));
+
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
+        // Only a new choice is brought into view: a user may scroll on from there.
         let moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
         ui.data_mut(|data| data.insert_temp(seen, choice));
+
         let room = ui.ctx().content_rect().height() - 110.0;
         let enters = keys(ui, choice, found.len(), commands);
         // Ignore Enter until something was typed or selected.
         let is_meant = choice > 0 || !open.text.trim().is_empty();
         let mut done = (enters && is_meant).then_some(choice);
+
         ScrollArea::vertical()
             .max_height(room.min(12.0 * ROW))
             .auto_shrink([false, false])
@@ -62,9 +66,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             });
         done
     });
+
     let chosen = modal.inner.and_then(|index| found.get(index));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
         commands.push(Command::Window(WindowCommand::CloseFinder));
+        // After the list was closed, this would open it again.
         if action.command != Command::Window(WindowCommand::ToggleFinder) {
             commands.push(action.command.clone());
         }
@@ -84,6 +90,7 @@ fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, 
     );
     response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find an action"));
     response.known_as("find-action");
+    // The field has the focus as long as the list is open, whatever is clicked in it.
     if !response.has_focus() {
         response.request_focus();
     }

@@ -44,6 +44,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
             HelpPage::Terms | HelpPage::About => WIDTH,
         };
         ui.set_width(sheet::width(ui, width));
+
         let mut is_closed = false;
         ui.horizontal(|ui| {
             for other in HelpPage::ALL {
@@ -58,6 +59,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
                 is_closed = close.known_as("help.close").clicked();
             });
         });
+
         ui.separator();
         sheet::scrolled(ui, width, |ui| match page {
             HelpPage::Keys => keys(ui, state, palette),
@@ -66,6 +68,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         });
         is_closed
     });
+
     if modal.inner || modal.should_close() {
         commands.push(Command::Window(WindowCommand::CloseHelp));
     }
@@ -126,8 +129,8 @@ fn keys_of_menu(ui: &mut Ui, (menu, keyed): &(Menu, Vec<&Action>), palette: &Pal
         .spacing(vec2(12.0, 3.0));
     grid.min_col_width(KEYS_WIDTH).show(ui, |ui| {
         for action in keyed {
-            let keys = action.keys().map(|keys| shortcut_text(ui.ctx(), &keys));
-            let keys = keys.collect::<Vec<_>>().join(", ");
+            let texts = action.keys().map(|keys| shortcut_text(ui.ctx(), &keys));
+            let keys = texts.collect::<Vec<_>>().join(", ");
             ui.label(RichText::new(keys).monospace().color(palette.accent));
             ui.add(Label::new(action.name.as_str()).wrap());
             ui.end_row();
@@ -166,6 +169,7 @@ fn about(ui: &mut Ui, palette: &Palette) {
          moment of it can be visited, questioned and explained. Every set is judged by code that shares nothing with the \
          sampler.",
     );
+
     heading(ui, "The paper");
     ui.label(
         "Tong Wang and Reiji Suda: Fast Maximal Poisson-Disk Sampling by Randomized Tiling. High-Performance Graphics, 2017.",
@@ -175,11 +179,13 @@ fn about(ui: &mut Ui, palette: &Palette) {
         "https://doi.org/10.1145/3105762.3105778",
     );
     ui.add_space(4.0);
+
     ui.label(RichText::new(BIBTEX).font(FontId::monospace(11.0)));
     let copy = ui.add(Button::new("Copy the citation"));
     if copy.known_as("help.copy").clicked() {
         ui.ctx().copy_text(BIBTEX.to_owned());
     }
+
     heading(ui, "Licences");
     ui.label(
         "Tilescope is licensed under the MIT license or the Apache License 2.0, as you choose.",

@@ -22,7 +22,7 @@ const MAX_ROWS: usize = 200;
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the inspector.
+/// Shows the inspector, of a sample, a place or neither.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let (id, name) = match (context.run.hovered, context.run.selected) {
@@ -31,6 +31,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         (None, None) => (None, "Selection"),
     };
     heading(ui, name);
+
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
@@ -47,6 +48,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             }
         }
     });
+
     if context.run.selected.is_some() || context.run.place.is_some() {
         divide(ui, palette);
         history(ui, context, commands);
@@ -63,6 +65,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     if let Some(why) = context.run.history_found.failure() {
         ui.label(RichText::new(why).color(palette.conflict));
     }
+
     let events = context.run.history_found.events();
     heading(
         ui,
@@ -75,6 +78,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
         let ink = if past { palette.text } else { palette.muted };
         event_row(ui, debugger.recording(), event, ink, commands);
     }
+
     if events.len() > MAX_ROWS {
         let text = format!(
             "and {} more: the event browser finds them",
@@ -82,6 +86,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
         );
         ui.label(RichText::new(text).color(palette.muted));
     }
+
     why(ui, debugger, cursor, palette, commands);
 }
 
@@ -140,6 +145,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
             nearest = Some((distance, seen.id));
         }
     });
+
     match nearest {
         Some((distance, id)) => {
             row(ui, "Nearest sample", &grouped(id as usize), palette);
@@ -176,11 +182,13 @@ fn sample(
     let run = session.run();
     row(ui, "Id", &grouped(id as usize), palette);
     coordinates(ui, shown, session.position(id), palette);
+    // Samples of nested levels have neither block nor origin.
     if let Some(nested) = &session.nested {
         let level = nested.level_of(id as usize);
         row(ui, "Added by level", &level.to_string(), palette);
         return;
     }
+
     match run.samples.origins[id as usize] {
         Origin::Tiled {
             block,
@@ -209,6 +217,7 @@ fn sample(
             }
         }
     }
+
     let standing = match shown.standing(id) {
         Standing::Absent => "not there yet",
         Standing::Tiled => "tiled, undecided",
@@ -217,6 +226,7 @@ fn sample(
         Standing::Dropped => "outside the domain",
     };
     row(ui, "At this moment", standing, palette);
+
     match run.samples.fates[id as usize] {
         Fate::Undecided => row(ui, "In the end", "undecided", palette),
         Fate::Kept => row(ui, "In the end", "kept", palette),
@@ -228,6 +238,7 @@ fn sample(
 fn others(ui: &mut Ui, name: &str, ids: &[u32], palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(palette.muted));
+        // Three ids may be wider than the room beside the name.
         if ids.len() < 3 {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 links(ui, ids, commands);

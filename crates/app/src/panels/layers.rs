@@ -16,36 +16,41 @@ const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks a
 
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
-/// Shows the chips.
+/// Shows a chip for each layer of this kind of session.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let layers = context.appearance;
         let shown = layers.layers(context.run.current_stage());
         let is_automatic = layers.chosen_layers.is_none();
-        let automatic = ui.add(chip((None, "Automatic"), is_automatic, context.palette));
-        let automatic = automatic.on_hover_text(ui.words(AUTOMATIC));
+        let automatic = ui
+            .add(chip((None, "Automatic"), is_automatic, context.palette))
+            .on_hover_text(ui.words(AUTOMATIC));
         automatic.known_as("layer.automatic");
         if automatic.clicked() {
             commands.push(Command::Appearance(AppearanceCommand::AutomaticLayers));
         }
+
         let kind = context.run.kind();
         let offered = |layer: &Layer| layer.is_of(kind);
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (Some(layer), layer.name_in(kind));
             let is_on = shown.has(layer);
+            // It may show the answer to the open question of a lesson.
             let is_free = !context.hidden_layers.has(layer);
-            let chip = ui.add_enabled(is_free, chip(named, is_on, context.palette));
-            let chip = chip.on_disabled_hover_text(ui.words(HIDDEN_LAYER));
-            let chip = chip.on_hover_ui(|ui| explain(ui, layer, context.palette));
+            let chip = ui
+                .add_enabled(is_free, chip(named, is_on, context.palette))
+                .on_disabled_hover_text(ui.words(HIDDEN_LAYER))
+                .on_hover_ui(|ui| explain(ui, layer, context.palette));
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
             }
         }
+
         if has_no_circles(context) {
-            let text = "No empty circle is larger than r: the set is maximal.";
-            let text = RichText::new(ui.words(text))
+            let remark = "No empty circle is larger than r: the set is maximal.";
+            let text = RichText::new(ui.words(remark))
                 .small()
                 .color(context.palette.muted);
             ui.label(text).known_as("no-empty-circles");

@@ -19,7 +19,7 @@ pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, comma
     show(ui, &PanelContext::of(state), causes, commands);
 });
 
-/// Shows the legend.
+/// Shows the legend of colours, symbols and marks.
 pub fn show(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -30,11 +30,13 @@ pub fn show(
     heading(ui, "Legend");
     let kind = context.run.kind();
     colouring(ui, context, kind, commands);
+
     match (context.appearance.colouring.of(kind), &context.run.session) {
         (Colouring::Age, Some(session)) => ages(ui, Ages::of(session), palette),
         (Colouring::Level, Some(session)) => levels(ui, session, palette),
         _ => {}
     }
+
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     let shown = context.appearance.layers(context.run.current_stage());
@@ -44,6 +46,7 @@ pub fn show(
         let draw = |painter: &Painter, rect: Rect| symbol(painter, layer, rect.center(), palette);
         entry(ui, layer.meaning(kind), palette, draw).on_hover_ui(|ui| explain(ui, layer, palette));
     }
+
     if context.is_compared {
         marks(ui, palette);
     }
@@ -112,38 +115,38 @@ fn colouring(
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
+    let choices = [
+        (
+            Colouring::Block,
+            match kind {
+                SessionKind::Combination => "by piece",
+                _ => "by block",
+            },
+            "Samples have the colour of the block, or the piece, that they come from.",
+        ),
+        (
+            Colouring::Provenance,
+            "by origin",
+            "Samples inside their own block, from the margin around it, or inserted.",
+        ),
+        (
+            Colouring::Age,
+            match kind {
+                SessionKind::Nested => "by order",
+                _ => "by age",
+            },
+            "When a sample came: tiled early to late, then inserted iteration by iteration; of nested levels its place in their order.",
+        ),
+        (Colouring::Level, "by level", glossary::LEVEL.meaning),
+    ];
+    // A colouring that this kind of session lacks is drawn as another one.
+    let offered = (choices.into_iter()).filter(|(colouring, ..)| colouring.of(kind) == *colouring);
+
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
-        for (colouring, name, explanation) in [
-            (
-                Colouring::Block,
-                match kind {
-                    SessionKind::Combination => "by piece",
-                    _ => "by block",
-                },
-                "Samples have the colour of the block, or the piece, that they come from.",
-            ),
-            (
-                Colouring::Provenance,
-                "by origin",
-                "Samples inside their own block, from the margin around it, or inserted.",
-            ),
-            (
-                Colouring::Age,
-                match kind {
-                    SessionKind::Nested => "by order",
-                    _ => "by age",
-                },
-                "When a sample came: tiled early to late, then inserted iteration by iteration; of nested levels its place in their order.",
-            ),
-            (Colouring::Level, "by level", glossary::LEVEL.meaning),
-        ]
-        .into_iter()
-        .filter(|(colouring, ..)| colouring.of(kind) == *colouring)
-        {
+        for (colouring, name, explanation) in offered {
             let is_chosen = context.appearance.colouring.of(kind) == colouring;
-            let button = Button::selectable(is_chosen, name);
-            let button = ui.add(button);
+            let button = ui.add(Button::selectable(is_chosen, name));
             button.known_as(format_args!("colour.{}", Kebab(colouring)));
             if button.on_hover_text(explanation).clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::Colour(colouring)));
@@ -180,22 +183,27 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         egui::WidgetInfo::labeled(egui::Role::Image, true, name)
     });
     response.known_as("ages");
+
     let painter = ui.painter();
     let x = |age: f32| rect.left() + age * rect.width();
     let band = |from: f32, to: f32, age: f32| {
         let swatch = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
         painter.rect_filled(swatch, 0.0, palette.age(age));
     };
+
     let tiled = ages.last_tiled();
     for k in 0..SHADES {
         let at = |k: u16| tiled * f32::from(k) / f32::from(SHADES);
         band(at(k), at(k + 1), at(k));
     }
+
+    // A gap in the ramp separates tiled samples from inserted ones.
     let start = LAST_TILED + 0.03;
     for k in 0..ages.iterations {
         let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;
         band(at(k), at(k + 1), ages.of_iteration(k + 1));
     }
+
     let font = FontId::proportional(11.5);
     let first = if tiled < 1.0 { "tiled first" } else { "first" };
     let inserted = match ages.iterations {
@@ -203,6 +211,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         1 => "inserted".to_owned(),
         all => format!("iteration 1 to {all}"),
     };
+
     for (at, anchor, text) in [
         (0.0, Align2::LEFT_TOP, first),
         (tiled, Align2::RIGHT_TOP, "last"),

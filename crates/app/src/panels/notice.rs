@@ -45,12 +45,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if is_in_sheet(state) {
         return;
     }
+
     let palette = Palette::of(state.appearance().look);
     let color = if notice.is_error {
         palette.conflict
     } else {
         palette.accent
     };
+
     // Clear of the time controls, which are below the canvas on a small window; an embedded window has no bar.
     let (corner, offset) = if state.window().embedding.is_some() {
         (Align2::CENTER_TOP, vec2(0.0, 8.0))
@@ -59,6 +61,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         (Align2::CENTER_BOTTOM, vec2(0.0, -128.0))
     };
+
     Area::new(Id::unique("notice"))
         .order(Order::Foreground)
         .anchor(corner, offset)
@@ -77,6 +80,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
                         verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
                         ui.scope(|ui| {
+                            // Room for the buttons beside the text.
                             ui.set_max_width(
                                 width - if notice.folder.is_some() { 180.0 } else { 80.0 },
                             );

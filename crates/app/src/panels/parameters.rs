@@ -41,13 +41,13 @@ const CANCEL_WIDTH: f32 = 60.0;
 /// In a lower panel, in screen points, the button scrolls with the fields.
 const MIN_HEIGHT_FOR_RUN: f32 = 100.0;
 
-/// The context of the panel.
+/// The context of the panel of parameters.
 pub struct FormContext<'a> {
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'static Palette,
     /// The parameters and the engine.
     pub form: &'a Form,
-    /// The state of the GPU.
+    /// The state of the GPU, which may make the next run.
     pub gpu: &'a GpuState,
     /// The run in progress.
     pub sampling: Option<&'a Job<Result<Session, MakeError>>>,
@@ -112,19 +112,22 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         });
         return;
     }
+
     let width = room.width() - SCROLL_BAR_WIDTH;
     let height = run_height(ui) + remark_height(ui, context, width) + 2.0 * RUN_MARGIN;
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
+
     ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
         scrolled(ui, Panel::Parameters, |ui| {
             form::show(ui, context, commands);
         });
     });
+
     let line = context.palette.line;
     ui.painter().hline(room.x_range(), below.top(), (1.0, line));
-    let below = below.shrink2(vec2(0.0, RUN_MARGIN));
-    let below = below.with_max_x(below.right() - SCROLL_BAR_WIDTH);
-    ui.scope_builder(UiBuilder::new().max_rect(below), |ui| {
+    let inner = below.shrink2(vec2(0.0, RUN_MARGIN));
+    let button = inner.with_max_x(inner.right() - SCROLL_BAR_WIDTH);
+    ui.scope_builder(UiBuilder::new().max_rect(button), |ui| {
         run_or_cancel(ui, context, commands);
     });
 }
@@ -139,8 +142,9 @@ pub(super) fn labelled(
     let shown = ui.horizontal(|ui| {
         let start = ui.cursor().left();
         let text = RichText::new(name).color(palette.muted);
-        let label = ui.add(egui::Label::new(text).selectable(false).sense(Sense::DRAG));
-        let label = label.on_hover_text(meaning);
+        let label = ui
+            .add(egui::Label::new(text).selectable(false).sense(Sense::DRAG))
+            .on_hover_text(meaning);
         let gap = start + FIELD_START - ui.cursor().left();
         ui.add_space(gap.max(0.0));
         add(ui, label.id);
@@ -184,6 +188,7 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
         let label = ui.add(Label::new(text).wrap());
         label.known_as("run-remark");
     }
+
     ui.horizontal(|ui| {
         let room = vec2(ui.available_width() - CANCEL_WIDTH, height);
         ui.allocate_ui(room, |ui| {
@@ -201,13 +206,17 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
             };
             primary_button(ui, name, refusal, palette).issues("run", Command::Run, commands);
         });
+
+        // Work that was cancelled may run on for a moment.
         if context.sampling.is_some_and(Job::is_cancelled) {
             ui.label(RichText::new("Stopping").small().color(palette.muted));
             return;
         }
+
         let button = Button::new(RichText::new("Cancel").small());
-        let cancel = ui.add_enabled(context.sampling.is_some(), button);
-        let cancel = cancel.on_disabled_hover_text("Nothing is running.");
+        let cancel = ui
+            .add_enabled(context.sampling.is_some(), button)
+            .on_disabled_hover_text("Nothing is running.");
         cancel.issues("cancel", Command::Cancel(Which::First), commands);
     });
 }

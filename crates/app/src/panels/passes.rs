@@ -68,6 +68,7 @@ fn passes_or_offer(
         commands.extend(own.into_iter().map(Command::Passes));
         return;
     }
+
     let text = "Every compute pass of this session's run on the GPU, with its buffers before and after, compared with the CPU.";
     ui.label(RichText::new(text).color(palette.muted));
     let button = ui.add_enabled(refusal.is_none(), Button::new("Run the passes"));
@@ -76,13 +77,15 @@ fn passes_or_offer(
     if button.clicked() {
         commands.push(Command::OpenPasses);
     }
+
     if let Some(refusal) = refusal {
         ui.label(RichText::new(refusal).color(palette.muted));
     }
+
     if can_choose {
         let choose = Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu));
-        let button = ui.button("Choose the GPU");
-        let button = button.on_hover_text("Opens the GPU and tests it against the CPU");
+        let button = (ui.button("Choose the GPU"))
+            .on_hover_text("Opens the GPU and tests it against the CPU");
         button.issues("passes.choose-gpu", choose, commands);
     }
 }
@@ -94,6 +97,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
         palette,
         commands,
     };
+
     let area = ui.available_rect_before_wrap();
     let (left, right) = area.split_left_right_at_x(area.left() + LIST.min(0.45 * area.width()));
     let column = |rect| {
@@ -101,17 +105,21 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
             .max_rect(rect)
             .layout(Layout::top_down(egui::Align::Min))
     };
+
     let mut ui_left = ui.new_child(column(left.shrink2(vec2(0.0, 2.0))).id_salt("list"));
     panel.list(&mut ui_left);
     let right = right.with_min_x(right.left() + 16.0);
     ui.painter()
         .vline(right.left() - 8.0, area.y_range(), (1.0, palette.line));
+
     let mut ui_right = ui.new_child(column(right.shrink2(vec2(0.0, 2.0))).id_salt("pass"));
     ui_right.set_clip_rect(right.intersect(ui.clip_rect()));
     panel.work(&mut ui_right);
+
     if let Some(entry) = passes.selected().and_then(|k| passes.entries().get(k)) {
         panel.pass(&mut ui_right, entry);
     }
+    // The two columns have cursors of their own, which do not move that of the panel.
     ui.advance_cursor_after_rect(area);
 }
 
@@ -155,6 +163,7 @@ impl PassesPanel<'_> {
                     .issues("passes.undo", PassCommand::Fault(None), self.commands);
             });
         }
+
         // The line's height is reserved: nothing moves when the work ends.
         ui.horizontal(|ui| {
             ui.set_height(26.0);
@@ -191,12 +200,15 @@ impl PassesPanel<'_> {
             ));
             return;
         };
+
         way(ui, visit, palette);
         ui.add_space(4.0);
         self.buffers(ui, visit);
         choice::show(ui, passes, visit, palette, self.commands);
+
         if let Some(table) = passes.shown().table(Some(visit)) {
             self.tools(ui, table);
+            // Room below the table for the file of its rows, and for the fault.
             let foot = 62.0;
             let room = vec2(
                 ui.available_width(),
@@ -224,6 +236,7 @@ impl PassesPanel<'_> {
             previous.issues("passes.previous", PassCommand::Previous, self.commands);
             let next = icon_button(ui, Icon::Forward, "Next pass", last, palette);
             next.issues("passes.next", PassCommand::Next, self.commands);
+
             ui.add_space(6.0);
             let name = RichText::new(entry.report.name).font(FontId::new(17.0, semibold()));
             ui.label(name);
@@ -233,6 +246,7 @@ impl PassesPanel<'_> {
             ui.label(RichText::new(text).color(palette.muted))
                 .known_as("passes.place");
         });
+
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(16.0, 18.0), egui::Sense::hover());
             mark(ui, rect.center(), &entry.badge, palette);
@@ -252,11 +266,13 @@ impl PassesPanel<'_> {
                 let text = RichText::new(table.name.as_str()).monospace();
                 let is_shown = index == passes.shown().buffer();
                 let count = table.changed_count();
+
                 let mut button =
                     Button::selectable(is_shown, text).right_text(muted(access, palette));
                 if !is_shown {
                     button = button.stroke((1.0, palette.line));
                 }
+
                 let response = ui.add(button).on_hover_text(format!(
                     "{access}, {} bytes, {}",
                     grouped(table.bytes as usize),
@@ -267,10 +283,12 @@ impl PassesPanel<'_> {
                     table.name.as_str(),
                     changed_text(count)
                 );
+
                 response.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
                 });
                 response.known_as(format_args!("buffer.{}", Kebab(table.name)));
+
                 if response.clicked() {
                     self.commands.push(PassCommand::Buffer(index));
                 }
@@ -282,15 +300,18 @@ impl PassesPanel<'_> {
     fn tools(&mut self, ui: &mut Ui, table: &BufferTable) {
         let (passes, palette) = (self.passes, self.palette);
         let shown = passes.shown();
+        // A buffer of one row shows all of it, before and after.
         if table.total <= 1 {
             return;
         }
+
         ui.horizontal(|ui| {
             for side in PassSide::ALL {
                 let button = ui.selectable_label(shown.side() == side, side.name());
                 let id = format_args!("side.{}", Kebab(side));
                 button.issues(id, PassCommand::Side(side), self.commands);
             }
+
             ui.add_space(10.0);
             let label = ui.label(RichText::new("Filter").color(palette.muted));
             let mut text = shown.filter().to_owned();
@@ -303,6 +324,7 @@ impl PassesPanel<'_> {
             if edit.known_as("filter").changed() {
                 self.commands.push(PassCommand::Filter(text));
             }
+
             ui.add_space(6.0);
             let (text, color) = match shown.error() {
                 Some(error) => (
@@ -332,8 +354,10 @@ impl PassesPanel<'_> {
             if edit.known_as("passes.path").changed() {
                 self.commands.push(PassCommand::Path(path));
             }
+
             let export = ui.button("Export rows as CSV");
             export.issues("passes.export", PassCommand::Export, self.commands);
+
             let (text, color) = match passes.export_result() {
                 None => return,
                 Some(Ok(message)) => (message, palette.inserted),
@@ -350,9 +374,11 @@ impl PassesPanel<'_> {
         let palette = self.palette;
         let id = ui.scope_id().with("what if");
         let (mut index, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
+
         ui.horizontal(|ui| {
             let muted = |text: &str| RichText::new(text).color(palette.muted);
             let label = ui.label(muted("What if word"));
+            // A word has four bytes.
             let last = (table.bytes / 4).saturating_sub(1);
             ui.add(DragValue::new(&mut index).range(0..=last))
                 .labelled_by(label.id);
@@ -368,6 +394,7 @@ impl PassesPanel<'_> {
                 })));
             }
         });
+
         ui.data_mut(|data| data.insert_temp(id, (index, word)));
     }
 }
@@ -386,6 +413,7 @@ fn summary(passes: &Passes) -> String {
     let stages = counted(compared, "stage", "stages");
     let are = if equal == 1 { "is" } else { "are" };
     let differ = compared - equal;
+
     let again = match passes.restarts() {
         0 => String::new(),
         n => format!(
@@ -419,9 +447,11 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
         };
         parts.push(format!("{x} \u{d7} {y} \u{d7} {z} workgroups{from}"));
     }
+
     if let Some(count) = report.invocations {
         parts.push(counted(count as usize, "invocation", "invocations"));
     }
+
     parts.push(match report.seconds {
         Some(seconds) => tilescope_workbench::passes::model::duration_text(seconds),
         None if passes.has_timestamps() => "not timed".to_owned(),

@@ -49,7 +49,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
         .collect()
 }
 
-/// The highlighted lines.
+/// The lines that are highlighted at a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Now {
     /// The line of the last event, which sentence and canvas show.
@@ -208,6 +208,7 @@ fn show_line(
         GUTTER
     };
     let indent = wide + 10.0 * line.indentation as f32;
+    // Each line keeps the room for a remark, so that its text does not wrap anew when it has one.
     let width = (ui.available_width() - indent - 8.0 - TAG).max(40.0);
     let color = if tag.is_some() {
         palette.text
@@ -244,19 +245,16 @@ fn show_line(
     let at = pos2(rect.left() + indent, top);
     ui.painter().galley(at, galley, color);
     if let Some(tag) = tag {
-        let at = rect.right_center() - vec2(4.0, 0.0);
-        let font = FontId::proportional(10.0);
-        let lines = tag.replace(", ", "\n");
-        let painter = ui.painter();
-        painter.text(at, Align2::RIGHT_CENTER, lines, font, palette.accent);
+        remark(ui, rect, tag, palette);
     }
 
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
-    let text = text.on_hover_cursor(CursorIcon::PointingHand);
-    let text = text.on_hover_ui(|ui| {
-        ui.label(explanation(line));
-        terms(ui, &words, palette);
-    });
+    let text = text
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_ui(|ui| {
+            ui.label(explanation(line));
+            terms(ui, &words, palette);
+        });
     if text.clicked() {
         let run_to = TimeCommand::RunTo(Target::Line(id), Direction::Forwards);
         commands.push(Command::Time(run_to));
@@ -264,7 +262,17 @@ fn show_line(
     rect
 }
 
-/// Draws what marks the line of the last event, or otherwise of the next one.
+/// Writes the remark on a line at its end.
+fn remark(ui: &Ui, rect: Rect, tag: &str, palette: &Palette) {
+    let at = rect.right_center() - vec2(4.0, 0.0);
+    let font = FontId::proportional(10.0);
+    // The room behind a line has the width of one word.
+    let lines = tag.replace(", ", "\n");
+    let painter = ui.painter();
+    painter.text(at, Align2::RIGHT_CENTER, lines, font, palette.accent);
+}
+
+/// Draws the mark of the line of the last event, or otherwise of the next one.
 fn highlight(ui: &Ui, rect: Rect, is_current: bool, palette: &Palette) {
     let painter = ui.painter();
     if is_current {
@@ -293,6 +301,7 @@ fn breakpoint(
     let name = format!("Breakpoint on line {}", line.id);
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, set.is_some(), &name));
     response.known_as(format_args!("{}.breakpoint", line.id));
+
     let at = gutter.center();
     let painter = ui.painter();
     match set {
@@ -303,6 +312,7 @@ fn breakpoint(
                 Color32::TRANSPARENT
             };
             painter.circle(at, 5.0, fill, Stroke::new(1.5, palette.conflict));
+            // The mark tells a breakpoint with a condition from one that always stops.
             if !breakpoint.condition.is_empty() {
                 let ink = if breakpoint.enabled {
                     palette.panel
@@ -323,6 +333,7 @@ fn breakpoint(
         }
         None => {}
     }
+
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text(name)

@@ -43,6 +43,7 @@ pub fn show_panel(
         top: 8,
         bottom: 8,
     });
+
     let content = content(panel);
     match (panel, &content.room) {
         (Panel::Canvas, _) => {

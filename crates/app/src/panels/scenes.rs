@@ -44,6 +44,8 @@ pub fn show(
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("no-scenes");
     }
+
+    // A scene of the tour that is shown is none of this list.
     let own = state
         .scenes()
         .shown
@@ -56,16 +58,19 @@ pub fn show(
         });
         caption_field(ui, (index, scene), commands);
     }
+
     ui.add_space(10.0);
     heading(ui, "Breakpoints");
     if debugger.breakpoints().is_empty() {
-        let keys = run_on.map(|keys| crate::actions::shortcut_text(ui.ctx(), &keys));
-        let keys = keys.unwrap_or_default();
+        let keys = run_on
+            .map(|keys| crate::actions::shortcut_text(ui.ctx(), &keys))
+            .unwrap_or_default();
         let text =
             format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("no-breakpoints");
     }
+
     breakpoints(ui, debugger, palette, commands);
     if let Some(text) = context.run.hits.description() {
         ui.label(RichText::new(text).color(palette.muted))
@@ -83,10 +88,12 @@ fn picture(
 ) {
     let palette = Palette::of(state.appearance().look);
     let [width, height] = THUMBNAIL_SIZE.map(|side| side as f32);
+    // The room is there before the picture is, so that nothing moves when it comes.
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     let name = format!("Picture of scene {}", index + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as(format_args!("scene-{}.picture", index + 1));
+
     let session = state.runs().first.session.as_ref();
     let is_dark = state.appearance().look.is_dark();
     let thumbnail =
@@ -97,6 +104,7 @@ fn picture(
         let whole = tilescope_canvas::UNIT;
         ui.painter().image(texture, rect, whole, Color32::WHITE);
     }
+
     let color = if is_shown {
         palette.accent
     } else {
@@ -104,6 +112,7 @@ fn picture(
     };
     ui.painter()
         .rect_stroke(rect, 3.0, Stroke::new(1.5, color), StrokeKind::Inside);
+
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
         commands.push(Command::Scene(SceneCommand::Show(index)));
     }
@@ -123,6 +132,7 @@ fn row(
     if moment(ui, debugger, (index, scene), is_shown, palette).clicked() {
         issue(SceneCommand::Show(index));
     }
+
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         let update = ui.add(Button::new("Update").small());
@@ -132,6 +142,7 @@ fn row(
         if update.clicked() {
             issue(SceneCommand::Replace(index));
         }
+
         let up = (index == 0).then_some("It is the first.");
         let down = (number == debugger.scenes.len()).then_some("It is the last.");
         let above = SceneCommand::Move(index, index.saturating_sub(1));
@@ -144,6 +155,7 @@ fn row(
                 issue(command);
             }
         };
+
         let up_name = format!("Move scene {number} up");
         button(Icon::Taller, up_name, "up", up, above);
         let down_name = format!("Move scene {number} down");
@@ -187,6 +199,7 @@ fn moment(
         grouped(scene.event),
         anchor.map_or(String::new(), |anchor| format!(" ({anchor})"))
     );
+
     let number = index + 1;
     let Some(cursor) = marked.cursor() else {
         let text = RichText::new(format!("{number}  not in this run")).color(palette.muted);
@@ -194,6 +207,8 @@ fn moment(
         label.known_as(format_args!("scene-{number}"));
         return label.on_hover_text(origin);
     };
+
+    // In another run the event is a corresponding one, not the same.
     let about = if matches!(marked, Marked::Here(_)) {
         ""
     } else {
@@ -207,17 +222,21 @@ fn moment(
         None if cursor == 0 => "before the first event".to_owned(),
         None => event.clone(),
     };
+
     let mut text = RichText::new(format!("{number}  {title}"));
     if is_shown {
         text = text.strong();
     }
-    let link = ui.scope(|ui| {
+
+    let scope = ui.scope(|ui| {
         ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
         ui.link(text)
     });
-    let link = link.inner;
-    let moment = format!("{about}event {}", grouped(cursor));
-    let moment = RichText::new(moment).small().monospace();
+    let link = scope.inner;
+
+    let moment = RichText::new(format!("{about}event {}", grouped(cursor)))
+        .small()
+        .monospace();
     ui.label(moment.color(palette.muted))
         .known_as(format_args!("scene-{number}.moment"));
     link.known_as(format_args!("scene-{number}"));
@@ -240,6 +259,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         let id = line.map_or("?", |line| line.id.as_str());
         let parameters = &debugger.recording().run().parameters;
         let words = line.map_or_else(String::new, |line| line.text(parameters));
+
         ui.horizontal(|ui| {
             let name = format!("Remove the breakpoint on {id}");
             let remove = icon_button(ui, Icon::Close, &name, None, palette);
@@ -257,6 +277,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
                 .color(palette.muted);
             ui.add(Label::new(text).truncate());
         });
+
         let mut condition = breakpoint.condition.clone();
         let field = TextEdit::singleline(&mut condition)
             .align(egui::Align2::LEFT_CENTER)
@@ -271,6 +292,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         if response.changed() {
             commands.push(Command::Debug(DebugCommand::Condition(index, condition)));
         }
+
         if let Some(error) = breakpoint.error() {
             ui.label(RichText::new(error.to_string()).color(palette.conflict))
                 .known_as(format_args!("{id}.refusal"));

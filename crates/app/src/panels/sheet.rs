@@ -71,6 +71,7 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
             }
         )
     };
+
     if !response.lost_focus() || !ui.input(|input| input.key_pressed(Key::Enter)) {
         return false;
     }

@@ -19,7 +19,7 @@ use tilescope_workbench::command::{Command, TimeCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the table.
+/// Shows the table of stages, or of nested levels.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let heads = match context.run.prefix() {
@@ -30,15 +30,18 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let Some(session) = &context.run.session else {
         return;
     };
+
     ui.spacing_mut().item_spacing.y = 1.0;
     if let Some(nested) = &session.nested {
         return levels(ui, context, session, nested, commands);
     }
+
     row(ui, ["", "change", "samples"], false, palette, None);
     for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
             name_in(session, stage),
             change(session, stage),
+            // Blocks are cut before there are samples.
             if stage == Stage::Blocks {
                 "\u{2013}".to_owned()
             } else {
@@ -55,6 +58,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             commands.push(Command::Time(TimeCommand::ShowStage(index)));
         }
     }
+
     if !session.has_stages() {
         let most = grouped(MAX_STAGED as usize);
         let text =
@@ -62,6 +66,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.add_space(4.0);
         ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
+
     if let Some(combination) = &session.combination {
         seams(ui, session, combination, palette);
     }
@@ -77,6 +82,7 @@ fn levels(
 ) {
     let palette = context.palette;
     row(ui, ["", "radius", "samples"], false, palette, None);
+
     let count = context.run.prefix().unwrap_or(1);
     for (level, claim) in nested.claims.iter().enumerate() {
         let radius = claim.distance / session.run().domain.radius();
@@ -86,9 +92,11 @@ fn levels(
             grouped(claim.count),
         ];
         let texts = texts.each_ref().map(String::as_str);
+        // The level of the last sample that is shown is the current one.
         let current = level == nested.level_of(count - 1);
         let key = format!("level-{level}");
         let shown = row(ui, texts, current, palette, Some(&key));
+
         let about = if claim.covering == Some(claim.distance) {
             glossary::LEVEL.meaning
         } else {
@@ -159,10 +167,12 @@ fn row(
     } else {
         Sense::hover()
     };
+
     let (rect, response) = ui.allocate_exact_size(
         vec2(
             ui.available_width(),
             if click {
+                // Rows that can be chosen are enlarged for fingers.
                 row_height(ui.ctx(), 24.0)
             } else {
                 24.0
@@ -170,19 +180,39 @@ fn row(
         ),
         sense,
     );
+
     if let Some(key) = key {
         let label = format!("Row {}", texts[0]);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
         response.known_as(format_args!("row.{key}"));
     }
+
     let painter = ui.painter();
     if current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
     } else if click && (response.hovered() || response.has_focus()) {
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
     }
+
+    row_texts(painter, rect, texts, click, palette);
+    if click {
+        response.on_hover_cursor(CursorIcon::PointingHand)
+    } else {
+        response
+    }
+}
+
+/// Draws the texts of a row, or of the heads (`click` is false).
+fn row_texts(
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    texts: [&str; 3],
+    click: bool,
+    palette: &Palette,
+) {
     let color = if click { palette.text } else { palette.muted };
     let name = if click { 13.0 } else { 11.5 };
+    // The digits of numbers stand below each other; the heads above them are words.
     let number = |size| {
         if click {
             FontId::monospace(size)
@@ -190,22 +220,19 @@ fn row(
             FontId::proportional(11.5)
         }
     };
+
     let fonts = [FontId::proportional(name), number(12.0), number(12.5)];
     let colors = [color, palette.muted, color];
     let galleys = [0, 1, 2].map(|k| {
         let (text, font) = (texts[k].to_owned(), fonts[k].clone());
         painter.layout_no_wrap(text, font, colors[k])
     });
+
     let ends = column_ends(rect.width(), galleys.each_ref().map(|it| it.size().x));
     for (k, galley) in galleys.into_iter().enumerate() {
         let (width, height) = (galley.size().x, galley.size().y);
         let at = rect.left_center() + vec2(ends[k] - width, -height / 2.0);
         painter.galley(at, galley, colors[k]);
-    }
-    if click {
-        response.on_hover_cursor(CursorIcon::PointingHand)
-    } else {
-        response
     }
 }
 

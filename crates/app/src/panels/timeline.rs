@@ -133,7 +133,7 @@ pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands
     show(ui, &TimeContext::of(state), commands);
 });
 
-/// Shows the panel.
+/// Shows the timeline: the last step in words, the next line, and the controls beside the track.
 pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -199,8 +199,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 /// Shows the counts of the moment at the end of a row.
 fn counts(ui: &mut Ui, context: &TimeContext<'_>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let text = joined(ui.ctx(), context.run.moment_texts());
-        let text = RichText::new(text).monospace();
+        let counts = joined(ui.ctx(), context.run.moment_texts());
+        let text = RichText::new(counts).monospace();
         ui.label(text.color(context.palette.muted))
             .known_as("counts");
     });
@@ -269,12 +269,14 @@ pub fn show_compact(
     ui.spacing_mut().item_spacing.y = APART;
     let width = ui.available_width();
     let room = vec2(width, compact_sentence(ui.ctx(), context, is_low, width));
-    // What does not fit is in the timeline's panel.
+
+    // The timeline's panel has the whole sentence.
     let lines = match (is_whole(context), is_low) {
         (true, _) => usize::MAX,
         (false, true) => 1,
         (false, false) => 2,
     };
+
     sentence(ui, context, COMPACT_SIZE, room, lines);
     ui.horizontal(|ui| {
         controls(ui, context, true, commands);
@@ -343,6 +345,7 @@ impl Player {
             show(ui, context, commands);
             return;
         }
+
         ui.spacing_mut().item_spacing.y = APART;
         let width = ui.available_width();
         let room = vec2(
@@ -350,6 +353,8 @@ impl Player {
             sentence_height(ui.ctx(), context, PLAYER_SIZE, width),
         );
         sentence(ui, context, PLAYER_SIZE, room, usize::MAX);
+
+        // The limit is that of the player with both of its margins.
         let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
         ui.horizontal(|ui| {
             controls(ui, context, with_ends, commands);
@@ -363,13 +368,14 @@ impl Player {
                 speed(ui, context, commands);
             }
         });
+
         if self == Self::Narrow {
             track::show(ui, context, commands);
         }
     }
 }
 
-/// Shows what does not fit beside a small window's controls: the whole sentence, counts, speed, the next line, the
+/// Shows the rest of a small window's controls: the whole sentence, counts, speed, the next line, the
 /// loop and the curve of the run.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
@@ -383,9 +389,11 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         )
         .known_as(format_args!("counts-{k}"));
     }
+
     ui.add_space(4.0);
     speed(ui, context, commands);
     prefix(ui, context, commands);
+
     ui.horizontal_wrapped(|ui| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
@@ -402,6 +410,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             }
         }
     });
+
     curve::show_alone(ui, context, commands);
 }
 
@@ -422,6 +431,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         (Icon::Play, "Play (Space)")
     };
     let clock = context.run.clock_name(context.time.playback.clock);
+    // Nested levels have no stages.
     let unit = match context.run.prefix() {
         Some(_) => "level",
         None => "stage",
@@ -481,16 +491,21 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let all = session.summary.count;
     let field = DragValue::new(&mut count)
         .range(1..=all)
+        // A drag over 500 points goes through all samples.
         .speed(0.002 * all as f64)
+        // The first digits of a number that is typed are no prefix to go to.
         .update_while_editing(false);
+
     // As wide as the largest number, so that nothing moves while this one does.
     let size = vec2(
         PREFIX + 9.0 * all.to_string().len() as f32,
         ui.spacing().interact_size.y,
     );
+
     if ui.available_width() < size.x {
         return;
     }
+
     let response = ui
         .add_sized(size, field)
         .accessible_name(ui.words("Samples shown"));
@@ -507,6 +522,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
         .selected_text(ui.words(context.run.clock_name(playback.clock)));
+
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
             let refusal = context.run.clock_refusal(clock);
@@ -521,6 +537,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
             }
         }
     });
+
     let response = response.response;
     let name = ui.words("Clock");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
@@ -540,6 +557,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
                 Some(secs) => format!("{secs} s"),
                 None => ui.words(format!("{}\u{d7}", playback.speed)),
             });
+
     let response = chosen.show_ui(ui, |ui| {
         let by_passes = playback.clock == Clock::Pass;
         for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
@@ -550,6 +568,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
                 commands.push(Command::Time(TimeCommand::WholeRun(secs)));
             }
         }
+
         for speed in SPEEDS {
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
@@ -560,6 +579,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
             }
         }
     });
+
     let response = response.response;
     let name = ui.words("Speed");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));

@@ -25,10 +25,11 @@ const ROOM_FOR_RUN: f32 = 620.0;
 /// Minimum room to show the engine, too.
 const ROOM_FOR_ENGINE: f32 = 740.0;
 
-/// Shows the bar.
+/// Shows the bar of a large window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
+        // The verdict keeps its width: the other parts of the bar make room for it.
         let verdict = verification::chip_width(ui, &PanelContext::of(state));
         // Where the menus' names are long, the program's name makes room first, then the button of exports.
         if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict {
@@ -36,8 +37,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(title).known_as("title");
             ui.add_space(6.0);
         }
+
         menus(ui, state, commands);
         ui.add_space(10.0);
+
         let room = ui.available_width();
         if let Some(session) = state
             .runs()
@@ -67,6 +70,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     .known_as("engine-used");
             }
         }
+
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);
             let command = Command::View(Which::First, ViewCommand::Fit);
@@ -75,10 +79,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             export(ui, state, verdict, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
             exporting(ui, state, commands);
+
             let offers_last = state.files().offers_session(state.past(), state.window());
             if offers_last && ui.available_width() >= ROOM_FOR_LAST {
-                let last = ui.button("Reopen the last session");
-                let last = last.on_hover_text(LAST_SESSION);
+                let last = (ui.button("Reopen the last session")).on_hover_text(LAST_SESSION);
                 let command = Command::File(FileCommand::Last);
                 last.issues("reopen-last", command, commands);
             }
@@ -153,8 +157,10 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = 6.0;
         let button = icon_button(ui, Icon::Menu, "Menu", None, palette);
         button.known_as("menu");
+
         let room = ui.ctx().content_rect().size();
         Popup::menu(&button)
+            // Menus open within this one by clicks, which must not close it.
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
                 ui.set_width(MAX_MENU_WIDTH.min(room.x - 40.0));
@@ -164,16 +170,19 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     .min_scrolled_height(height)
                     .show(ui, |ui| one_menu(ui, state, commands));
             });
+
         if ui.available_width() >= ROOM_FOR_TITLE {
             ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())))
                 .known_as("title");
         }
+
         if ui.available_width() >= ROOM_FOR_LESSONS {
             let name = lesson_labels(&state.lessons().language).lessons;
             let lessons = Button::new(name).min_size(vec2(FINGER, FINGER));
             let command = Command::Lesson(LessonCommand::ToggleList);
             ui.add(lessons).issues("lessons-list", command, commands);
         }
+
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let command = Command::View(Which::First, ViewCommand::Fit);
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
@@ -209,6 +218,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("run-shown");
     }
+
     let chosen_id = ui.scope_id().with("chosen menu");
     let chosen: Option<Menu> = ui.data(|data| data.get_temp(chosen_id)).flatten();
     let all = actions(state);
@@ -220,6 +230,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .right_text(RichText::new(mark).color(palette.muted))
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
+
         let response = ui.add(button);
         let name = ui.words(format!("{} menu", menu.name()));
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
@@ -228,6 +239,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let chosen = (!is_open).then_some(menu);
             ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
         }
+
         if is_open {
             ui.indent(menu.name(), |ui| {
                 nested(ui, &all, menu, commands);
@@ -244,10 +256,12 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
         if part[0].begins_group {
             ui.separator();
         }
+
         let Some(submenu) = part[0].submenu else {
             entries(ui, part, commands);
             continue;
         };
+
         let is_open = chosen == Some(submenu);
         let mark = if is_open { "\u{2212}" } else { "+" };
         let name = ui.words(submenu.name());
@@ -258,6 +272,7 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
         let response = ui.add(button);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
         response.known_as(format_args!("submenu.{}", Kebab(submenu)));
+
         if response.clicked() {
             let chosen = (!is_open).then_some(submenu);
             ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
@@ -285,6 +300,7 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let all = std::cell::OnceCell::new();
     for menu in Menu::ALL {
         let button = ui.menu_button(ui.words(menu.name()), |ui| {
+            // The actions are listed for an open menu alone, not in every frame.
             let all: &Vec<Action> = all.get_or_init(|| actions(state));
             scrolled_if_low(ui, |ui| {
                 for part in parts(all, menu) {
@@ -358,9 +374,11 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
     } else {
         Button::new(name.as_str())
     };
+
     if let Some(keys) = shortcut {
         button = button.shortcut_text(crate::actions::shortcut_text(ui.ctx(), &keys));
     }
+
     let is_enabled = action.refusal.is_none();
     let shown = ui.add_enabled_ui(is_enabled, |ui| {
         let shown = button.atom_ui(ui);
@@ -369,11 +387,13 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
         }
         shown
     });
+
     let response = shown.inner.response;
     if let Some(is_on) = action.is_on {
         response.widget_info(|| WidgetInfo::selected(Role::CheckBox, is_enabled, is_on, &name));
     }
     response.known_as(format_args!("entry.{}", action.id()));
+
     let response = response.on_disabled_hover_text(action.refusal.as_deref().unwrap_or_default());
     if response.clicked() {
         commands.push(action.command.clone());
@@ -382,7 +402,7 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
 }
 
 fn check_mark(painter: &egui::Painter, at: egui::Pos2, color: egui::Color32) {
-    let ends = [vec2(-4.0, 0.0), vec2(-1.0, 3.5), vec2(4.5, -4.0)];
-    let ends = ends.map(|end| at + end).to_vec();
+    let offsets = [vec2(-4.0, 0.0), vec2(-1.0, 3.5), vec2(4.5, -4.0)];
+    let ends = offsets.map(|offset| at + offset).to_vec();
     painter.add(Shape::line(ends, Stroke::new(1.6, color)));
 }

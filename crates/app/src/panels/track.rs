@@ -76,11 +76,14 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
     } else {
         ends.len()
     };
+
     let end = |index: usize| ends.get(index).copied().unwrap_or(index);
     let range = |index: usize| index.checked_sub(1).map_or(0, end)..end(index);
     let total: usize = (0..count).map(|index| range(index).len()).sum();
+    // A segment can be hit, however few its events; on a narrow track all have the same width.
     let least = MIN_WIDTH.min((right - left) / count as f32);
     let room = (right - left - least * count as f32).max(0.0);
+
     let mut at = left;
     let segment = |index: usize| {
         let events = range(index);
@@ -101,6 +104,7 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
             events,
         }
     };
+
     (0..count).map(segment).collect()
 }
 
@@ -140,26 +144,31 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     } else {
         HEIGHT
     };
+
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
     let Some(session) = &context.run.session else {
         return rect;
     };
+
     let segments = segments_within(session, rect);
     let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
     let prefix = context.run.prefix();
     let name = ui.words(prefix.map_or("Moment", |_| "Samples shown"));
     response.widget_info(|| WidgetInfo::slider(true, cursor as f64, &name));
     response.known_as("moment");
+
     if response.dragged()
         && let Some(pos) = response.interact_pointer_pos()
     {
         let target = cursor_at(&segments, pos.x);
         match context.run.cursor() {
             Some(_) => commands.push(Command::Time(TimeCommand::Jump(target))),
+            // Without events there are only stages to go to.
             None => commands.push(Command::Time(TimeCommand::ShowStage(target))),
         }
     }
+
     let nested = session.nested.as_ref().zip(prefix);
     let current = nested.map_or(context.run.stage, |(nested, count)| {
         nested.level_of(count - 1)
@@ -170,16 +179,20 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ui,
             palette,
             segment,
-            (segment.index == current, color),
+            segment.index == current,
+            color,
             rect,
             commands,
         );
     }
+
     let painter = ui.painter_at(rect.expand(6.0));
     if let Some(recording) = session.recording() {
         density(&painter, recording, &segments, rect, palette);
     }
+    // Marks lie over the density of events, and the cursor over both.
     marks(&painter, context, &segments, rect, palette);
+
     let x = x_of(&segments, cursor);
     let ends = [pos2(x, rect.top() - 2.0), pos2(x, rect.top() + BAR + 4.0)];
     painter.line_segment(ends, Stroke::new(2.0, palette.halo));
@@ -196,7 +209,8 @@ fn show_segment(
     ui: &Ui,
     palette: &Palette,
     segment: &Segment,
-    (current, color): (bool, Option<Color32>),
+    current: bool,
+    color: Option<Color32>,
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
@@ -205,17 +219,20 @@ fn show_segment(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
     );
+
     let label = Rect::from_min_max(bar.left_bottom(), pos2(bar.right(), rect.bottom()));
     let fill = if current {
         palette.accent.gamma_multiply(0.24)
     } else {
         palette.line.gamma_multiply(0.8)
     };
+
     ui.painter().rect_filled(bar, 3.0, fill);
     if let Some(color) = color {
         let swatch = bar.with_min_y(bar.bottom() - SWATCH);
         ui.painter().rect_filled(swatch, 2.0, color);
     }
+
     let response = ui.interact(
         label,
         ui.scope_id().with(("stage", segment.index)),
@@ -223,16 +240,19 @@ fn show_segment(
     );
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
     response.known_as(format_args!("stage.{}", segment.key));
+
     let hot = response.hovered() || response.has_focus();
     let ink = if current || hot {
         palette.text
     } else {
         palette.muted
     };
+
     let laid = |text: &str| {
         let font = FontId::proportional(11.5);
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
+
     // A name that does not fit is left out rather than cut off; the tooltip has it.
     let galleys = [laid(&name), laid(&shorter)];
     let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
@@ -240,6 +260,7 @@ fn show_segment(
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
         ui.painter().galley(at, galley, ink);
     }
+
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text(ui.words(&segment.tip))
@@ -260,6 +281,7 @@ fn density(
     for segment in segments {
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
+
         for (column, count) in counts.iter().enumerate() {
             let total = count.total().max(1) as f32;
             let shares = [count.conflicts, count.gaps, count.insertions].map(|n| n as f32 / total);
@@ -270,6 +292,7 @@ fn density(
                     .into_iter()
                     .zip([palette.conflict, palette.gap, palette.inserted])
             {
+                // The three columns are stacked, and stay within the bar.
                 let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
                 if height >= 0.5 {
                     let ends = [pos2(x, bottom), pos2(x, bottom - height)];
@@ -321,15 +344,18 @@ fn marks(
             painter.line_segment(line, Stroke::new(1.5, palette.candidate));
         }
     }
+
     let Some(debugger) = &context.run.debugger else {
         return;
     };
     hits(painter, context, segments, rect, palette);
+
     for mark in &debugger.scenes {
         let marked = debugger.marked(mark);
         let Some(cursor) = marked.cursor() else {
             continue;
         };
+        // A scene of another run stands at the corresponding event.
         let color = match marked {
             Marked::Here(_) => palette.accent,
             _ => palette.muted,
@@ -339,6 +365,7 @@ fn marks(
         painter.add(Shape::convex_polygon(flag.to_vec(), color, Stroke::NONE));
     }
 }
+
 /// Returns the short name of a stage.
 fn short(name: &str) -> String {
     let shorter = [

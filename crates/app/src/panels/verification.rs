@@ -27,6 +27,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     if matches!(context.run.verification, Verification::Nothing) {
         return;
     }
+
     let (text, well, color) = summary(context, context.palette);
     let text = ui.words(text);
     let galley = galley_of(ui, &text, color);
@@ -35,11 +36,14 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let name = format!("{}: {text}", ui.words("Verdict"));
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as("verdict");
+
     let painter = ui.painter();
     let hot = response.hovered() || response.has_focus();
     let fill = color.gamma_multiply(if hot { 0.26 } else { 0.15 });
     let stroke = Stroke::new(1.0, color.gamma_multiply(0.7));
     painter.rect(rect, 15.0, fill, stroke, StrokeKind::Inside);
+
+    // The mark and the text are centred as one; the mark takes 18 points.
     let start = rect.center().x - 0.5 * (galley.size().x + 18.0);
     if let Some(well) = well {
         let mark = egui::pos2(start + 4.0, rect.center().y);
@@ -47,6 +51,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
     let at = egui::pos2(start + 18.0, rect.center().y - galley.size().y / 2.0);
     painter.galley(at, galley, color);
+
     let tip = ui.words(explanation(context));
     let response = response.on_hover_text(tip);
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
@@ -95,6 +100,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, true) => "not conflict-free".to_owned(),
                 (false, false) => "conflicts and gaps".to_owned(),
             };
+
             let text = verdict.claim.map_or_else(of_result, of_prefix);
             let color = if context.run.prefix_at_work().is_some() {
                 palette.muted
@@ -123,6 +129,7 @@ fn explanation(context: &PanelContext<'_>) -> String {
                 .map_or_else(String::new, |count| {
                     format!(" The first {} are being verified.", grouped(count))
                 });
+
             format!(
                 "Found by {judges}, which share no code with the sampler. Click to see these samples and their closest pair, or what is wrong.{next}"
             )
@@ -150,8 +157,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     let verdict = context.run.verdict();
     let report = verdict.map(|v| &v.report);
-    let unit = context.run.session.as_ref();
-    let unit = unit.map_or(1.0, |session| session.run().domain.radius());
+    let unit = (context.run.session.as_ref()).map_or(1.0, |session| session.run().domain.radius());
     match verdict.and_then(|verdict| Some((verdict, verdict.claim?))) {
         Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
         None => properties(ui, report, palette),
@@ -255,6 +261,7 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
             let button = button.on_disabled_hover_text(ui.words("The verifier reported none."));
+
             if button.on_hover_text(ui.words("Fly there")).clicked() {
                 commands.push(Command::View(
                     Which::First,
@@ -286,7 +293,7 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     );
 }
 
-/// Shows whether a prefix of nested levels keeps what is promised of it.
+/// Shows whether a prefix of nested levels keeps its promises of distance and covering.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
     let of = |well: bool| (well, "not as promised".to_owned());
     let distance = format!("Distances over {:.3} r", claim.distance / unit);
@@ -297,6 +304,7 @@ fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, pale
         Some(&apart),
         palette,
     );
+
     let covering = claim.covering.map(|covering| covering / unit);
     let name = covering.map_or_else(
         || "Covering not promised".to_owned(),
@@ -311,7 +319,7 @@ fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, pale
     );
 }
 
-/// Returns "Delaunay, circles".
+/// Returns the names of judges in a short form: "Delaunay, circles".
 fn short(judges: &[Judge]) -> String {
     let name = |judge: &Judge| match judge {
         Judge::Delaunay => "Delaunay",

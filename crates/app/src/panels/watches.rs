@@ -12,7 +12,7 @@ use tilescope_workbench::command::{Command, DebugCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the panel.
+/// Shows the watches, and the names that they can have.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
@@ -48,8 +48,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         scope(ui, title, values, palette);
     }
     // Their values would be measured in every frame, wanted or not.
-    let numbers = debugger.recording().numbers().into_iter();
-    let numbers = numbers.flat_map(|all| &all.names).map(|number| {
+    let known = debugger.recording().numbers().into_iter();
+    let numbers = known.flat_map(|all| &all.names).map(|number| {
         let limit = number.not_in_conditions.map_or("", |_| "in watches alone");
         (number.name, limit.to_owned(), number.meaning)
     });

@@ -15,7 +15,7 @@ use tilescope_workbench::command::{Command, FormCommand};
 use tilescope_workbench::draft::{self, Choice, DraftRefusal, FormPart, Preset};
 use tilescope_workbench::link::link_key;
 
-/// Shows the fields.
+/// Shows the fields of all parameters.
 pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let mut fields = Fields {
         context,
@@ -94,6 +94,7 @@ impl Fields<'_> {
         if draft.levels.is_none() {
             return;
         }
+
         let meaning = "How many samples there are to be exactly. They are the first of a set that has as many or a few more, whose radius follows from it; there is no maximal set of every number. Empty: the radius decides.";
         let is_wrong = self.refusal(FormPart::Exactly).is_some();
         labelled(ui, ("Exactly", meaning), self.palette, |ui, _| {
@@ -107,6 +108,7 @@ impl Fields<'_> {
             self.run_on_enter(ui, &field);
         });
         self.error(ui, FormPart::Exactly, "refusal-exactly");
+
         self.choice(
             ui,
             ("within", "Within a level"),
@@ -131,6 +133,7 @@ impl Fields<'_> {
         let name = "Samples";
         let meaning =
             "About how many samples the run will have. Type a number to set the radius by it.";
+
         labelled(ui, (name, meaning), self.palette, |ui, _| {
             let mut text = draft.count_text();
             let width = field_width(ui);
@@ -142,12 +145,14 @@ impl Fields<'_> {
             self.run_on_enter(ui, &field);
         });
         self.error(ui, FormPart::Samples, "count.refusal");
+
         if draft.keeps_result_only() {
             let text =
                 "So large a run keeps its result only: there will be no steps to go through.";
             ui.label(RichText::new(text).small().color(self.palette.accent))
                 .known_as("result-only");
         }
+
         if let Some(text) = &self.context.memory {
             ui.label(RichText::new(text).small().color(self.palette.accent))
                 .known_as("memory-needed");
@@ -169,7 +174,7 @@ impl Fields<'_> {
         self.field_error(ui, field);
     }
 
-    /// Two fields on a line.
+    /// Shows two fields on one line.
     fn pair(&mut self, ui: &mut Ui, name: &str, fields: [Parameter; 2]) {
         labelled(ui, (name, meaning(fields[0])), self.palette, |ui, _| {
             self.mark(ui, &fields);
@@ -205,8 +210,9 @@ impl Fields<'_> {
     /// Shows the error of a part of the form, if it has one, in a row of its own.
     fn error(&self, ui: &mut Ui, part: FormPart, id: &str) {
         if let Some(refusal) = self.refusal(part) {
-            let text = RichText::new(&refusal.reason).small();
-            let text = text.color(self.palette.conflict);
+            let text = RichText::new(&refusal.reason)
+                .small()
+                .color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as(id);
         }
     }
@@ -222,6 +228,7 @@ impl Fields<'_> {
         }
         if response.has_focus() {
             let pressed = |key| ui.input(|input| input.num_presses(key)) as i32;
+            // Several presses may fall into one slow frame.
             let steps = pressed(egui::Key::ArrowUp) - pressed(egui::Key::ArrowDown);
             if steps != 0 {
                 self.issue(FormCommand::Nudge(field, steps));
@@ -271,6 +278,7 @@ impl Fields<'_> {
     ) {
         let mut chosen = current;
         let text = options.iter().find(|(value, ..)| *value == current);
+
         labelled(ui, (name, explanation), self.palette, |ui, label| {
             let combo = ComboBox::from_id_salt(name)
                 .selected_text(text.map_or("", |(_, text, _)| text))
@@ -286,6 +294,7 @@ impl Fields<'_> {
             response.known_as(key);
             response.on_hover_text(explanation);
         });
+
         if chosen != current {
             self.issue(FormCommand::Choose(command(chosen)));
         }
@@ -372,6 +381,7 @@ fn drag(ui: &Ui, label: &egui::Response, field: Parameter, commands: &mut Vec<Co
     let before: f32 = ui.data(|data| data.get_temp(label.id)).unwrap_or_default();
     let moved = if label.drag_started() { 0.0 } else { before } + label.drag_delta().x;
     let steps = (moved / STEP).trunc();
+    // The rest of a step counts for the next movement.
     ui.data_mut(|data| data.insert_temp(label.id, moved - steps * STEP));
     if steps != 0.0 {
         let nudge = FormCommand::Nudge(field, steps as i32);

@@ -29,6 +29,7 @@ pub(super) fn show(
         if switch.known_as("passes.on-canvas").changed() {
             commands.push(PassCommand::OnCanvas(is_on));
         }
+
         let tip =
             "Shows the canvas and selected row; arrow keys and play then go from pass to pass.";
         let button = ui.add_enabled(is_on, Button::new("Show canvas"));
@@ -36,6 +37,7 @@ pub(super) fn show(
         if button.on_hover_text(tip).clicked() {
             commands.push(PassCommand::ShowCanvas);
         }
+
         let (text, tip) = words(&rows);
         let label =
             ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
@@ -57,6 +59,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
         changed,
         inside,
     } = rows.shown.counts();
+
     let mut text = format!("{} of {name}", counted(all, "row", "rows"));
     if all > 0 {
         let _ = write!(text, ", {} in the domain", grouped(inside));
@@ -64,6 +67,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
     if changed > 0 {
         let _ = write!(text, ", {} changed", grouped(changed));
     }
+
     let tip = if rows.places.are_cells() && !rows.shown.is_filtered() {
         "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
     } else {

@@ -30,11 +30,13 @@ pub(super) fn show(
         fields(ui, table, palette);
         return;
     }
+
     let columns = ColumnEnds::of(ui, table, shown);
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::both().auto_shrink([false, false]);
     let rows = shown.rows();
+
     let mut pointed = None;
     let output = area.show_rows(ui, ROW, rows.len(), |ui, range| {
         let width = columns.width.max(ui.available_width());
@@ -50,9 +52,12 @@ pub(super) fn show(
             }
         }
     });
+
     if pointed != shown.pointed() {
         commands.push(PassCommand::PointRow(pointed));
     }
+
+    // The header comes last, as it follows the rows when they scroll sideways.
     header(
         ui,
         head,
@@ -129,6 +134,7 @@ fn row(
     let changed = table.is_changed(number);
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, label(table, number)));
     response.known_as(format_args!("row-{number}"));
+
     if changed {
         ground(ui, rect, palette);
     }
@@ -137,6 +143,7 @@ fn row(
         ui.painter()
             .rect_stroke(rect.shrink(1.0), 2.0, stroke, StrokeKind::Inside);
     }
+
     let font = TextStyle::Monospace.resolve(ui.style());
     let painter = ui.painter();
     let at = |end: f32| Pos2::new(rect.left() + end, rect.center().y);
@@ -149,6 +156,8 @@ fn row(
         small,
         palette.muted,
     );
+
+    // A cell is marked by what the pass did to it, whichever side is shown.
     let (before, after) = (table.before(number), table.after(number));
     for (column, &end) in columns.ends[1..].iter().enumerate() {
         let is_other = before.get(column) != after.get(column);
@@ -200,6 +209,7 @@ fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     head(ends[1], Align2::RIGHT_CENTER, PassSide::After.name());
     let line = Stroke::new(1.0, palette.line);
     painter.hline(rect.x_range(), rect.bottom() - 0.5, line);
+
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, ROW, table.columns.len(), |ui, range| {
@@ -221,11 +231,13 @@ fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
     let [before, after] =
         [PassSide::Before, PassSide::After].map(|side| table.cell(side, 0, column));
+
     let mut color = palette.text;
     if before != after {
         ground(ui, rect, palette);
         color = palette.accent;
     }
+
     let font = TextStyle::Monospace.resolve(ui.style());
     let painter = ui.painter();
     let at = |x: f32| Pos2::new(rect.left() + x, rect.center().y);

@@ -27,13 +27,15 @@ pub(super) fn show(
     if focus.has_focus() {
         keys(ui, focus.id, commands);
     }
-    let longest = passes.entries().iter().filter_map(|p| p.report.seconds);
-    let longest = longest.fold(0.0, f64::max);
+    let seconds = passes.entries().iter().filter_map(|p| p.report.seconds);
+    let longest = seconds.fold(0.0, f64::max);
     let selected = selected_line(passes);
     let has_moved = has_moved(ui, focus.id, selected);
+
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
+        // A key or a button may have selected a pass that is out of view; a user may scroll on from there.
         if let Some(line) = selected.filter(|_| has_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
@@ -77,6 +79,7 @@ fn keys(ui: &Ui, id: Id, commands: &mut Vec<PassCommand>) {
         horizontal_arrows: true,
         ..EventFilter::default()
     };
+    // Arrow keys would otherwise move the focus.
     ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
     ui.input_mut(|input| {
         for (key, command) in [
@@ -119,11 +122,13 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     else {
         return;
     };
+
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let name = stage_name(*stage);
     let count = counted(*passes, "pass", "passes");
     let label = format!("{name}: {count}");
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &label));
+
     let painter = ui.painter();
     let font = FontId::new(12.5, semibold());
     let left = rect.left_center() + vec2(8.0, 2.0);
@@ -143,12 +148,14 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
     let label = format!("Pass {}: {}, {text}", index + 1, pass.report.name);
     response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, current, &label));
     response.known_as(format_args!("pass-{}", index + 1));
+
     let painter = ui.painter();
     if current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
     } else if response.hovered() {
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
     }
+
     time(ui, rect, pass, longest, palette);
     let left = rect.left_center();
     let number = FontId::monospace(11.0);
@@ -165,6 +172,7 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
         font,
         palette.text,
     );
+
     let response = response.on_hover_cursor(CursorIcon::PointingHand);
     match tilescope_gpu::passes::meaning(pass.report.name) {
         Some(meaning) => response.on_hover_text(meaning),
