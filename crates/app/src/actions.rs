@@ -404,7 +404,7 @@ fn help(list: &mut List) {
     }
 }
 
-/// Adds the scenes. In the tour the space key, which plays otherwise, goes to the next scene.
+/// Adds going through the scenes, and making one.
 fn scenes(list: &mut List, state: &State) {
     let has_scenes =
         state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
@@ -418,6 +418,7 @@ fn scenes(list: &mut List, state: &State) {
 
     let next = list.add("Next scene", step(Direction::Forwards));
     next.on_key(Key::PageDown).refused(no_scenes);
+    // In the tour the space key, which plays otherwise, goes to the next scene.
     if state.scenes().is_touring() {
         next.or_on(NONE, Key::Space);
     }
@@ -471,6 +472,7 @@ fn view(list: &mut List, state: &State) {
     list.group();
     let command = Command::Window(WindowCommand::ToggleFullScreen);
     let full = list.add("Full screen", command);
+    // F11, the usual key, is a step of the debugger.
     full.on_keys(Modifiers::ALT, Key::Enter)
         .refused(state.window().full_screen.refusal());
     // Where the system does not say whether the window is full, the action is no switch.
@@ -518,6 +520,7 @@ fn panels(list: &mut List, state: &State) {
     }
 
     list.group();
+    // A small window has no panels at its sides.
     if !window.drawer.arrangement.is_compact() {
         let name = if window.shows_sides() {
             "Hide the side panels"
@@ -655,6 +658,7 @@ const PAN: f32 = 80.0;
 /// Adds the camera's actions, for the keyboard.
 fn camera(list: &mut List, state: &State) {
     let run_a = |command| Command::View(Which::First, command);
+    // The picture moves against the view.
     for (name, key, delta) in [
         ("Move the view left", Key::ArrowLeft, vec2(PAN, 0.0)),
         ("Move the view right", Key::ArrowRight, vec2(-PAN, 0.0)),
@@ -666,6 +670,7 @@ fn camera(list: &mut List, state: &State) {
     }
 
     list.group();
+    // Keys zoom about the middle; the wheel zooms about the pointer.
     let middle = state.runs().first.viewport.center();
     // The factors are inverse to each other: zooming in and out leads back.
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
@@ -715,6 +720,7 @@ fn debug(list: &mut List, state: &State) {
 
     list.group();
     list.within(Submenu::Breakpoints, |list| breakpoints(list, state));
+    // The current sample is called p in expressions.
     let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
     list.add("Watch the current sample", sample)
         .refused(no_events);

@@ -74,6 +74,7 @@ impl App {
         });
 
         theme::install(ctx, state.appearance().look);
+        // A slow frame may hold a whole click or drag, which egui would misplace.
         ctx.add_plugin(Presses::default());
 
         Self {
@@ -513,6 +514,7 @@ impl eframe::App for App {
         );
         let look = (
             self.state.appearance().look,
+            // The system's wish for less motion is no choice of the user, and is not stored.
             self.state.appearance().motion_chosen(),
         );
         settings::set_value(storage, LOOK_KEY, &look);

@@ -121,6 +121,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 let other = if palette.dark { "light" } else { "dark" };
                 let text = RichText::new(other).small().color(palette.muted);
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
+                // The text on the button is short; screen readers and the tooltip have the whole name.
                 let name = format!("Projector mode, {other}");
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
                 button.known_as("other-projector");

@@ -186,6 +186,7 @@ impl PaneSide<'_> {
         }
 
         let note = pane.paint(ui, rect, subject, palette);
+        // The passes are those of run A.
         let rows = match self.which {
             Which::First => context.rows,
             Which::Second => None,
@@ -196,6 +197,7 @@ impl PaneSide<'_> {
         };
 
         overlay::scale_bar(&painter, rect, subject, palette);
+        // The class sees the picture and its scale alone.
         if context.is_stage {
             return response;
         }

@@ -84,6 +84,7 @@ fn toggle<'a>(
 fn sessions(list: &mut List, state: &State) {
     let open = state.files().sheet.as_ref().map(|form| form.purpose);
     let sheet = |purpose| {
+        // The action that opened a sheet closes it, with the same keys.
         Command::File(if open == Some(purpose) {
             FileCommand::Close
         } else {

@@ -55,6 +55,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
 
     steps(list, state, forwards, on);
+    // The ways back are in submenus, so that the menu need not scroll.
     list.within(Submenu::Backwards, |list| {
         steps(list, state, backwards, back);
     });
@@ -74,13 +75,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     });
 }
 
-/// Adds stepping, with a debugger's usual keys; one more modifier steps backwards. Browsers reload on F5 and go full
-/// screen on F11, so the web version uses other keys.
+/// Adds stepping, with a debugger's usual keys; one more modifier steps backwards.
 fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
     let back = direction == Direction::Backwards;
     let way = if back { " backwards" } else { "" };
     let shifted = if back { SHIFT } else { NONE };
     let with_alt = if back { Modifiers::ALT } else { NONE };
+    // Browsers reload on F5 and go full screen on F11: a page uses other keys.
     let [on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {

@@ -36,6 +36,7 @@ impl App {
                 ctx.send_viewport_cmd(ViewportCommand::CancelClose);
                 self.closing = Closing::Asked;
             } else {
+                // A cancelled export removes its unfinished file before the window closes.
                 self.state.finish();
                 self.keep_session();
                 return;

@@ -233,6 +233,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
         return format!("{name}: {} {share}", numbers::counts(live));
     }
 
+    // Only measures that are drawn, faded, are named.
     let old = match measuring.last(shown).filter(|_| measures.before.is_some()) {
         Some(known) => format!(" Faded: {}.", known.name),
         None => String::new(),
@@ -420,6 +421,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                     BrushAxis::Distance => field.suffix(sign),
                 };
                 let field = ui.add_enabled(on, field);
+                // The text of a field is a number alone, so that it is named for screen readers.
                 let label = format!("Brush: {name} {which}");
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
                 field.known_as(format_args!("brush.{}.{which}", Kebab(axis)));

@@ -213,6 +213,7 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
     };
     let close = named("Close", "Esc");
 
+    // Laid out from the right: the button that goes on is the outermost.
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
             ui.add_enabled(can, Button::new(name))

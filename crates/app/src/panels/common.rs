@@ -46,6 +46,7 @@ pub fn progress(
     height: f32,
     palette: &Palette,
 ) -> Response {
+    // An activity may be a sentence; here a number follows it.
     let activity = capital(activity.trim_matches(['.', ' ']));
     let percent = fraction * 100.0;
     let mut text = match activity.as_str() {

@@ -101,6 +101,7 @@ impl PartRects {
             let panel = match (drawer.open, drawer.is_tall) {
                 _ if caption::is_below(state) => {
                     let needed = caption::height_below(ctx, state, room.width());
+                    // The canvas keeps its half beside the card of the tour.
                     needed.min(rest - half)
                 }
                 (None, _) => 0.0,

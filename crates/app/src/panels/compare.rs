@@ -248,6 +248,7 @@ fn now(
         return;
     };
 
+    // The differences are searched for in the background: a dash stands for them until then.
     let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);
     let found = comparison.differences.of(&a, &b);
     if difference::comparable(&a, &b) {

@@ -99,6 +99,7 @@ fn words(ui: &mut Ui, text: &str) -> Option<String> {
                 let button = ui.button(word);
                 button.known_as(format_args!("word-{word}"));
                 if button.on_hover_text(meaning).clicked() {
+                    // Behind a blank the chosen word is a new one, instead of completing the last.
                     let start = format!("{} ", text.trim_end());
                     chosen = Some(query::completed(start.trim_start(), word));
                     ui.close();
@@ -151,6 +152,7 @@ fn list(
     found: Option<&[usize]>,
     commands: &mut Vec<Command>,
 ) {
+    // The cursor is the number of events that have happened: the last one is before it.
     let last = debugger.state().cursor().checked_sub(1);
     let rows = context.run.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
@@ -199,6 +201,7 @@ fn list(
             ui.data_mut(|data| data.insert_temp(seen, now));
             let at = pos2(
                 ui.max_rect().left(),
+                // Without a current row the list begins at its top.
                 top + here.unwrap_or(0) as f32 * height,
             );
             let row = Rect::from_min_size(at, vec2(1.0, height));

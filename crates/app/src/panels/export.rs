@@ -389,6 +389,7 @@ impl Sheet<'_> {
             .align(egui::Align2::LEFT_CENTER)
             .id_salt(entry)
             .font(egui::TextStyle::Monospace)
+            // A field that is switched off is not wrong.
             .text_color_opt((is_wrong && enabled).then_some(self.palette.conflict))
             .margin(egui::Margin::symmetric(8, 4))
             .desired_width(NUMBER_WIDTH);

@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         // Text typed in the same frame counts before Enter.
         let (field, open) = field(ui, open, commands);
         found = actions::found(&open, state);
+        // There may be fewer actions than before the last letter.
         let choice = open.choice.min(found.len().saturating_sub(1));
 
         ui.add_space(6.0);

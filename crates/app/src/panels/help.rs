@@ -149,6 +149,7 @@ fn glossary(ui: &mut Ui, palette: &Palette) {
             }
         });
         ui.label(term.meaning);
+        // Layers are explained by the sentences of their terms, and have a figure.
         let layer = Layer::ALL
             .into_iter()
             .find(|l| l.explanation() == term.meaning);

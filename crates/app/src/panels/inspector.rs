@@ -141,6 +141,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
+        // Only samples that cover their disks at this moment count.
         if shown.covers(seen.id) && nearest.is_none_or(|(best, _)| distance < best) {
             nearest = Some((distance, seen.id));
         }
@@ -195,6 +196,7 @@ fn sample(
             pattern,
             own,
         } => {
+            // The samples of a combination come from its pieces instead of blocks.
             let glued = session.combination.is_some();
             let (of, index, inside) = if glued {
                 ("Of piece", "Sample of its set", "inside its rectangle")

@@ -71,6 +71,7 @@ fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
     };
     for (color, radius, meaning) in entries {
         entry(ui, meaning, palette, |painter, rect| {
+            // A radius of 0 stands for a line, as brushed pairs are drawn.
             if *radius > 0.0 {
                 painter.circle_filled(rect.center(), *radius, *color);
             } else {

@@ -99,6 +99,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
     };
 
     let area = ui.available_rect_before_wrap();
+    // In a narrow panel the pass keeps more than half of the width.
     let (left, right) = area.split_left_right_at_x(area.left() + LIST.min(0.45 * area.width()));
     let column = |rect| {
         UiBuilder::new()
@@ -333,6 +334,7 @@ impl PassesPanel<'_> {
                 ),
                 None => (count_text(table, shown.rows().len()), palette.muted),
             };
+            // The label may be cut off; the tooltip has all of it.
             let tip = text.clone();
             let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
             label.known_as("filtered");

@@ -97,6 +97,7 @@ fn levels(
         let key = format!("level-{level}");
         let shown = row(ui, texts, current, palette, Some(&key));
 
+        // A whole level covers within the distance that it keeps, which makes it maximal.
         let about = if claim.covering == Some(claim.distance) {
             glossary::LEVEL.meaning
         } else {

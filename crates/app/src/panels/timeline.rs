@@ -73,6 +73,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     let (Some(session), true) = (&context.run.session, width >= WIDE) else {
         return 0.0;
     };
+    // There are most samples after tiling or at the end.
     let most = grouped(session.summary.tiled.max(session.summary.count));
     let moment = match context.run.cursor() {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
@@ -560,6 +561,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
 
     let response = chosen.show_ui(ui, |ui| {
         let by_passes = playback.clock == Clock::Pass;
+        // The time of a whole run is divided by its events, which passes lack.
         for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
             let same = playback.whole_run_secs == Some(secs);
             let row = ui.selectable_label(same, ui.words(format!("whole run in {secs} s")));

@@ -56,6 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 (None, None) => format!("seed {}", parameters.seed),
             };
             let count = grouped(session.summary.count);
+            // The radius of nested levels may follow from their number of samples, and then has many digits.
             let radius = match &session.nested {
                 Some(_) => format!("{:.6}", parameters.radius),
                 None => parameters.radius.to_string(),

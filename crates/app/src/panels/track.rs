@@ -279,6 +279,7 @@ fn density(
     palette: &Palette,
 ) {
     for segment in segments {
+        // A column is two points wide.
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
 

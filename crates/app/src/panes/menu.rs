@@ -155,6 +155,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
     let inspect = Command::View(which, ViewCommand::Inspect);
     let mut entries = vec![MenuEntry::new("history", name, vec![pick.clone(), inspect])];
 
+    // Time is that of run A.
     let debugger = subject.shown.debugger.filter(|_| which == Which::First);
     let Some(recording) = debugger.map(tilescope_debugger::Debugger::recording) else {
         return entries;

@@ -106,6 +106,7 @@ impl Checkpoint {
     ) -> Result<(), ExportError> {
         // Numbers have the same shortest text only if they are the same.
         let texts = |a: &dyn ToString, b: &dyn ToString| [a.to_string(), b.to_string()];
+
         for (what, [stated, found]) in [
             ("format", texts(&self.format, &target.format)),
             ("precision", texts(&self.precision, &target.precision)),

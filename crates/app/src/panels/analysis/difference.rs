@@ -132,6 +132,7 @@ pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette
     painter.rect_filled(rect, 2.0, palette.domain);
     if let Some(spectra) = spectra {
         let differences = differences(ui, spectra);
+        // The picture has the colours of the look, so that each look has a texture of its own.
         let id = Id::unique(("picture of the difference", palette.dark));
         let texture = texture_of(ui, id, &differences, TextureOptions::NEAREST, |shown| {
             shown.image(palette)

@@ -40,6 +40,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     painter.text(pos, Align2::RIGHT_TOP, "1/r", font, palette.muted);
 
     for (curve, color) in curves.iter().zip([palette.sample, palette.inserted]) {
+        // The plot has margins, into which the line would go on.
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points = inside.map(|&point| at(point)).collect::<Vec<_>>();
         painter.line(points, Stroke::new(1.5, color));

@@ -316,6 +316,7 @@ impl Notes<'_> {
     fn votes(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let key = self.state.classroom().talk_key();
         let votes = self.state.talks().record.votes_on(&key);
+        // Each question keeps the text that is typed for it.
         let id = Id::unique("vote that is typed").with(&key);
         let mut typed = ui
             .data(|data| data.get_temp::<String>(id))

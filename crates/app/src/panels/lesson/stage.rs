@@ -403,6 +403,7 @@ fn code(ui: &Ui, state: &State) {
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
 
+                        // An address may be missing, or too long for a code.
                         if let Some(rows) = &modules {
                             let (square, _) =
                                 ui.allocate_exact_size(vec2(side, side), Sense::hover());

@@ -39,6 +39,7 @@ pub(super) fn show(
 
     let mut pointed = None;
     let output = area.show_rows(ui, ROW, rows.len(), |ui, range| {
+        // A row can be clicked over the whole width of the panel.
         let width = columns.width.max(ui.available_width());
         for &number in &rows[range] {
             let size = vec2(width, ROW);
@@ -53,6 +54,7 @@ pub(super) fn show(
         }
     });
 
+    // The canvas marks the row under the pointer, too.
     if pointed != shown.pointed() {
         commands.push(PassCommand::PointRow(pointed));
     }
@@ -81,6 +83,7 @@ impl ColumnEnds {
             .painter()
             .layout_no_wrap("0".to_owned(), font, palette_free());
         let character = zero.size().x;
+        // The head above the numbers has three letters.
         let numbers = table.rows().to_string().len().max(3);
         let mut end = 10.0 + numbers as f32 * character;
         let mut ends = vec![end];
