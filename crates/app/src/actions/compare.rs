@@ -48,7 +48,6 @@ pub(super) fn add(list: &mut List, state: &State) {
         .refused(refusal);
 
     list.group();
-
     let comparison = second.map(|(_, comparison)| comparison);
     let is_on = |switch: fn(&Comparison) -> bool| comparison.is_some_and(switch);
     let cameras = is_on(|comparison| comparison.linked_cameras);

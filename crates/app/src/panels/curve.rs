@@ -355,8 +355,8 @@ impl CurveFrame<'_> {
         let (left, right) = (self.segments[0].left, self.rect.right());
         let mut line: Vec<Pos2> = Vec::new();
         let mut first = 0;
-
         let mut x = left;
+
         while x < right {
             // The column ends where the next pixel begins.
             let last = self.points.at(track::cursor_at(self.segments, x + 1.0));

@@ -393,7 +393,6 @@ impl Sheet<'_> {
             .text_color_opt((is_wrong && enabled).then_some(self.palette.conflict))
             .margin(egui::Margin::symmetric(8, 4))
             .desired_width(NUMBER_WIDTH);
-
         let response = ui.add_enabled(enabled, edit).labelled_by(label);
         response.known_as(format_args!("export.{}", Kebab(entry)));
         if response.changed() {

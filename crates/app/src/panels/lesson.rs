@@ -180,6 +180,7 @@ impl LessonPanel<'_> {
             let sentence = format!("{} {fault}.", self.labels.cannot_show);
             let text = RichText::new(sentence).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
+        // The run of this step is still being made; practice may need several until one has the moment.
         } else if learner.scene().is_none() {
             ui.label(self.muted(self.labels.makes_run))
                 .known_as("lesson-waits");

@@ -114,6 +114,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
         .vline(right.left() - 8.0, area.y_range(), (1.0, palette.line));
 
     let mut ui_right = ui.new_child(column(right.shrink2(vec2(0.0, 2.0))).id_salt("pass"));
+    // A pass that is too wide must not cover the list.
     ui_right.set_clip_rect(right.intersect(ui.clip_rect()));
     panel.work(&mut ui_right);
 

@@ -141,6 +141,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let room = ui.available_width();
     let beside = room_beside_sentence(ui.ctx(), context, room);
     let width = room - LABEL - beside;
+    // Room for a long sentence, so that nothing moves from event to event.
     let height = sentence_height(ui.ctx(), context, SIZE, width).max(LINE);
 
     ui.allocate_ui_with_layout(

@@ -231,7 +231,6 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .right_text(RichText::new(mark).color(palette.muted))
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
-
         let response = ui.add(button);
         let name = ui.words(format!("{} menu", menu.name()));
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));

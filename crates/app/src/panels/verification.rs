@@ -261,7 +261,6 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
             let button = button.on_disabled_hover_text(ui.words("The verifier reported none."));
-
             if button.on_hover_text(ui.words("Fly there")).clicked() {
                 commands.push(Command::View(
                     Which::First,
