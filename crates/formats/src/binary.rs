@@ -124,7 +124,7 @@ pub(crate) fn all_finite(
         return Ok(());
     }
 
-    // Which value it is, only a set with a fault is searched for.
+    // Only a set with a fault is searched for the value at fault.
     let mut each = points.iter().zip(first..);
     each.try_for_each(|(point, index)| {
         let mut values = point.iter();

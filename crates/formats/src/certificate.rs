@@ -243,7 +243,6 @@ impl Certificate {
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
         let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
-
         stated.check_version(name)?;
 
         // Only a certificate inside the file that it is about cannot state that file's digest.

@@ -335,8 +335,8 @@ pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
     for (name, value) in parameters {
         positive(name, value.unwrap_or(1.0))?;
     }
-    // Without a region, or a radius, nothing is promised of the positions.
 
+    // Without a region, or a radius, nothing is promised of the positions.
     let (Some(region), Some(radius)) = (target.region, target.radius) else {
         return Ok(());
     };

@@ -325,7 +325,6 @@ fn decode_own(data: &[u8], format: Format) -> Result<ReadSet, FormatError> {
 /// Fails if the decoded positions or provenance differ, in any bit, from what the format should store.
 fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), ExportError> {
     let mapping = target.mapping();
-
     let found = &decoded.set;
     let differs = |written: String, found: String| Err(ExportError::ReadBack { written, found });
 
@@ -495,7 +494,6 @@ pub(crate) fn warnings(
     certificate: &Certificate,
 ) -> Vec<Warning> {
     let mut warnings = Vec::new();
-
     let rounding = certificate.rounding.as_ref();
 
     if certificate.conflicts > 0 {

@@ -205,7 +205,6 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
     }
 
     let mut out = Vec::with_capacity(2 * ALIGNMENT);
-
     out.extend_from_slice(NPY_MAGIC);
     out.extend_from_slice(&[1, 0]);
     out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());

@@ -142,13 +142,13 @@ impl TextTable {
                 place,
                 format!(
                     "sep={} is not a separator that is read: those are a comma, a semicolon, a tab and a blank",
-                    // A header is recognised before a count of points, as a number alone is no name.
                     quote(found)
                 ),
             ))?);
         } else if is_row(line) {
             let separator = self.separator.unwrap_or_else(|| Separator::of(line));
             let fields = self.fields(line, separator, place)?;
+            // A header is recognised before a count of points, as a number alone is no name.
             if self.header.names.is_empty() && is_header(&fields) {
                 let names = fields.iter().map(|field| names::name(field)).collect();
                 let line = self.line + 1;

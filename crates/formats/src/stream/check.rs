@@ -99,7 +99,6 @@ fn in_pieces(
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
     let mut verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?
         .expecting(reader.expected());
-
     let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
 
     // The digest is of positions as they are in the file, the verdict of those in the domain.

@@ -231,7 +231,6 @@ impl StateFile {
     ) -> Result<Self, ExportError> {
         let failed = |source| unjudged(target, source);
         let mut bytes = judges.stored.save().map_err(failed)?;
-
         let stored = bytes.len() as u64;
         if let Some(original) = &judges.original {
             // Errors of the original positions are reported only if they matter, but a checkpoint needs positions
