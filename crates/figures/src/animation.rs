@@ -38,15 +38,15 @@ pub enum AnimationError {
     /// There are too many frames.
     #[error("an animation of {frames} frames is too long; the limit is {MAX_FRAMES}")]
     TooManyFrames {
-        /// Frames asked for.
+        /// /// How many frames were asked for.
         frames: usize,
     },
     /// A frame has no pixel or too many.
     #[error("a frame of {width} x {height} pixels cannot be animated; the limit is {limit}")]
     FrameSize {
-        /// Width in pixels.
+        /// /// Width of the frame in pixels.
         width: u32,
-        /// Height in pixels.
+        /// /// Height of the frame in pixels.
         height: u32,
         /// The largest number of pixels, or in a GIF the largest side.
         limit: u64,
@@ -76,9 +76,9 @@ pub enum AnimationError {
     /// There are fewer frames than the iterator said.
     #[error("{found} frames came where {expected} were announced")]
     Missing {
-        /// Frames that came.
+        /// /// How many frames the iterator gave.
         found: usize,
-        /// Frames announced.
+        /// /// How many frames it had announced.
         expected: usize,
     },
     /// A frame could not be drawn.
@@ -86,16 +86,16 @@ pub enum AnimationError {
     Frame {
         /// The frame, from 0.
         index: usize,
-        /// Why.
+        /// /// Why it could not be drawn.
         cause: FigureError,
     },
     /// The encoder or what it writes to refused.
     #[error("the animation could not be written: {0}")]
     Encode(String),
-    /// The callback asked to stop. What was written so far is no complete file.
+    /// /// The callback asked to stop. The file is not complete.
     #[error("the animation was cancelled after {frames} frames")]
     Cancelled {
-        /// Frames written.
+        /// /// How many frames were written before.
         frames: usize,
     },
 }
@@ -122,9 +122,13 @@ pub fn write_gif(
 ) -> Result<(), AnimationError> {
     let mut frames = Frames::new(frames, delay, progress)?;
     let first = frames.first(MAX_GIF_SIDE)?;
+
+    // `first` refuses a side that does not fit into 16 bits, and the changed parts of later frames lie within it.
     let (width, height) = (first.width as u16, first.height as u16);
+    // There is no palette of the whole file: each frame has the colours that it needs most.
     let mut encoder = Encoder::new(out, width, height, &[]).map_err(refused)?;
     encoder.set_repeat(Repeat::Infinite).map_err(refused)?;
+
     for (key, value) in with_program(metadata) {
         let comment = format!("{key}: {value}");
         let kind = AnyExtension::from(Extension::Comment);
@@ -132,11 +136,13 @@ pub fn write_gif(
             .write_raw_extension(kind, &[comment.as_bytes()])
             .map_err(refused)?;
     }
+
     let mut next = Some(first);
     while let Some(change) = next {
         let (palette, buffer, transparent) = indexed(&change);
         let frame = Frame {
             delay,
+            // The pixels that stay are transparent, so that the frame before must remain below them.
             dispose: DisposalMethod::Keep,
             transparent,
             left: change.left as u16,
@@ -147,10 +153,13 @@ pub fn write_gif(
             buffer: buffer.into(),
             ..Frame::default()
         };
+
+        // Its pixels are freed before the next frame is drawn, so that two frames are in memory at a time.
         drop(change);
         encoder.write_frame(&frame).map_err(refused)?;
         next = frames.next()?;
     }
+
     encoder.into_inner().map_err(refused)?;
     Ok(())
 }
@@ -172,19 +181,24 @@ pub fn write_apng(
 ) -> Result<(), AnimationError> {
     let count = frames.len();
     let mut frames = Frames::new(frames, delay, progress)?;
+    // The limit on pixels keeps the sides of a PNG far below what its format allows.
     let first = frames.first(u32::MAX)?;
+
     let mut encoder = png::Encoder::new(out, first.width, first.height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
+    // Zero plays repeat forever.
     encoder.set_animated(count as u32, 0).map_err(refused)?;
     encoder.set_frame_delay(delay, 100).map_err(refused)?;
     encoder
         .set_blend_op(png::BlendOp::Source)
         .map_err(refused)?;
+
     for (key, value) in with_program(metadata) {
         let (keyword, text) = text_chunk(&key, &value);
         encoder.add_itxt_chunk(keyword, text).map_err(refused)?;
     }
+
     let mut writer = encoder.write_header().map_err(refused)?;
     let mut next = Some(first);
     while let Some(change) = next {
@@ -194,17 +208,23 @@ pub fn write_apng(
         } else {
             png::BlendOp::Over
         };
+
+        // Transparent pixels keep those below them only if the frame is laid over the one before.
         writer.set_blend_op(blend).map_err(refused)?;
+
         // Size and place must fit into the picture at any time.
         writer.reset_frame_position().map_err(refused)?;
         let sized = writer.set_frame_dimension(change.width, change.height);
         sized.map_err(refused)?;
         let placed = writer.set_frame_position(change.left, change.top);
         placed.map_err(refused)?;
+
         writer.write_image_data(&rgba).map_err(refused)?;
+        // Two frames are in memory at a time, as in a GIF.
         drop(change);
         next = frames.next()?;
     }
+
     writer.finish().map_err(refused)
 }
 
@@ -231,9 +251,11 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
             1..=MAX_FRAMES => {}
             frames => return Err(AnimationError::TooManyFrames { frames }),
         }
+
         if delay < MIN_DELAY {
             return Err(AnimationError::Delay { delay });
         }
+
         Ok(Self {
             source: frames,
             count,
@@ -247,6 +269,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
     fn first(&mut self, largest_side: u32) -> Result<Change, AnimationError> {
         self.report()?;
         let pixels = self.draw()?;
+
         let (width, height) = (pixels.width, pixels.height);
         let area = u64::from(width) * u64::from(height);
         let limit = match area {
@@ -255,8 +278,10 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
                 self.size = [width, height];
                 return Ok(self.changed(pixels));
             }
+            // A frame without a pixel is refused like one with too many.
             _ => MAX_FRAME_PIXELS,
         };
+
         Err(AnimationError::FrameSize {
             width,
             height,
@@ -271,8 +296,10 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
         if self.written == self.count {
             return Ok(None);
         }
+
         let pixels = self.draw()?;
         let [first_width, first_height] = self.size;
+        // What changes is found pixel by pixel, and only the first frame says how large the picture is.
         if [pixels.width, pixels.height] != self.size {
             return Err(AnimationError::Uneven {
                 index: self.written,
@@ -282,6 +309,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
                 first_height,
             });
         }
+
         Ok(Some(self.changed(pixels)))
     }
 

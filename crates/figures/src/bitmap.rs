@@ -45,13 +45,16 @@ impl Bitmap {
     fn new(columns: usize, depth: usize, bytes: Vec<u8>) -> Result<Self, FigureError> {
         let sides = 1..=MAX_BITMAP_SIDE;
         let row = columns.saturating_mul(depth);
+        // The columns are checked first, as rows without any would be a division by zero.
         let fits = sides.contains(&columns)
             && bytes.len().is_multiple_of(row)
             && sides.contains(&(bytes.len() / row));
+
         if !fits {
             let bytes = bytes.len();
             return Err(FigureError::Bitmap { bytes, row });
         }
+
         Ok(Self {
             columns,
             rows: bytes.len() / row,
@@ -108,9 +111,11 @@ impl Bitmap {
         });
         encoder.set_depth(BitDepth::Eight);
         encoder.set_compression(Compression::High);
+
         let mut writer = encoder.write_header().map_err(refused)?;
         writer.write_image_data(&self.bytes).map_err(refused)?;
         writer.finish().map_err(refused)?;
+
         Ok(bytes)
     }
 }

@@ -24,7 +24,7 @@ const ARC_STEP: f64 = 0.1;
 pub struct PictureOptions {
     /// Width of the picture in pixels; the height follows from the domain or the window.
     pub width: f64,
-    /// Colours.
+    /// /// Colours of marks, text and background.
     pub palette: Palette,
     /// The part of the domain that is shown, in user units; `None` shows it whole.
     pub window: Option<Rect>,
@@ -64,12 +64,16 @@ impl<'a> Canvas<'a> {
     ) -> Self {
         let whole = Rect::new([0.0; 2], size);
         let shown = options.window.unwrap_or(whole);
+
+        // Caption and margins are given for a width of 1000, so that pictures of any width look alike.
         let scale = options.width / 1000.0;
         let margin = MARGIN * scale;
         let top = margin + CAPTION * scale;
         let inner = options.width - 2.0 * margin;
+
         let height = inner * shown.size().y / shown.size().x;
         let frame = Rect::new([margin, top], [margin + inner, top + height]);
+
         // The scene's y points down: positions are mirrored about the shown part.
         let view = View::fit(shown, frame);
         let scene = Scene::new(
@@ -77,6 +81,7 @@ impl<'a> Canvas<'a> {
             top + height + margin,
             options.palette.background,
         );
+
         let periodic = boundary == Boundary::Periodic;
         Self {
             options,
@@ -140,8 +145,8 @@ impl<'a> Canvas<'a> {
     /// Returns the copies of a rectangle that reach into the shown part.
     fn copies(&self, rect: Rect) -> impl Iterator<Item = Rect> + use<> {
         let shown = self.shown;
-        let copies = self.shifts();
-        let copies = copies.map(move |shift| Rect::new(shift + rect.min, shift + rect.max));
+        let copies =
+            (self.shifts()).map(move |shift| Rect::new(shift + rect.min, shift + rect.max));
         copies.filter(move |copy| copy.meets(&shown))
     }
 
@@ -196,11 +201,13 @@ impl<'a> Canvas<'a> {
         let mut group = self.group("exposed arcs");
         let stroke = Stroke::new(self.palette().gap, 3.0 * self.line_px());
         for &(index, [from, to]) in arcs {
+            // An arc shorter than a step is one piece; for one of no length, the step would be a division by zero.
             let steps = ((to - from) / ARC_STEP).ceil().max(1.0);
             let angles = (0..=steps as u32).map(|k| from + (to - from) * f64::from(k) / steps);
             let arc: Vec<DVec2> = angles
                 .map(|angle| self.radius * DVec2::from_angle(angle))
                 .collect();
+
             for image in self.images(points[index]) {
                 let points = arc
                     .iter()
@@ -251,9 +258,11 @@ impl<'a> Canvas<'a> {
             rect: self.frame,
             style: border,
         });
+
         let at = self.frame.min - DVec2::new(0.0, 16.0 * px);
         let text = Text::new(at, caption, 20.0 * px, self.palette().text);
         group.shapes.push(Shape::Text(text));
+
         self.push([group]);
         caption.clone_into(&mut self.scene.title);
         self.scene

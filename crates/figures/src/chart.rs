@@ -29,12 +29,12 @@ pub enum Look {
     Reference,
 }
 
-/// A curve.
+/// A curve through places in their sequence, with or without a confidence band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// Its name in the legend; series of one name in several charts should have one look.
     pub name: String,
-    /// How it looks.
+    /// /// How it looks; series of one figure need looks of their own.
     pub look: Look,
     /// Places `[x, y]` in the sequence in which they are joined.
     pub points: Vec<[f64; 2]>,
@@ -42,23 +42,23 @@ pub struct Series {
     pub band: Option<Vec<[f64; 2]>>,
 }
 
-/// A horizontal line with a name.
+/// A horizontal line with a name, such as an expected value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// What is written at it.
+    /// /// The name that is written at the line.
     pub name: String,
-    /// Where it is.
+    /// /// Its ordinate, in units of the vertical axis.
     pub y: f64,
 }
 
-/// An axis.
+/// An axis of a chart: what it measures, from where to where, and its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// The quantity and its unit.
     pub label: String,
     /// The ends; none takes those of the data.
     pub range: Option<[f64; 2]>,
-    /// Values that have a tick, and what is written there; none takes round values.
+    /// /// Values that have a tick, each with its label; none takes round values.
     pub ticks: Option<Vec<(f64, String)>>,
 }
 
@@ -73,7 +73,7 @@ impl Axis {
         }
     }
 
-    /// The same axis from `low` to `high`; what lies beyond is cut off.
+    /// /// The same axis from `low` to `high`; anything beyond is cut off.
     #[must_use]
     pub fn with_range(self, low: f64, high: f64) -> Self {
         Self {
@@ -96,11 +96,11 @@ impl Axis {
 /// Curves over one pair of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineChart {
-    /// Its heading.
+    /// Heading above the plot.
     pub title: String,
-    /// The horizontal axis.
+    /// /// The horizontal axis, which rises to the right.
     pub x: Axis,
-    /// The vertical axis.
+    /// /// The vertical axis, which rises upwards.
     pub y: Axis,
     /// The curves, the first painted first.
     pub series: Vec<Series>,
@@ -111,13 +111,13 @@ pub struct LineChart {
 /// Values on a grid, as shades of grey: white at the lower end, black at the upper. A unit is as long along both axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageChart {
-    /// Its heading.
+    /// Heading above the plot.
     pub title: String,
     /// The horizontal axis; its range, which must be given, spans the grid's columns.
     pub x: Axis,
     /// The vertical axis, upwards; its range, which must be given, spans the grid's rows.
     pub y: Axis,
-    /// Columns of the grid.
+    /// How many columns the grid has; the values fill its rows.
     pub columns: usize,
     /// Rows of equal ordinate, the lowest first.
     pub values: Vec<f64>,
@@ -130,7 +130,7 @@ pub struct ImageChart {
 /// The frame of a chart that has nothing to show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlankChart {
-    /// Its heading.
+    /// Heading above the plot.
     pub title: String,
     /// The horizontal axis; its range must be given.
     pub x: Axis,
@@ -138,22 +138,22 @@ pub struct BlankChart {
     pub y: Axis,
     /// Columns and rows of the image that would be there; none where curves would be.
     pub cells: Option<[usize; 2]>,
-    /// What is written in the middle: why there is nothing.
+    /// /// The reason why there is nothing, written in the middle.
     pub why: String,
 }
 
 /// A part of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Panel {
-    /// Curves.
+    /// Curves over one pair of axes.
     Lines(LineChart),
-    /// A grid of values.
+    /// Shades of grey for a grid of values.
     Image(ImageChart),
     /// A frame without content.
     Blank(BlankChart),
     /// Bars; the only panel of its row.
     Bars(BarChart),
-    /// A square picture.
+    /// A square picture with words about it.
     Tile(TileChart),
     /// A scale of colours, which takes no room in its row.
     Scale(ColorScale),
@@ -162,7 +162,7 @@ pub enum Panel {
 /// Panels under a common title and legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// The title.
+    /// Title of the whole figure, above its legend.
     pub title: String,
     /// Rows of panels, which share the width evenly.
     pub rows: Vec<Vec<Panel>>,
@@ -193,9 +193,9 @@ pub enum ChartError {
         chart: String,
         /// Name of the series, or what else the value belongs to.
         series: String,
-        /// Its index there.
+        /// /// Index of the value in its series.
         index: usize,
-        /// The value.
+        /// /// The value that is not finite.
         value: f64,
     },
     /// A band has not one pair of ends for each place.
@@ -219,9 +219,9 @@ pub enum ChartError {
     Grid {
         /// Title of the image.
         chart: String,
-        /// Values.
+        /// /// How many values there are.
         values: usize,
-        /// Columns.
+        /// /// How many of them are a row.
         columns: usize,
     },
 }
@@ -240,16 +240,20 @@ impl LineChart {
         if self.series.is_empty() {
             return Err(ChartError::Empty(self.title.clone()));
         }
+
         for series in &self.series {
             self.check_series(series)?;
         }
+
         self.check_finite("levels", self.levels.iter().map(|level| level.y))?;
         for axis in [&self.x, &self.y] {
+            // An axis without a range reaches as far as the data, which are finite.
             if axis.range.is_some() {
                 axis.checked_range()?;
             }
             axis.check_ticks(&self.title)?;
         }
+
         Ok(())
     }
 
@@ -260,12 +264,15 @@ impl LineChart {
                 series: series.name.clone(),
             });
         }
+
         for axis in [0, 1] {
             self.check_finite(&series.name, series.points.iter().map(|point| point[axis]))?;
         }
+
         let Some(band) = &series.band else {
             return Ok(());
         };
+
         if band.len() != series.points.len() {
             return Err(ChartError::Band {
                 series: series.name.clone(),
@@ -273,9 +280,11 @@ impl LineChart {
                 expected: series.points.len(),
             });
         }
+
         for end in [0, 1] {
             self.check_finite(&series.name, band.iter().map(|ends| ends[end]))?;
         }
+
         Ok(())
     }
 
@@ -292,9 +301,11 @@ impl ImageChart {
     fn check(&self) -> Result<(), ChartError> {
         let sides = 1..=MAX_CELLS;
         let values = self.values.len();
+        // The columns are checked first, as rows without any would be a division by zero.
         let fits = sides.contains(&self.columns)
             && values.is_multiple_of(self.columns)
             && sides.contains(&(values / self.columns));
+
         if !fits {
             return Err(ChartError::Grid {
                 chart: self.title.clone(),
@@ -302,16 +313,21 @@ impl ImageChart {
                 columns: self.columns,
             });
         }
-        let read = self.values.iter().copied().enumerate();
-        let read = read.filter(|(index, _)| Some(*index) != self.absent);
+
+        // The absent cell may hold anything: its value is not read.
+        let read = (self.values.iter().copied().enumerate())
+            .filter(|(index, _)| Some(*index) != self.absent);
         finite(&self.title, "the grid", read)?;
+
         for axis in [&self.x, &self.y] {
             axis.checked_range()?;
             axis.check_ticks(&self.title)?;
         }
+
         if !rises(self.clamp) {
             return Err(ChartError::Range(self.title.clone()));
         }
+
         Ok(())
     }
 }

@@ -44,7 +44,7 @@ impl Font {
     }
 }
 
-/// The parsed fonts.
+/// /// The fonts of the program, parsed, in the sequence of [`Font::ALL`].
 pub(crate) struct Fonts {
     faces: [Face<'static>; 3],
 }
@@ -97,10 +97,14 @@ impl Fonts {
                 Some(glyph) => {
                     face.outline_glyph(glyph, &mut outline);
                 }
+                // The font's own empty box is the same for all characters, so that words that differ would look alike.
                 None => self.code_box(&CodeBox::of(character), size, &mut outline),
             }
+
+            // Without kerning, as in `width`: a text is as wide as it was measured.
             outline.x += advance(face, character) * outline.scale;
         }
+
         outline.path.finish()
     }
 
@@ -123,6 +127,7 @@ impl Fonts {
         let face = self.face(Font::Mono);
         to.scale = CodeBox::DIGIT * size / f64::from(face.units_per_em());
         for (row, digits) in code.rows.iter().enumerate() {
+            // The outline's y points up, and the first row of digits is the upper one.
             let up = 1 - row;
             to.y = bottom + size * (CodeBox::PAD + up as f64 * CodeBox::ROW);
             for (column, digit) in digits.chars().enumerate() {
@@ -132,6 +137,8 @@ impl Fonts {
                 }
             }
         }
+
+        // The caller moves on from the beginning of the character.
         (to.x, to.y, to.scale) = (start, 0.0, scale);
     }
 }

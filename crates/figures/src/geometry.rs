@@ -7,14 +7,14 @@ use glam::DVec2;
 
 use crate::scene::{Marker, Rect};
 
-/// Half the width of a cross's arm, as a fraction of its size.
+/// Half the width of a cross's arm as a fraction of its size, measured along an axis: √2 times that across the arm.
 const ARM: f64 = 0.16;
 
 /// The corners of a marker `size` pixels wide at `center`; a dot has none.
 pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DVec2> {
     let half = size / 2.0;
-    // 12 corners of a saltire: an upright plus of arm ARM, turned by 45 degrees in place.
     let arm = ARM * size;
+
     let corners: Vec<[f64; 2]> = match marker {
         Marker::Dot => Vec::new(),
         Marker::Square => vec![[-half, -half], [half, -half], [half, half], [-half, half]],
@@ -25,6 +25,7 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
             let below = height / 3.0;
             vec![[0.0, below - height], [half, below], [-half, below]]
         }
+        // An upright plus, turned by 45 degrees in place.
         Marker::Cross => {
             let (inner, outer) = (arm, half - arm);
             vec![
@@ -43,6 +44,7 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
             ]
         }
     };
+
     corners
         .into_iter()
         .map(|corner| center + DVec2::from(corner))
@@ -53,18 +55,23 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
 pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]> {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     let (step, low, high) = (b - a, frame.min - a, frame.max - a);
+
     for axis in [0, 1] {
         let (step, low, high) = (step[axis], low[axis], high[axis]);
+        // Parallel to these two sides, it is between them or out of sight, and there is no crossing to compute.
         if step == 0.0 {
             if low > 0.0 || high < 0.0 {
                 return None;
             }
             continue;
         }
+
         let (first, last) = (low / step, high / step);
         enter = enter.max(first.min(last));
         leave = leave.min(first.max(last));
     }
+
+    // Ends at infinity, or too far apart for their difference, have no places between them.
     let is_seen = enter <= leave && step.is_finite();
     is_seen.then(|| [enter, leave].map(|t| a + t * step))
 }
@@ -85,10 +92,12 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
             if u >= 0.0 {
                 cut.push(a);
             }
+            // The signs differ, so that the divisor is not zero.
             if (u < 0.0) != (v < 0.0) {
                 cut.push(a + u / (u - v) * (b - a));
             }
         }
+
         kept = cut;
     }
     kept
@@ -108,6 +117,8 @@ pub(crate) fn hatch_polygon(points: &[DVec2], spacing: f64) -> Vec<[DVec2; 2]> {
                 ((u < 0.0) != (v < 0.0)).then(|| a.x + (b.x - a.x) * (u / (u - v)))
             })
             .collect();
+
+        // A closed outline crosses a line an even number of times, and by the even-odd rule every other piece is inside.
         crossings.sort_by(f64::total_cmp);
         for pair in crossings.chunks_exact(2) {
             pieces.push([pair[0], pair[1]].map(|x| DVec2::new(x, level - x)));
@@ -124,8 +135,8 @@ pub(crate) fn hatch_circle(center: DVec2, radius: f64, spacing: f64) -> Vec<[DVe
         .map(|level| {
             let offset = (level - middle) / 2.0;
             let half = (radius * radius / 2.0 - offset * offset).max(0.0).sqrt();
-            let half = DVec2::new(half, -half);
-            [center + offset - half, center + offset + half]
+            let along = DVec2::new(half, -half);
+            [center + offset - along, center + offset + along]
         })
         .collect()
 }
@@ -143,9 +154,10 @@ fn levels(diagonals: impl Iterator<Item = f64>, spacing: f64) -> impl Iterator<I
         [low.min(d), high.max(d)]
     });
     let first = (range[0] / step).ceil();
-    let count = (range[1] / step - first).floor() + 1.0;
-    let count = if count.is_finite() {
-        count.clamp(0.0, MAX_LINES) as u32
+    let lines = (range[1] / step - first).floor() + 1.0;
+    // An outline without corners has an infinite range, through which no line passes.
+    let count = if lines.is_finite() {
+        lines.clamp(0.0, MAX_LINES) as u32
     } else {
         0
     };

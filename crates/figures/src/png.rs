@@ -36,11 +36,14 @@ pub fn to_png_controlled(
 ) -> Result<Vec<u8>, FigureError> {
     let rows = size(scene, scale)?[1] as usize;
     let mut steps = Steps::new(scene.shapes() + rows, control);
+
     let Pixels {
         width,
         height,
         mut rgba,
     } = paint_pixels(scene, scale, &mut steps)?;
+
+    // An opaque picture needs no opacity channel, a quarter of its bytes.
     let opaque = rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     if opaque {
         drop_opacity(&mut rgba);
@@ -54,6 +57,7 @@ pub fn to_png_controlled(
         ColorType::Rgba
     });
     encoder.set_depth(BitDepth::Eight);
+
     for (key, value) in text_chunks(scene) {
         encoder.add_itxt_chunk(key, value).map_err(encode_error)?;
     }
@@ -67,6 +71,7 @@ pub fn to_png_controlled(
             .write_all(row)
             .map_err(|error| encode_error(error.into()))?;
     }
+
     stream.finish().map_err(encode_error)?;
     writer.finish().map_err(encode_error)?;
     Ok(bytes)
@@ -86,8 +91,8 @@ fn encode_error(error: png::EncodingError) -> FigureError {
 }
 
 fn text_chunks(scene: &Scene) -> impl Iterator<Item = (String, String)> {
-    let title = ("Title".to_owned(), scene.title.clone());
-    let title = Some(title).filter(|(_, value)| !value.is_empty());
+    let title =
+        Some(("Title".to_owned(), scene.title.clone())).filter(|(_, value)| !value.is_empty());
     title
         .into_iter()
         .chain(with_program(&scene.metadata))

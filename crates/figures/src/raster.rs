@@ -60,6 +60,7 @@ pub(crate) fn paint_pixels(
 ) -> Result<Pixels, FigureError> {
     scene.validate()?;
     let [width, height] = size(scene, scale)?;
+
     let too_large = FigureError::Pixels {
         pixels: u64::from(width) * u64::from(height),
     };
@@ -70,13 +71,16 @@ pub(crate) fn paint_pixels(
         clip: None,
         frame: Rect::new([0.0; 2], [width, height].map(f64::from)),
     };
+
     let [r, g, b, a] = scene.background;
     painter
         .pixmap
         .fill(tiny_skia::Color::from_rgba8(r, g, b, a));
+
     for group in &scene.groups {
         painter.group(group, steps)?;
     }
+
     Ok(Pixels {
         width,
         height,
@@ -88,15 +92,19 @@ pub(crate) fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(FigureError::Scale(scale));
     }
+
     let [width, height] = [scene.width, scene.height].map(|side| (side * scale).round());
     let sides = 1.0..=MAX_SIDE;
     if !(sides.contains(&width) && sides.contains(&height)) {
         return Err(FigureError::Size { width, height });
     }
+
+    // Both are whole numbers up to MAX_SIDE by now, so that the casts change nothing.
     let pixels = width as u64 * height as u64;
     if pixels > MAX_PIXELS {
         return Err(FigureError::Pixels { pixels });
     }
+
     Ok([width as u32, height as u32])
 }
 
@@ -116,9 +124,13 @@ impl Painter {
             view: group.view,
             scale: self.scale,
         };
+
         for (index, shape) in group.shapes.iter().enumerate() {
             steps.shape()?;
             let length = shape.longest(group.view) * self.scale;
+
+            // Positions far outside are cut off, but nothing shortens a length: too long a one is beyond the rasteriser's
+            // arithmetic.
             if length > MAX_LENGTH {
                 return Err(FigureError::Length {
                     group: group.name.clone(),
@@ -126,6 +138,7 @@ impl Painter {
                     length,
                 });
             }
+
             self.shape(shape, at);
         }
         Ok(())
@@ -134,13 +147,17 @@ impl Painter {
     fn set_clip(&mut self, clip: Option<Rect>) {
         let (width, height) = (self.pixmap.width(), self.pixmap.height());
         self.clip = None;
+
         let whole = Rect::new([0.0; 2], [width, height].map(f64::from));
         self.frame = whole;
+
         let Some(clip) = clip else {
             return;
         };
+
         let (min, max) = (clip.min * self.scale, clip.max * self.scale);
         self.frame = Rect::new(min.max(whole.min), max.min(whole.max));
+
         // An empty clip leaves an empty mask: nothing is seen.
         if let Some(mut mask) = Mask::new(width, height) {
             let ([l, t], [r, b]) = (single(self.frame.min), single(self.frame.max));
@@ -173,6 +190,7 @@ impl Painter {
                 style,
             } => {
                 let (center, size) = (at.pixel(*center), size * self.scale);
+                // The outlines of markers have straight sides, and a dot has none.
                 if *marker == Marker::Dot {
                     self.circle(center, size / 2.0, *style);
                 } else {
@@ -210,15 +228,19 @@ impl Painter {
             let hatch = |spacing| hatch_polygon(points, spacing);
             return self.area(polyline(points, true), style, hatch);
         }
+
+        // The cut adds sides along the edge of the picture, which must not get a stroke: the border is drawn apart, below.
         let fill = Style {
             stroke: None,
             ..style
         };
-        // Cut to the picture; of the border, only what is seen.
+        // Two pixels beyond the edge, where the cut itself is out of sight.
         let near = clip_polygon(points, self.frame.padded(2.0));
         self.area(polyline(&near, true), fill, |spacing| {
             hatch_polygon(&near, spacing)
         });
+
+        // Each side of the border is cut to the picture by itself.
         if let Some(stroke) = style.stroke {
             self.segments(edges(points), stroke);
         }
@@ -232,18 +254,22 @@ impl Painter {
                 spacing,
                 width,
             })) => {
+                // Lines closer than a pixel could not be told apart.
                 let lines = hatch(spacing.max(1.0) * self.scale);
                 self.segments(lines.into_iter(), Stroke::new(color, width));
             }
             None => {}
         }
+
         if let Some(stroke) = style.stroke {
             self.stroke(path, stroke);
         }
     }
 
     fn segments(&mut self, segments: impl Iterator<Item = [DVec2; 2]>, stroke: Stroke) {
+        // A line whose middle lies outside reaches into the picture by half its width.
         let frame = self.frame.padded(stroke.width * self.scale + 2.0);
+
         let mut builder = PathBuilder::new();
         for ends in segments {
             if let Some(seen) = clip_segment(ends, frame) {
@@ -254,6 +280,7 @@ impl Painter {
                 builder.line_to(bx, by);
             }
         }
+
         self.stroke(builder.finish(), stroke);
     }
 
@@ -281,17 +308,23 @@ impl Painter {
         let Some(path) = path.filter(|_| width > 0.0) else {
             return;
         };
+
         let Some(clipped) = self.visibility(&path, width) else {
             return;
         };
+
         let mask = self.clip.as_ref().filter(|_| clipped);
         let (paint, still) = (paint(stroke.color), Transform::identity());
         let style = skia_stroke(stroke, self.scale);
+
         if width < HAIRLINE {
             return self.pixmap.stroke_path(&path, &paint, &style, still, mask);
         }
+
+        // Filled as an area: the rasteriser would draw all strokes of up to a pixel as hairlines.
         let dashed = style.dash.as_ref().map(|dash| path.dash(dash, 1.0));
         let line = dashed.unwrap_or(Some(path));
+
         if let Some(outline) = line.and_then(|line| line.stroke(&style, 1.0)) {
             let rule = FillRule::Winding;
             self.pixmap.fill_path(&outline, &paint, rule, still, mask);

@@ -18,7 +18,7 @@ pub struct Scene {
     pub width: f64,
     /// Height in pixels at scale 1.
     pub height: f64,
-    /// Behind everything.
+    /// /// Colour of the ground, behind everything.
     pub background: Color,
     /// The title: the SVG's accessible name, the PNG's `Title`.
     pub title: String,
@@ -68,7 +68,7 @@ pub struct Group {
     pub name: String,
     /// From the group's units to scene pixels.
     pub view: View,
-    /// Only what lies in this rectangle (scene pixels) is seen.
+    /// /// The rectangle, in scene pixels, to which the group is cut; `None` leaves it whole.
     pub clip: Option<Rect>,
     /// Shapes, the first painted first.
     pub shapes: Vec<Shape>,
@@ -106,14 +106,14 @@ impl Group {
 /// From a group's units to scene pixels: `pixel = origin + scale * position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Pixels per unit.
+    /// /// Scene pixels per unit of the group.
     pub scale: f64,
     /// The pixel of the group's origin.
     pub origin: DVec2,
 }
 
 impl View {
-    /// Units are pixels.
+    /// /// The view whose units are scene pixels.
     pub const PIXELS: Self = Self {
         scale: 1.0,
         origin: DVec2::ZERO,
@@ -171,9 +171,9 @@ impl Placing {
 /// How an area is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fill {
-    /// One colour.
+    /// /// One colour all over the area.
     Solid(Color),
-    /// Diagonal lines.
+    /// /// Diagonal lines across the area.
     Hatch(Hatch),
 }
 
@@ -191,7 +191,7 @@ pub struct Hatch {
 /// A line along a shape's border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Colour.
+    /// Colour of the line.
     pub color: Color,
     /// Width in pixels.
     pub width: f64,
@@ -228,9 +228,9 @@ impl Stroke {
 /// Fill and stroke of a shape; neither makes it invisible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Style {
-    /// The area.
+    /// The area within the outline; `None` leaves it empty.
     pub fill: Option<Fill>,
-    /// The border.
+    /// The line along the outline; `None` draws none.
     pub stroke: Option<Stroke>,
 }
 
@@ -294,7 +294,7 @@ pub enum Anchor {
     Start,
     /// Its middle is there.
     Middle,
-    /// It ends there.
+    /// /// The text ends there.
     End,
 }
 
@@ -315,17 +315,17 @@ pub enum Baseline {
 pub struct Text {
     /// Its position in the group's units.
     pub at: DVec2,
-    /// The text.
+    /// The characters, on one line.
     pub text: String,
-    /// The font.
+    /// One of the program's fonts.
     pub font: Font,
     /// Size of the em in pixels.
     pub size: f64,
-    /// Colour.
+    /// Colour of the letters.
     pub color: Color,
-    /// Place along the line.
+    /// Which end of the text, or its middle, stands at `at`.
     pub anchor: Anchor,
-    /// Place across the line.
+    /// Which height of the letters stands at `at`.
     pub baseline: Baseline,
     /// Clockwise quarter turns about the position: 3 for the label of a vertical axis. Others would need
     /// trigonometry, whose last bits differ between platforms.
@@ -352,48 +352,48 @@ impl Text {
 /// Something to draw. Positions and radii in the group's units; widths, markers and text in pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A disk.
+    /// A disk in the group's units, with its border.
     Circle {
-        /// Centre.
+        /// Centre in the group's units.
         center: DVec2,
-        /// Radius.
+        /// Radius in the group's units.
         radius: f64,
         /// Fill and stroke.
         style: Style,
     },
     /// An axis-parallel rectangle.
     Rect {
-        /// The rectangle.
+        /// The rectangle in the group's units.
         rect: Rect,
         /// Fill and stroke.
         style: Style,
     },
     /// A closed polygon; overlapping parts are filled by the even-odd rule.
     Polygon {
-        /// Corners.
+        /// Corners in sequence; the last is joined to the first.
         points: Vec<DVec2>,
         /// Fill and stroke.
         style: Style,
     },
-    /// Connected line segments.
+    /// /// A line from corner to corner, not closed.
     Polyline {
-        /// Corners.
+        /// Corners in sequence; the last is not joined to the first.
         points: Vec<DVec2>,
-        /// The line.
+        /// How the line is drawn.
         stroke: Stroke,
     },
     /// Separate line segments of one style: edges of a graph.
     Segments {
-        /// Ends of each.
+        /// The two ends of each segment, in the group's units.
         segments: Vec<[DVec2; 2]>,
-        /// The lines.
+        /// How all lines are drawn.
         stroke: Stroke,
     },
     /// A mark of fixed size.
     Marker {
-        /// Its outline.
+        /// Which outline it has.
         marker: Marker,
-        /// Centre.
+        /// Centre in the group's units.
         center: DVec2,
         /// Width and height in pixels.
         size: f64,
@@ -402,17 +402,17 @@ pub enum Shape {
     },
     /// Pixels that fill a rectangle, the first row at its upper edge; never smoothed.
     Image {
-        /// The rectangle.
+        /// Where the image lies, in the group's units.
         rect: Rect,
-        /// The pixels.
+        /// Its pixels, spread evenly over the rectangle.
         bitmap: Bitmap,
     },
-    /// Text.
+    /// One line of text.
     Text(Text),
 }
 
 impl Shape {
-    /// A disk.
+    /// Returns a disk.
     #[must_use]
     pub fn circle(center: impl Into<DVec2>, radius: f64, style: Style) -> Self {
         Self::Circle {

@@ -69,6 +69,7 @@ fn laid_out<E>(
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
 
+    // Disks lie below all samples: a disk would hide the dots that were painted before it.
     if let Some(style) = canvas.ring(Some(Fill::Solid(options.palette.disk_fill))) {
         let mut disks = canvas.group("disks");
         for point in &points {
@@ -86,6 +87,7 @@ fn laid_out<E>(
         step()?;
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {
+            // A sample without a block was inserted. Where blocks are not known, all samples look alike.
             Some(None) => canvas.mark(&mut inserted, Marker::Diamond, point, canvas.inserted()),
             _ => canvas.mark(
                 &mut samples,
@@ -97,6 +99,7 @@ fn laid_out<E>(
     }
     canvas.push([samples, inserted]);
 
+    // On top: the arcs show where the disks leave a gap, and nothing may hide them.
     canvas.arcs(&points, &set.exposed);
     Ok(canvas.finish(&set.caption))
 }

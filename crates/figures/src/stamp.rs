@@ -32,6 +32,8 @@ pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
     let width = fonts.width(text, Font::Regular, size).ceil();
     // Room for what reaches above capitals and below the baseline.
     let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
+
+    // A text without width has no pixels, and a text of any length may come from a file.
     let is_small = (1.0..=MAX_SIDE).contains(&width) && above + below <= MAX_SIDE;
     let [columns, rows] = [width, above + below].map(|side| side as u32);
     let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;
@@ -47,6 +49,7 @@ pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
         Transform::identity(),
         None,
     );
+
     Some(Stamp {
         pixels: Pixels {
             width: columns,

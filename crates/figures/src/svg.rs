@@ -65,14 +65,20 @@ pub fn to_svg_with_fonts_controlled(
     control: Control<'_>,
 ) -> Result<String, FigureError> {
     let svg = written(scene, control)?;
+
     let texts = scene.groups.iter().flat_map(|group| &group.shapes);
-    let used = texts.filter_map(|shape| match shape {
-        Shape::Text(text) => Some(text.font),
-        _ => None,
-    });
-    let used: Vec<Font> = used.collect();
-    let fonts = Font::ALL.into_iter().filter(|font| used.contains(font));
-    let fonts: Vec<Font> = fonts.collect();
+    let used: Vec<Font> = texts
+        .filter_map(|shape| match shape {
+            Shape::Text(text) => Some(text.font),
+            _ => None,
+        })
+        .collect();
+
+    // Each font once and in one sequence, whatever the texts use first.
+    let fonts: Vec<Font> = (Font::ALL.into_iter())
+        .filter(|font| used.contains(font))
+        .collect();
+
     // The first line is the opening tag.
     let (tag, rest) = svg.split_once('\n').unwrap_or((&svg, ""));
     Ok(format!(
@@ -113,14 +119,18 @@ impl Writer {
 
     fn head(&mut self, scene: &Scene) {
         let (width, height) = (number(scene.width), number(scene.height));
+
+        // What the rasteriser and its fonts do for every shape: round joins, areas by the even-odd rule, figures of one width.
         self.push(format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
              fill-rule=\"evenodd\" style=\"font-variant-numeric:tabular-nums\">\n"
         ));
+
         if !scene.title.is_empty() {
             self.push(format_args!("<title>{}</title>\n", escape(&scene.title)));
         }
+
         if !scene.metadata.is_empty() {
             self.out.push_str("<desc>");
             for (key, value) in &scene.metadata {
@@ -128,6 +138,7 @@ impl Writer {
             }
             self.out.push_str("</desc>\n");
         }
+
         if scene.background[3] > 0 {
             let fill = paint("fill", Some(scene.background));
             self.push(format_args!(
@@ -149,6 +160,8 @@ impl Writer {
                  height=\"{height}\"/></clipPath>\n"
             ));
         }
+
+        // An identifier may hold few characters, and two groups may have one name: the index keeps them apart.
         let name = &group.name;
         let identifier: String = name
             .chars()
@@ -161,12 +174,14 @@ impl Writer {
         if group.clip.is_some() {
             self.push(format_args!(" clip-path=\"url(#clip-{index})\""));
         }
+
         self.out.push_str(">\n");
         let (view, scale) = (group.view, 1.0);
         for shape in &group.shapes {
             steps.shape()?;
             self.shape(shape, Placing { view, scale })?;
         }
+
         self.out.push_str("</g>\n");
         Ok(())
     }
@@ -197,6 +212,7 @@ impl Writer {
                 style,
             } => {
                 let center = at.pixel(*center);
+                // The outlines of markers have straight sides, and a dot has none.
                 if *marker == Marker::Dot {
                     self.circle(center, size / 2.0, *style);
                 } else {
@@ -258,22 +274,27 @@ impl Writer {
     }
 
     fn text(&mut self, text: &Text, at: DVec2) {
+        // From the program's font, not by SVG's own baselines: text stands as in the pixels, whatever font a reader has.
         let below = baseline_shift(&self.fonts, text, text.size);
         let [x, y] = numbers(at);
+
         let (family, weight) = match text.font {
             Font::Regular => ("Inter, 'Helvetica Neue', Arial, sans-serif", 400),
             Font::SemiBold => ("Inter, 'Helvetica Neue', Arial, sans-serif", 600),
             Font::Mono => ("'JetBrains Mono', Consolas, monospace", 400),
         };
+
         let anchor = match text.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
             Anchor::End => "end",
         };
+
         let turn = match text.quarter_turns % 4 {
             0 => String::new(),
             turns => format!(" transform=\"rotate({} {x} {y})\"", u32::from(turns) * 90),
         };
+
         let shifted = number(at.y + below);
         let (size, fill) = (number(text.size), paint("fill", Some(text.color)));
         self.push(format_args!(
@@ -359,6 +380,7 @@ pub fn escape(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&apos;"),
+            // Below the space, XML 1.0 allows these and the carriage return alone, which a reader would turn into a line feed.
             '\t' | '\n' => escaped.push(character),
             '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
             c if c.is_control() => escaped.push('\u{fffd}'),

@@ -27,14 +27,21 @@ impl Change {
             }
             None => vec![false; now.rgba.len() / 4],
         };
+
+        // Where nothing differs, the first pixel stands for the frame, since no format has frames without pixels.
         let rows = || stays.chunks_exact(width.max(1));
         let differs = |row: &[bool]| row.contains(&false);
         let top = rows().position(differs).unwrap_or(0);
         let bottom = rows().rposition(differs).unwrap_or(0);
-        let left = rows().filter_map(|row| row.iter().position(|stays| !stays));
-        let left = left.min().unwrap_or(0);
-        let right = rows().filter_map(|row| row.iter().rposition(|stays| !stays));
-        let right = right.max().unwrap_or(0);
+        let left = rows()
+            .filter_map(|row| row.iter().position(|stays| !stays))
+            .min()
+            .unwrap_or(0);
+        let right = rows()
+            .filter_map(|row| row.iter().rposition(|stays| !stays))
+            .max()
+            .unwrap_or(0);
+
         let columns = left..right + 1;
         let rows = rows().enumerate().skip(top).take(bottom + 1 - top);
         let mut change = Self {
@@ -45,12 +52,14 @@ impl Change {
             rgba: Vec::with_capacity(4 * columns.len() * (bottom + 1 - top)),
             stays: Vec::with_capacity(columns.len() * (bottom + 1 - top)),
         };
+
         for (y, row) in rows {
             let start = 4 * (y * width + left);
             let end = start + 4 * columns.len();
             change.rgba.extend(&now.rgba[start..end]);
             change.stays.extend(&row[columns.clone()]);
         }
+
         change
     }
 
@@ -59,10 +68,14 @@ impl Change {
     pub fn layer(&self) -> (Vec<u8>, bool) {
         let mut rgba = self.rgba.clone();
         let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);
+
+        // A changed pixel that is not opaque would let the old one show through. If all change, transparency saves nothing.
         let all = !self.stays.contains(&true);
         if all || pixels().any(|(pixel, stays)| !stays && pixel[3] != 255) {
             return (rgba, true);
         }
+
+        // All transparent pixels are alike, and so compress to nearly nothing.
         for (pixel, _) in rgba
             .chunks_exact_mut(4)
             .zip(&self.stays)
@@ -70,6 +83,7 @@ impl Change {
         {
             pixel.fill(0);
         }
+
         (rgba, false)
     }
 }

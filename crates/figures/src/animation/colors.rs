@@ -18,8 +18,11 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
         let changed = pixels().filter(|(_, stays)| !**stays);
         changed.map(|(pixel, _)| on_white(pixel))
     };
+
+    // The index of the pixels that stay takes the place of a colour.
     let some_stay = change.stays.contains(&true);
     let room = COLORS - usize::from(some_stay);
+
     let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
     let mut last: Option<(Rgb, u32)> = None;
     // Equal neighbours are counted together, as most pixels have one.
@@ -33,22 +36,29 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
         };
     }
     note(&mut counts, last);
+
     let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
+    // Colours of one count follow each other by their values, so that the same frame always has the same palette.
     palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
     let kept: Vec<Rgb> = palette.iter().take(room).map(|(color, _)| *color).collect();
+
     let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
         .map(|(place, &(color, _))| match u8::try_from(place) {
             Ok(index) if place < room => (color, index),
             _ => (color, nearest(&kept, color)),
         })
         .collect();
+
+    // Where some pixels stay, `room` leaves an index of a byte for them.
     let transparent = some_stay.then_some(kept.len() as u8);
     let of = |(pixel, stays): (&[u8], &bool)| match transparent {
         Some(transparent) if *stays => transparent,
         _ => index[&on_white(pixel)],
     };
+
     let buffer = pixels().map(of).collect();
     let mut palette = kept.into_flattened();
+    // The colour at the transparent index is never seen, but the table must have an entry there.
     palette.extend(transparent.map(|_| [0; 3]).into_iter().flatten());
     (palette, buffer, transparent)
 }

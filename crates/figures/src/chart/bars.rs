@@ -10,16 +10,16 @@ use crate::fonts::{Font, text_width};
 use crate::palette::Palette;
 use crate::scene::{Anchor, Baseline, Group, Rect, Shape, Stroke, Style, Text};
 
-/// A bar.
+/// /// A bar with its name before it and its value behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
-    /// What is written before it.
+    /// /// The name that is written before it.
     pub name: String,
-    /// Its length.
+    /// /// Its length, in units of the axis; a value below zero has none.
     pub value: f64,
     /// Where a whisker begins and ends.
     pub whisker: Option<[f64; 2]>,
-    /// What is written behind it.
+    /// /// The text behind it, as a rule its value.
     pub text: String,
     /// The number of its colour: bars of one kind in several groups have the same.
     pub color: usize,
@@ -89,14 +89,17 @@ impl BarChart {
                 .map(|bar| text_width(text(bar), Font::Regular, SIZE));
             widths.fold(0.0, f64::max)
         };
+
         let left = MARGIN + widest(|bar| &bar.name) + 12.0;
         let right = WIDTH - MARGIN - widest(|bar| &bar.text) - 12.0;
+        // Bars that all have no length still need a scale, whose divisor is not zero.
         let most = self.bars().map(Bar::end).fold(f64::MIN_POSITIVE, f64::max);
-        let row = BarScale {
+        let bar_scale = BarScale {
             left,
             scale: (right - left) / most,
             palette,
         };
+
         let ticks = Ticks::of([0.0, most], MAX_TICKS);
         let mut drawn = Group::new("bars");
         let mut y = top;
@@ -106,26 +109,32 @@ impl BarChart {
                 text.font = Font::SemiBold;
                 drawn.shapes.push(Shape::Text(text));
             }
+
             y += head(group);
             let end = y + LINE * group.bars.len() as f64;
+
             let lines = ticks
                 .values
                 .iter()
-                .map(|value| [y, end].map(|y| DVec2::new(row.at(*value), y)));
+                .map(|value| [y, end].map(|y| DVec2::new(bar_scale.at(*value), y)));
             drawn.shapes.push(Shape::Segments {
                 segments: lines.collect(),
                 stroke: Stroke::new(palette.line, 0.6),
             });
+
             for (index, bar) in group.bars.iter().enumerate() {
-                row.draw(bar, y + (index as f64 + 0.5) * LINE, &mut drawn);
+                bar_scale.draw(bar, y + (index as f64 + 0.5) * LINE, &mut drawn);
             }
+
+            // The line at zero lies over the bars that begin there.
             let stroke = Stroke::new(palette.muted, 1.0);
             drawn
                 .shapes
                 .push(Shape::line([left, y], [left, end], stroke));
             y = end + GAP;
         }
-        vec![drawn, row.axis(&self.label, most, &ticks, y)]
+
+        vec![drawn, bar_scale.axis(&self.label, most, &ticks, y)]
     }
 }
 
@@ -149,10 +158,12 @@ impl BarScale<'_> {
     fn axis(&self, label: &str, most: f64, ticks: &Ticks, y: f64) -> Group {
         let mut group = Group::new("axis");
         let (color, stroke) = (self.palette.muted, Stroke::new(self.palette.muted, 1.0));
+
         let [left, right] = [0.0, most].map(|value| self.at(value));
         group
             .shapes
             .push(Shape::line([left, y], [right, y], stroke));
+
         for value in &ticks.values {
             let x = self.at(*value);
             group.shapes.push(Shape::line([x, y], [x, y + 5.0], stroke));
@@ -160,8 +171,10 @@ impl BarScale<'_> {
             (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
             group.shapes.push(Shape::Text(text));
         }
+
         let mut text = Text::new([f64::midpoint(left, right), y + 40.0], label, SIZE, color);
         text.anchor = Anchor::Middle;
+
         group.shapes.push(Shape::Text(text));
         group
     }
@@ -173,6 +186,7 @@ impl BarScale<'_> {
             rect: Rect::new([self.left, top], [self.at(bar.value), bottom]),
             style: Style::filled(colors[bar.color % colors.len()]),
         });
+
         if let Some(ends) = bar.whisker {
             let [low, high] = ends.map(|end| DVec2::new(self.at(end), middle));
             let across = |end: DVec2| [end - 4.0 * DVec2::Y, end + 4.0 * DVec2::Y];
@@ -181,12 +195,16 @@ impl BarScale<'_> {
                 stroke: Stroke::new(self.palette.text, 1.4),
             });
         }
+
         let at = [self.left - 10.0, middle];
         let mut name = Text::new(at, &bar.name, SIZE, self.palette.text);
         (name.anchor, name.baseline) = (Anchor::End, Baseline::Middle);
+
+        // A whisker may reach farther than its bar, and the text stands behind both.
         let at = [self.at(bar.end()) + 8.0, middle];
         let mut text = Text::new(at, &bar.text, SIZE, self.palette.muted);
         text.baseline = Baseline::Middle;
+
         group.shapes.extend([name, text].map(Shape::Text));
     }
 }

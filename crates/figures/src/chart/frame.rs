@@ -58,6 +58,7 @@ impl Frame<'_> {
         let mut group = Group::new("grid");
         let [x, y] = self.ticks();
         let Rect { min, max } = self.plot;
+
         let upright = x.iter().map(|(value, _)| {
             let x = self.pixel([*value, self.y[0]]).x;
             [min.with_x(x), max.with_x(x)]
@@ -66,6 +67,7 @@ impl Frame<'_> {
             let y = self.pixel([self.x[0], *value]).y;
             [min.with_y(y), max.with_y(y)]
         });
+
         group.shapes.push(Shape::Segments {
             segments: upright.chain(level).collect(),
             stroke: Stroke::new(self.palette.line, 0.6),
@@ -80,6 +82,7 @@ impl Frame<'_> {
             rect: self.plot,
             style: Style::stroked(self.palette.muted, 1.0),
         });
+
         let [x, y] = self.ticks();
         for (value, label) in &x {
             let at = self.pixel([*value, self.y[0]]);
@@ -88,6 +91,7 @@ impl Frame<'_> {
             group.shapes.push(Shape::Text(text));
             group.shapes.push(self.tick(at, 5.0 * DVec2::Y));
         }
+
         for (value, label) in &y {
             let at = self.pixel([self.x[0], *value]);
             let mut text = self.text(at - 9.0 * DVec2::X, label, TICK);
@@ -95,6 +99,7 @@ impl Frame<'_> {
             group.shapes.push(Shape::Text(text));
             group.shapes.push(self.tick(at, -5.0 * DVec2::X));
         }
+
         group.shapes.extend(self.words(title).map(Shape::Text));
         group
     }

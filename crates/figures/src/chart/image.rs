@@ -20,16 +20,21 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         clip: Some(frame.plot),
         ..Group::new("cells")
     };
+
+    // A shape for each cell would be up to a million of them: cells of one shade are lines as thick as a row is high.
     let Rect { min, max } = frame.plot;
     let rows = chart.values.len() / chart.columns;
     let size = frame.plot.size() / DVec2::new(chart.columns as f64, rows as f64);
+
     // Edges between pixels would show the background through: cells lie a little over each other there.
     let halves = (2.0 * size).fract().max_element() < 1e-6;
     let over = if halves { 0.0 } else { OVER };
+
     let shades = runs(chart);
     for (shade, runs) in shades
         .iter()
         .enumerate()
+        // A shade without cells would be an empty shape in the file.
         .filter(|(_, runs)| !runs.is_empty())
     {
         let line = |&[row, from, to]: &[usize; 3]| {
@@ -42,12 +47,14 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
             stroke: Stroke::new(grey(shade), size.y + over),
         });
     }
+
     let ring = chart.absent.map(|absent| {
         let [column, row] = [absent % chart.columns, absent / chart.columns];
         let offset = (DVec2::new(column as f64, row as f64) + 0.5) * size;
         let center = DVec2::new(min.x + offset.x, max.y - offset.y);
         ring(center, size.max_element(), frame)
     });
+
     std::iter::once(cells).chain(ring).collect()
 }
 
@@ -67,7 +74,10 @@ fn runs(chart: &ImageChart) -> Vec<Vec<[usize; 3]>> {
         let mut last = None;
         for (column, value) in values.iter().enumerate() {
             let absent = chart.absent == Some(row * chart.columns + column);
+            // The absent cell ends a run as another shade would, and its value is not read.
             let shade = (!absent).then(|| shade(*value, chart.clamp));
+
+            // Neighbours of one shade are one line: fewer pieces, and no seam between them.
             if let Some(shade) = shade {
                 let runs: &mut Vec<[usize; 3]> = &mut shades[shade];
                 match runs.last_mut() {
@@ -75,6 +85,7 @@ fn runs(chart: &ImageChart) -> Vec<Vec<[usize; 3]>> {
                     _ => runs.push([row, column, column + 1]),
                 }
             }
+
             last = shade;
         }
     }

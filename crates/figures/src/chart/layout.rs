@@ -57,65 +57,83 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
     if figure.rows.is_empty() || figure.rows.iter().any(Vec::is_empty) {
         return Err(ChartError::Empty(figure.title.clone()));
     }
+
     let (legend, mut top) = legend(figure, palette, TITLE);
     let tiles = tiles_width(figure);
     let mut scene = Scene::new(tiles.unwrap_or(WIDTH), 1.0, palette.background);
     scene.title.clone_from(&figure.title);
-    let mut title = Text::new([MARGIN, 34.0], &figure.title, 20.0, palette.text);
-    title.font = Font::SemiBold;
-    let mut head = Group::new("title");
-    head.shapes.push(Shape::Text(title));
-    scene.groups.extend([head, legend]);
+    scene.groups.extend([title(figure, palette), legend]);
     for panel in figure.rows.iter().flatten() {
         if let Panel::Scale(scale) = panel {
             scene.groups.push(scale.group(scene.width, palette));
         }
     }
+
     let mut columns = 1;
     let first = MARGIN + names_width(figure);
     for row in &figure.rows {
-        let row: Vec<&Panel> = (row.iter())
+        let panels: Vec<&Panel> = (row.iter())
+            // Scales of colours stand beside the title and take no room in their row.
             .filter(|panel| !matches!(panel, Panel::Scale(_)))
             .collect();
-        if let [Panel::Bars(chart)] = row[..] {
+
+        if let [Panel::Bars(chart)] = panels[..] {
             chart.check()?;
             scene.groups.extend(chart.groups(top, palette));
             top += chart.height();
             continue;
         }
-        if row.is_empty() {
+
+        if panels.is_empty() {
             continue;
         }
-        if row.iter().any(|panel| matches!(panel, Panel::Tile(_))) {
-            top = tile_row(&row, [first, top], &mut scene, palette)?;
+        if panels.iter().any(|panel| matches!(panel, Panel::Tile(_))) {
+            top = tile_row(&panels, first, top, &mut scene, palette)?;
             continue;
         }
+
         // A last row of fewer images has them as large as the rows before.
-        columns = if images(&row) {
-            columns.max(row.len())
+        columns = if images(&panels) {
+            columns.max(panels.len())
         } else {
-            row.len()
+            panels.len()
         };
+
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
-        let height = row_height(&row, width);
-        for (index, panel) in row.iter().enumerate() {
+        let height = row_height(&panels, width);
+
+        for (index, panel) in panels.iter().enumerate() {
             let left = (MARGIN + index as f64 * width).round();
             let cell = Rect::new([left, top], [left + width, top + height]);
             scene.groups.extend(panel_groups(panel, cell, palette)?);
         }
+
         top += height;
-        if !images(&row) {
+        // What follows a row of curves need not be as wide as images above it.
+        if !images(&panels) {
             columns = 1;
         }
     }
+
     scene.height = top + MARGIN;
     Ok(scene)
+}
+
+/// Returns the title above everything.
+fn title(figure: &Figure, palette: &Palette) -> Group {
+    let mut text = Text::new([MARGIN, 34.0], &figure.title, 20.0, palette.text);
+    text.font = Font::SemiBold;
+
+    let mut group = Group::new("title");
+    group.shapes.push(Shape::Text(text));
+    group
 }
 
 /// Adds a row of tiles and returns its lower end.
 fn tile_row(
     row: &[&Panel],
-    [first, top]: [f64; 2],
+    first: f64,
+    top: f64,
     scene: &mut Scene,
     palette: &Palette,
 ) -> Result<f64, ChartError> {
@@ -123,19 +141,25 @@ fn tile_row(
     if all.len() != row.len() {
         return Err(ChartError::Mixed(scene.title.clone()));
     }
+
     let [head, foot] = tiles::room(&all);
     let column = (WIDTH - 2.0 * MARGIN) / all.len() as f64;
+
     let mut below = top;
     for (index, tile) in (0..).map(f64::from).zip(all) {
         let (left, side) = match tile.side {
             Some(side) => (first + index * (side + tiles::GAP), side),
+            // Without a side of its own, a tile is as wide as the plots of charts above and below it.
             None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),
         };
+
+        // The titles above all tiles of a row have the same height, so that the tiles stand in one line.
         let corner = DVec2::new(left, top + head);
         let frame = Rect::new(corner, corner + side);
         scene.groups.extend(tile.groups(frame, palette)?);
         below = frame.max.y.max(below);
     }
+
     Ok(below + foot)
 }
 
@@ -254,15 +278,18 @@ pub fn panel_groups(
 fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let span = DVec2::new(x[1] - x[0], y[1] - y[0]);
     let unit = (plot.size() / span).min_element();
+
     let cells = DVec2::new(columns as f64, rows as f64);
     let mut cell = unit * span / cells;
-    // Below a pixel, halves: pictures are often made at scale 2.
+
+    // Multiples of half a pixel: pictures are often made at scale 2, where these are whole. The hair allows for rounding.
     if (cell.x / cell.y - 1.0).abs() < 1e-9 && cell.x >= 1.0 {
         let whole = (2.0 * cell.x + 1e-9).floor() / 2.0;
         if whole > MIN_SHARE_OF_ROOM * cell.x {
             cell = DVec2::splat(whole);
         }
     }
+
     let min = plot.min.round();
     Rect::new(min, min + cell * cells)
 }
@@ -274,12 +301,15 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     if entries.is_empty() {
         return (group, top);
     }
+
     let mut at = DVec2::new(MARGIN, top + 0.5 * LEGEND_LINE);
     for (name, look) in entries {
         let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
+        // A name that is wider than the figure gets a line of its own, but no empty line before it.
         if at.x > MARGIN && at.x + width - GAP > WIDTH - MARGIN {
             at = DVec2::new(MARGIN, at.y + LEGEND_LINE);
         }
+
         let drawn = drawn(look, palette);
         let along = (SAMPLE - 8.0) * DVec2::X;
         group.shapes.push(Shape::line(at, at + along, drawn.stroke));
@@ -289,11 +319,13 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
                 .shapes
                 .push(lines::mark(marker, middle, drawn.stroke.color));
         }
+
         let mut text = Text::new(at + SAMPLE * DVec2::X, name, LEGEND_TEXT, palette.text);
         text.baseline = Baseline::Middle;
         group.shapes.push(Shape::Text(text));
         at.x += width;
     }
+
     (group, at.y + 0.5 * LEGEND_LINE + 8.0)
 }
 

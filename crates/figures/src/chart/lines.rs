@@ -38,6 +38,7 @@ pub(super) fn drawn(look: Look, palette: &Palette) -> Drawn {
         Look::Alone => return without_marks(Stroke::new(palette.detector, 1.6)),
     };
 
+    // There are 6 colours, 5 marks and 4 kinds of dashes, so that 60 series go by until a combination comes again.
     let colors: [Color; 6] = [
         palette.detector,
         palette.conflict,
@@ -53,13 +54,15 @@ pub(super) fn drawn(look: Look, palette: &Palette) -> Drawn {
         Marker::Diamond,
         Marker::Cross,
     ];
-    let stroke = Stroke::new(colors[number % colors.len()], 1.6);
+
+    let solid = Stroke::new(colors[number % colors.len()], 1.6);
     let stroke = match number % 4 {
-        0 => stroke,
-        1 => stroke.dashed(5.0, 2.0),
-        2 => stroke.dashed(16.0, 3.0),
-        _ => stroke.dashed(2.0, 2.0),
+        0 => solid,
+        1 => solid.dashed(5.0, 2.0),
+        2 => solid.dashed(16.0, 3.0),
+        _ => solid.dashed(2.0, 2.0),
     };
+
     let marker = Some(markers[number % markers.len()]);
     Drawn { stroke, marker }
 }
@@ -69,7 +72,9 @@ impl LineChart {
     pub(super) fn ranges(&self) -> [[f64; 2]; 2] {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let x = self.x.range.unwrap_or_else(|| wide(points().map(|p| p[0])));
+
         let y = self.y.range.unwrap_or_else(|| {
+            // Bands and levels are to be seen whole, even where the curves do not reach.
             let bands = self.series.iter().filter_map(|series| series.band.as_ref());
             let ends = bands.flatten().flatten().copied();
             let levels = self.levels.iter().map(|level| level.y);
@@ -79,6 +84,7 @@ impl LineChart {
             let floor = if low >= 0.0 { 0.0 } else { low - spare };
             [floor, high + spare]
         });
+
         [x, y]
     }
 }
@@ -101,12 +107,16 @@ pub(super) fn groups(chart: &LineChart, frame: &Frame<'_>) -> Vec<Group> {
         clip: Some(frame.plot),
         ..Group::new(name)
     };
+
+    // Bands of all series lie below all curves: a band would hide the curve of an earlier series.
     let mut bands = clipped("bands");
     let mut curves = clipped("curves");
     for series in &chart.series {
         bands.shapes.extend(band(series, frame));
         curve(series, frame, &mut curves);
     }
+
+    // The first is painted first, so that curves cover the levels.
     let mut groups = vec![
         bands,
         levels(chart, frame, clipped("levels")),
@@ -152,17 +162,23 @@ fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
 fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("level names");
     let Rect { min, max } = frame.plot;
-    let widths =
-        (chart.levels.iter()).map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME));
-    let widths: Vec<f64> = widths.collect();
+
+    let widths: Vec<f64> = (chart.levels.iter())
+        .map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME))
+        .collect();
+    // The heading and all names share one line above the plot.
     let all: f64 = widths
         .iter()
         .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)
         .sum();
     let head = text_width(&chart.title, Font::SemiBold, HEADING);
     let fits = head + all + LEVEL_GAP < frame.plot.size().x || chart.levels.len() == 1;
+
+    // The names above the plot are told apart by the dashes before them, so there may be no more of them than kinds of dashes.
     let beside = fits && chart.levels.len() <= LEVEL_DASHES.len();
+
     let mut right = max.x;
+    // From the right, so that the names stand in the sequence of the levels.
     for (index, (level, width)) in chart.levels.iter().zip(widths).enumerate().rev() {
         let at = if beside {
             let at = DVec2::new(right, min.y - 12.0);
@@ -175,6 +191,7 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
             let y = frame.pixel([frame.x[0], level.y]).y;
             DVec2::new(max.x - 8.0, y - 6.0)
         };
+
         let mut text = Text::new(at, &level.name, LEVEL_NAME, frame.palette.text);
         text.anchor = Anchor::End;
         group.shapes.push(Shape::Text(text));
@@ -185,11 +202,13 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
 fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
     let drawn = drawn(series.look, frame.palette);
+
     let mut next = frame.plot.min.x + 0.5 * MARK_EVERY;
     if let Look::Numbered(number) = series.look {
         // Marks of curves that run together stand beside each other.
         next += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
     }
+
     let mut marks = Vec::new();
     for point in &points {
         if let Some(marker) = drawn.marker
@@ -199,8 +218,10 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
             next = point.x + MARK_EVERY;
         }
     }
+
     let stroke = drawn.stroke;
     group.shapes.push(Shape::Polyline { points, stroke });
+    // Marks lie on their line.
     group.shapes.extend(marks);
 }
 

@@ -64,11 +64,14 @@ fn step(least: f64) -> (f64, usize) {
         }
     };
     let decimals = |exponent: i32| (-exponent).max(0) as usize;
+
     for factor in [1.0, 2.0, 5.0] {
+        // A distance that rounding left a hair above a round value still takes that value.
         if factor * power(exponent) >= least * (1.0 - 1e-9) {
             return (factor * power(exponent), decimals(exponent));
         }
     }
+
     (power(exponent + 1), decimals(exponent + 1))
 }
 

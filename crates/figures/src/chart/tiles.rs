@@ -1,5 +1,5 @@
 //! Square pictures with words about them, and scales of colours.
-//! Pixels are never scaled by anything but a whole number, unless there are more of them than the tile has.
+//! Pixels are scaled by a whole number alone; of more than the tile has, those that fit are seen. Cells fill their tile.
 
 use glam::DVec2;
 
@@ -20,29 +20,29 @@ pub enum TileContent {
     Cells(Bitmap),
     /// Dots at places of the unit square, y upwards, framed.
     Dots(Vec<[f64; 2]>),
-    /// Nothing.
+    /// /// No picture: the tile keeps its room and its words.
     Empty,
 }
 
-/// A square picture.
+/// A square picture with a title above, a note below and an axis at its left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileChart {
-    /// Above it.
+    /// Written above the tile; may be empty.
     pub title: String,
-    /// Below it.
+    /// Written below the tile; may be empty.
     pub note: String,
     /// Its vertical axis: a name left of the tile, and the ticks that are given, over its range.
     pub y: Option<Axis>,
     /// Its side in pixels; none makes it as wide as the plots of charts above and below.
     pub side: Option<f64>,
-    /// The picture.
+    /// What the tile shows.
     pub content: TileContent,
 }
 
 /// What colours mean, drawn at the right of the figure's title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorScale {
-    /// What is written at its beginning and at its end.
+    /// Labels at both ends of the scale: of its first colour and of its last.
     pub ends: [String; 2],
     /// Colours in equal steps from the one to the other.
     pub colors: Vec<[u8; 3]>,
@@ -72,9 +72,11 @@ impl TileChart {
             ..Group::new("tile")
         };
         let side = frame.size().x;
+
         match &self.content {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
+                // A whole number of pixels for each, so that none is wider than its neighbour.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
@@ -87,6 +89,7 @@ impl TileChart {
             TileContent::Dots(places) => {
                 let style = Style::filled(palette.sample);
                 let mark = |[x, y]: &[f64; 2]| {
+                    // The unit square's y points up, the scene's down.
                     let at = [frame.min.x + side * x, frame.max.y - side * y];
                     Shape::marker(Marker::Dot, at, 3.0, style)
                 };
@@ -94,10 +97,13 @@ impl TileChart {
             }
             TileContent::Empty => {}
         }
+
+        // A border shows where the unit square ends; pixels that come as a picture show it by themselves.
         if matches!(self.content, TileContent::Cells(_) | TileContent::Dots(_)) {
             let style = Style::stroked(palette.muted, 2.0);
             group.shapes.push(Shape::Rect { rect: frame, style });
         }
+
         Ok([group, self.words(frame, palette)?])
     }
 
@@ -108,14 +114,17 @@ impl TileChart {
         let mut title = fitting(above, &self.title, HEADING, Font::SemiBold, side);
         let mut note = fitting(below, &self.note, TICK, Font::Regular, side);
         (title.color, note.color, note.anchor) = (palette.text, palette.muted, Anchor::Middle);
+
         let mut words = Group::new("words");
         let both = [title, note]
             .into_iter()
             .filter(|text| !text.text.is_empty());
         words.shapes.extend(both.map(Shape::Text));
+
         if let Some(axis) = &self.y {
             words.shapes.extend(ordinate(axis, frame, palette)?);
         }
+
         Ok(words)
     }
 }
@@ -134,19 +143,24 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     let mut name = Text::new(at, &axis.label, LABEL, palette.text);
     (name.anchor, name.quarter_turns) = (Anchor::Middle, 3);
     let mut shapes = vec![Shape::Text(name)];
+
+    // Without ticks the range is not needed, and may be missing.
     let Some(ticks) = &axis.ticks else {
         return Ok(shapes);
     };
     let [low, high] = axis.checked_range()?;
+
     for (value, label) in ticks {
         let share = (high - value) / (high - low);
         let at = frame.min + DVec2::new(-1.0, share * frame.size().y);
         let stroke = Stroke::new(palette.muted, 1.0);
         shapes.push(Shape::line(at - 5.0 * DVec2::X, at, stroke));
+
         let mut text = Text::new(at - 8.0 * DVec2::X, label, TICK, palette.muted);
         (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
         shapes.push(Shape::Text(text));
     }
+
     Ok(shapes)
 }
 
@@ -156,10 +170,13 @@ impl ColorScale {
     /// Returns its shapes, at the upper right corner of a figure of this width.
     pub(super) fn group(&self, width: f64, palette: &Palette) -> Group {
         let mut group = Group::new("scale");
+
         let [low, high] = &self.ends;
         let right = width - MARGIN - text_width(high, Font::Regular, LABEL) - 8.0;
         let [left, top] = [right - SCALE[0], 20.0];
+        // A scale without colours is an empty frame, and nothing is divided by zero.
         let step = SCALE[0] / self.colors.len().max(1) as f64;
+
         for (index, [r, g, b]) in self.colors.iter().enumerate() {
             let x = left + step * index as f64;
             let color: Color = [*r, *g, *b, 255];
@@ -172,10 +189,12 @@ impl ColorScale {
             rect: Rect::new([left, top], [right, top + SCALE[1]]),
             style: Style::stroked(palette.muted, 1.0),
         });
+
         let base = top + 12.0;
         let mut low = Text::new([left - 8.0, base], low, LABEL, palette.text);
         low.anchor = Anchor::End;
         let high = Text::new([right + 8.0, base], high, LABEL, palette.text);
+
         group.shapes.extend([low, high].map(Shape::Text));
         group
     }
