@@ -107,12 +107,12 @@ pub type FrameProgress<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
 /// Writes an animation that repeats forever as a GIF.
 ///
 /// `delay` is the time for a frame in hundredths of a second. Each frame has the 256 colours that most of its pixels
-/// have, after the first frame the 255 that most of the changed ones have; other pixels take the nearest of them. What is
-/// transparent is seen on white. `metadata` becomes comments.
+/// have, after the first frame the 255 that most of the changed ones have; other pixels take the nearest of them.
+/// Transparent pixels are laid on white. `metadata` becomes comments.
 ///
 /// # Errors
 ///
-/// See [`AnimationError`]. What was written before an error is no complete file.
+/// See [`AnimationError`]. After an error the file is not complete.
 pub fn write_gif(
     frames: impl ExactSizeIterator<Item = Result<Pixels, FigureError>>,
     delay: u16,
@@ -171,7 +171,7 @@ pub fn write_gif(
 ///
 /// # Errors
 ///
-/// See [`AnimationError`]. What was written before an error is no complete file.
+/// See [`AnimationError`]. After an error the file is not complete.
 pub fn write_apng(
     frames: impl ExactSizeIterator<Item = Result<Pixels, FigureError>>,
     delay: u16,

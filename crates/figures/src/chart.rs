@@ -82,7 +82,7 @@ impl Axis {
         }
     }
 
-    /// The same axis with ticks at these values, each with what is written there; those beyond its range are left out. So an axis
+    /// The same axis with ticks at these values, each with its label; those beyond its range are left out. So an axis
     /// of logarithms can be labelled with the numbers themselves.
     #[must_use]
     pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
@@ -273,6 +273,7 @@ impl LineChart {
             return Ok(());
         };
 
+        // A band is a polygon along its curve.
         if band.len() != series.points.len() {
             return Err(ChartError::Band {
                 series: series.name.clone(),

@@ -10,7 +10,7 @@ pub const MAX_SIDE: f64 = 32_768.0;
 pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// The largest radius, stroke width, marker or letter in pixels: three times the largest picture. Positions may be
-/// anywhere; what is far outside is cut off.
+/// anywhere; parts far outside are cut off.
 pub const MAX_LENGTH: f64 = 100_000.0;
 
 /// The largest number of columns or rows of a bitmap.

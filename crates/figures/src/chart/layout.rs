@@ -243,6 +243,7 @@ pub fn panel_groups(
             let frame = framed(plot, chart.ranges(), [&chart.x, &chart.y]);
             let mut groups = vec![frame.grid()];
             groups.extend(lines::groups(chart, &frame));
+            // The border comes last, so that no curve covers it.
             groups.push(frame.border(&chart.title));
             Ok(groups)
         }
