@@ -27,6 +27,8 @@ impl Ages {
         let run = session.run();
         let origins = &run.samples.origins;
         let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
+
+        // Ids are in the order of making, so that the first inserted one is found by bisection.
         Self {
             // Without stages samples are ordered by position, and only their block tells their age.
             tiled: if session.has_stages() {
@@ -48,9 +50,11 @@ impl Ages {
     /// Returns the age of a sample.
     #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
+        // A single sample has age 0, without a division by zero.
         if let Some(count) = self.ordered {
             return id as f32 / count.saturating_sub(1).max(1) as f32;
         }
+
         match *origin {
             Origin::Tiled { block, .. } => {
                 let (before, all) = match self.tiled {

@@ -12,10 +12,10 @@ pub const MAX_PAIRS: usize = 500_000;
 /// The relative change in size of samples with the strongest shares.
 const SWELL: f32 = 0.5;
 
-/// Two samples.
+/// Two samples at a brushed distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Pair {
-    /// Their ids.
+    /// The ids of both samples.
     pub ids: [u32; 2],
     /// From the first to the nearest image of the second, in r.
     pub offset: DVec2,
@@ -35,7 +35,7 @@ pub enum Cause {
     Shares {
         /// The number of frequencies.
         frequencies: u64,
-        /// Their mean power.
+        /// The mean power at these frequencies.
         mean_power: f64,
         /// By id: the share divided by the one expected of a sample of noise at the same position, so that noise
         /// has a mean of 1 all over the domain. Samples that a bounded domain's taper leaves too little of have
@@ -51,7 +51,7 @@ pub enum Cause {
 pub struct BrushedCause {
     /// Changes with each result, so that cached pictures of another one are not reused.
     pub serial: u64,
-    /// The causes.
+    /// The pairs or shares that were found.
     pub cause: Cause,
 }
 
@@ -68,16 +68,21 @@ pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<
     else {
         return None;
     };
+
     let share = *shares.get(id as usize)?;
+    // A sample that does not cover its disk has no share.
     if !share.is_finite() {
         return None;
     }
+
     let part = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
     let strong = if part < 0.0 {
         palette.detector
     } else {
         palette.conflict
     };
+
+    // The square root lets weak shares be seen.
     let color = palette.eliminated.lerp_to_gamma(strong, part.abs().sqrt());
     Some((color, 1.0 + SWELL * part))
 }

@@ -180,6 +180,7 @@ impl Figure<'_> {
 
     fn clip(&self) -> Vec<SymbolShape> {
         let color = self.0.block(0);
+        // The last four lie outside the block, within its clip.
         let inside = [
             vec2(-34.0, -14.0),
             vec2(-8.0, 4.0),
@@ -191,35 +192,41 @@ impl Figure<'_> {
             vec2(14.0, 36.0),
             vec2(60.0, -20.0),
         ];
+
         let [a, b, c, d] = rect(140.0, 88.0);
         let mut shapes = vec![
             filled(rect(98.0, 50.0), color.gamma_multiply(0.2)),
             outline(rect(98.0, 50.0), Self::thin(color)),
             dashed([a, b, c, d, a], Self::thin(self.0.sample), [5.0, 3.0]),
         ];
+
         shapes.extend(inside.map(|at| dot(at, 2.5, color)));
         shapes
     }
 
     fn cuts(&self, layer: Layer) -> Vec<SymbolShape> {
         let [x, y] = [70.0, 44.0];
+        // A tree's lines are thicker for earlier splits, as on the canvas; blocks have borders of one width.
         let cuts = [
             ([vec2(-14.0, -y), vec2(-14.0, y)], 3.6),
             ([vec2(-14.0, 8.0), vec2(x, 8.0)], 2.4),
             ([vec2(-x, -10.0), vec2(-14.0, -10.0)], 2.4),
             ([vec2(30.0, -y), vec2(30.0, 8.0)], 1.4),
         ];
+
         let is_tree = layer == Layer::Tree;
         let color = if is_tree {
             self.0.text
         } else {
             self.0.block(0)
         };
+
         let area = rect(2.0 * x, 2.0 * y);
         let mut shapes = vec![
             filled(area, self.0.block(0).gamma_multiply(0.15)),
             outline(area, Self::thin(color)),
         ];
+
         shapes.extend(cuts.map(|(ends, width)| {
             line(ends, Stroke::new(if is_tree { width } else { 1.4 }, color))
         }));

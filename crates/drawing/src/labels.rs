@@ -42,7 +42,7 @@ impl Labelled {
 }
 
 /// Returns the rectangle of each mark's label: of its places the one that covers least of `taken`, of other marks, of the labels
-/// before it, and of what lies outside the frame. Of equally good places it is the first.
+/// before it, and of the outside of the frame. The first of equally good places is taken.
 #[must_use]
 pub fn places(marks: &[Labelled], taken: &[Rect], frame: Rect) -> Vec<Rect> {
     let mut labels: Vec<Rect> = Vec::new();
@@ -56,12 +56,15 @@ pub fn places(marks: &[Labelled], taken: &[Rect], frame: Rect) -> Vec<Rect> {
             .chain(taken.iter().copied())
             .chain(labels.iter().copied())
             .collect();
+
+        // An area beyond the frame is as hidden as one below another mark.
         let cost = |place: &Rect| {
             let hidden: f32 = covered.iter().map(|other| common(*place, *other)).sum();
             hidden + area(*place) - common(*place, frame)
         };
 
         let candidates = mark.candidates();
+        // Of equal costs, this is the first.
         let best = candidates
             .into_iter()
             .min_by(|a, b| cost(a).total_cmp(&cost(b)));

@@ -9,11 +9,11 @@ pub enum Symbol {
     /// Nothing is drawn, except its disk if the look shows it.
     #[default]
     None,
-    /// A sample.
+    /// A sample, as a dot.
     Dot,
     /// An eliminated sample: a cross, hollow when it is large.
     Cross,
-    /// An inserted sample.
+    /// An inserted sample, as a diamond.
     Diamond,
     /// A gap detector: a ring around a small dot.
     Ring,
@@ -22,7 +22,7 @@ pub enum Symbol {
 /// How a sample looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleLook {
-    /// Its symbol.
+    /// Which symbol it has.
     pub symbol: Symbol,
     /// The colour of symbol and disk.
     pub color: Color32,

@@ -118,6 +118,7 @@ impl<'a> Looks<'a> {
             Stage::Iterate(_) => 0.6,
             _ => 1.0,
         };
+
         Self {
             subject: *subject,
             palette,
@@ -137,7 +138,7 @@ impl<'a> Looks<'a> {
         all
     }
 
-    /// Returns the subject.
+    /// Returns the subject whose samples these are.
     #[must_use]
     pub const fn subject(&self) -> &Subject<'a> {
         &self.subject
@@ -147,15 +148,18 @@ impl<'a> Looks<'a> {
     #[must_use]
     pub fn of(&self, id: u32) -> SampleLook {
         let has = |layer| self.subject.layers.has(layer);
+
         match self.subject.shown.standing(id) {
             Standing::Eliminated { .. } if has(Layer::Eliminated) => {
                 SampleLook::new(Symbol::Cross, self.ghost)
             }
+            // Samples outside a bounded domain take no part in later stages.
             Standing::Dropped
                 if has(Layer::Eliminated) && self.subject.shown.stage == Stage::Tile =>
             {
                 SampleLook::new(Symbol::Dot, self.dropped)
             }
+            // Without its symbol a sample still has its disk, which is a layer of its own.
             Standing::Valid | Standing::Tiled => {
                 let (layer, symbol) = match self.origin(id) {
                     Origin::Inserted { .. } => (Layer::Inserted, Symbol::Diamond),
@@ -183,11 +187,14 @@ impl<'a> Looks<'a> {
     /// Returns the colour of a sample that is tiled or valid.
     #[must_use]
     pub fn color(&self, id: u32) -> Color32 {
+        // A brush over the curves replaces any colouring while it lasts.
         if let Some((color, _)) = self.tint(id) {
             return color;
         }
+
         let origin = self.origin(id);
         let session = self.subject.shown.session;
+
         match (origin, self.subject.colouring.of(session.kind())) {
             (_, Colouring::Level) => {
                 let nested = session.nested.as_ref();
@@ -195,6 +202,7 @@ impl<'a> Looks<'a> {
                 self.swatches.age(nested.map_or(0.0, share))
             }
             (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),
+            // An inserted sample belongs to no block and to no margin.
             (Origin::Inserted { .. }, _) => self.palette.inserted,
             (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(*block),
             (Origin::Tiled { own: true, .. }, Colouring::Provenance) => self.palette.sample,

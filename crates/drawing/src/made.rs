@@ -21,9 +21,13 @@ impl Made {
             splits: blocks.splits.len(),
             leaves: blocks.leaves.len(),
         };
+
+        // Without events only whole stages are shown.
         let Some(debugger) = shown.debugger else {
             return made;
         };
+
+        // The tape begins with the events of the blocks, of which there are few: they are counted anew.
         if shown.stage == Stage::Blocks && !shown.ends_stage() {
             (made.splits, made.leaves) = (0, 0);
             let tape = debugger.recording().tape();
@@ -35,6 +39,7 @@ impl Made {
                 }
             }
         }
+
         made
     }
 }

@@ -7,12 +7,12 @@ use ecolor::Color32;
 use tilescope_figures::Palette as Marks;
 use tilescope_session::look::Look;
 
-/// Colours by meaning.
+/// The colours of a look, each named by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
     /// Whether it is the dark palette.
     pub dark: bool,
-    /// Panels.
+    /// The ground of panels.
     pub panel: Color32,
     /// Cards and fields on panels.
     pub raised: Color32,
@@ -22,29 +22,29 @@ pub struct Palette {
     pub outside: Color32,
     /// The canvas inside the domain.
     pub domain: Color32,
-    /// The domain's border.
+    /// The border of the domain.
     pub border: Color32,
-    /// Text.
+    /// Text on panels and on the canvas.
     pub text: Color32,
-    /// Less important text.
+    /// Text that matters less.
     pub muted: Color32,
-    /// The interface's accent.
+    /// The one accent of the interface.
     pub accent: Color32,
-    /// Text on the accent.
+    /// Text on a ground of the accent.
     pub on_accent: Color32,
-    /// A sample.
+    /// A sample where its colour says nothing more.
     pub sample: Color32,
     /// A sample from the margin around its block.
     pub margin: Color32,
     /// A conflict; also errors.
     pub conflict: Color32,
-    /// An eliminated sample.
+    /// An eliminated sample, and samples outside the domain.
     pub eliminated: Color32,
-    /// A gap detector.
+    /// A gap detector, and the search around it.
     pub detector: Color32,
-    /// A gap.
+    /// A gap, which no disk covers.
     pub gap: Color32,
-    /// A candidate.
+    /// A candidate for insertion.
     pub candidate: Color32,
     /// An inserted sample; also success.
     pub inserted: Color32,
@@ -61,7 +61,7 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
-/// The dark palette.
+/// The palette of dark looks.
 pub const DARK: Palette = Palette {
     dark: true,
     panel: rgb(0x0015_181d),
@@ -85,7 +85,7 @@ pub const DARK: Palette = Palette {
     halo: rgb(0x00ff_ffff),
 };
 
-/// The light palette.
+/// The palette of light looks.
 pub const LIGHT: Palette = Palette {
     dark: false,
     panel: rgb(0x00f7_f8fa),
@@ -155,11 +155,14 @@ fn oklch(lightness: f64, chroma: f64, hue_degrees: f64) -> Color32 {
 
 /// Returns the sRGB colour of a lightness and two opponent coordinates of Oklab.
 fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
+    // Ottosson's matrices: from Oklab to the cubes of cone responses, and below to linear sRGB.
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
     let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548 * b).powi(3);
-    let encode = |linear: f64| {
-        let linear = linear.clamp(0.0, 1.0);
+
+    let encode = |channel: f64| {
+        // A colour outside sRGB gets the nearest value of each channel.
+        let linear = channel.clamp(0.0, 1.0);
         let encoded = if linear <= 0.003_130_8 {
             12.92 * linear
         } else {
@@ -167,6 +170,7 @@ fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
         };
         (encoded * 255.0).round() as u8
     };
+
     Color32::from_rgb(
         encode(4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s),
         encode(-1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s),

@@ -36,11 +36,11 @@ pub enum Part {
     CoveredCircles,
     /// The borders of gaps.
     GapBorders,
-    /// The samples' disks.
+    /// The disks around samples.
     Disks,
-    /// The blocks' borders.
+    /// The borders of the blocks.
     Borders,
-    /// The blocks' numbers.
+    /// The numbers of the blocks.
     Numbers,
     /// The seams of a combination.
     Seams,
@@ -54,9 +54,9 @@ pub enum Part {
     Pairs,
     /// Around a periodic domain, the copies of samples near its border.
     Copies,
-    /// The samples.
+    /// The symbols of the samples.
     Samples,
-    /// Detectors and candidates.
+    /// The detectors and candidates of a search.
     Search,
     /// The numbers of the KD-tree's splits.
     TreeNumbers,
@@ -129,6 +129,7 @@ impl Part {
     pub fn is_on(self, scene: &Scene<'_>) -> bool {
         let has = |layer| scene.has(layer);
         let is_tiled = scene.stage >= Stage::Tile;
+
         match self {
             Self::Tints | Self::Borders | Self::Numbers => has(Layer::Blocks),
             Self::Band | Self::Seams => scene.session.combination.is_some() && has(Layer::Seams),
@@ -167,7 +168,7 @@ impl Part {
         }
     }
 
-    /// Draws the part.
+    /// Draws the part on a surface, whether it is on or not.
     pub fn draw(self, scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
         match self {
             Self::Tints => blocks::tints(scene, surface),

@@ -37,9 +37,9 @@ pub use shapes::{at, color};
 /// A moment, and how a picture shows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MomentView {
-    /// The moment.
+    /// The moment of the run.
     pub moment: Moment,
-    /// The view.
+    /// How the picture shows it.
     pub view: PictureView,
 }
 
@@ -54,7 +54,7 @@ pub struct PictureView {
     pub chosen_layers: Option<Layers>,
     /// The property of samples that their colour shows.
     pub colouring: Colouring,
-    /// The selection.
+    /// The selected sample or place.
     pub selection: Selection,
     /// Whether the window's palette is dark.
     pub dark: bool,
@@ -69,8 +69,8 @@ pub struct PictureView {
 }
 
 impl PictureView {
-    /// Returns the view of a stage that nobody has arranged, on a square of `side` points: the whole domain or, where changes
-    /// are too small to see in it, the part around a seam.
+    /// Returns the default view of a stage, on a square of `side` points: the whole domain or, where changes are too small to
+    /// see in it, the part around a seam.
     #[must_use]
     pub fn of_stage(session: &Session, stage: Stage, side: f64) -> Self {
         let camera = match stage {
@@ -115,7 +115,7 @@ impl PictureView {
         self.paper().map(|side| (side * scale).round() as usize)
     }
 
-    /// Returns the colours.
+    /// Returns the colours of the picture.
     pub(super) const fn palette(&self) -> &'static Palette {
         if self.is_dark() { &DARK } else { &LIGHT }
     }
@@ -194,7 +194,7 @@ const MARGIN: f64 = 0.016;
 /// The height of the heading, relative to the picture's width.
 const HEADING: f64 = 0.044;
 
-/// A small picture.
+/// A small picture of a moment.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Thumbnail {
     /// Width and height in pixels.
@@ -261,7 +261,7 @@ pub fn thumbnail(session: &Session, MomentView { moment, view }: &MomentView) ->
     scene
 }
 
-/// Draws a moment with its heading and what is below. Without `has_pattern` the stage of the pattern shows the empty domain.
+/// Draws a moment with its heading, its caption and its legend. Without `has_pattern` the stage of the pattern shows the empty domain.
 fn drawn(
     session: &Session,
     moment: &Moment,
@@ -320,6 +320,7 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
 
     let mut group = Group::new("heading");
     group.shapes = [left, right].map(Shape::Text).into();
+    // Without events the text of the number is empty.
     group
         .shapes
         .truncate(1 + usize::from(shown.debugger.is_some()));
@@ -328,9 +329,12 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
 
 /// Returns the moment in a sentence: the result, a whole stage, or the last event.
 fn moment_sentence(shown: &ShownMoment<'_>) -> String {
+    // Of nested levels a number of samples is shown, not a stage.
     if shown.prefix.is_some() {
         return happened(Some(shown));
     }
+
+    // At the end of a stage the whole stage is told, as it is shown.
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);
     match (shown.debugger, last) {

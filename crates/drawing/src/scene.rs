@@ -32,19 +32,19 @@ pub fn drawn_around(session: &Session) -> f64 {
     }
 }
 
-/// A subject in a rectangle.
+/// A subject as it appears in a rectangle of the screen.
 pub struct Scene<'a> {
     /// The rectangle, in screen points.
     pub rect: Rect,
-    /// The subject.
+    /// The moment and its view.
     pub subject: Subject<'a>,
-    /// The run.
+    /// The run and its verdict.
     pub session: &'a Session,
-    /// The moment.
+    /// The moment that is shown.
     pub shown: ShownMoment<'a>,
-    /// The stage.
+    /// The stage of the moment.
     pub stage: Stage,
-    /// The colours.
+    /// The colours of the look.
     pub palette: &'a Palette,
     /// The lowest visible coordinates, in r.
     pub low: DVec2,
@@ -146,7 +146,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Returns the clip rectangle of what is drawn in the copies around a periodic domain as in the domain itself.
+    /// Returns the clip rectangle of parts that the copies around a periodic domain have, too.
     #[must_use]
     pub fn around(&self) -> Rect {
         if self.session.run().domain.is_periodic() {
@@ -172,6 +172,7 @@ impl<'a> Scene<'a> {
         let size = self.session.size_radii();
         let margin = drawn_around(self.session);
         let steps = |k: usize| {
+            // There is one copy on each side, however wide the margin.
             let (from, to) = if margin > 0.0 {
                 let first = ((-margin - high[k]) / size[k]).ceil();
                 let last = ((size[k] + margin - low[k]) / size[k]).floor();
@@ -181,10 +182,12 @@ impl<'a> Scene<'a> {
             };
             from..=to
         };
+
         let (columns, rows) = (steps(0), steps(1));
         let (view_low, view_high) = (self.low, self.high);
-        let shifts = rows.flat_map(move |up| columns.clone().map(move |right| (right, up)));
-        let shifts = shifts.map(move |(right, up)| DVec2::new(right.into(), up.into()) * size);
+
+        let moves = rows.flat_map(move |up| columns.clone().map(move |right| (right, up)));
+        let shifts = moves.map(move |(right, up)| DVec2::new(right.into(), up.into()) * size);
         shifts.filter(move |shift| {
             ((high + *shift).cmpge(view_low) & (low + *shift).cmple(view_high)).all()
         })

@@ -18,7 +18,9 @@ pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
     };
 
     let middle = picture.power.len() / 2;
+    // The zero frequency is in the middle: alone in its cell it has no power to show, and the cell is NaN.
     let is_absent = !picture.power[middle].is_finite();
+
     ImageChart {
         title,
         x: Axis::new(format!("\u{3bd} along x; white 0, black {BLACK} and above"))

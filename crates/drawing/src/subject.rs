@@ -15,17 +15,17 @@ use crate::camera::Camera;
 /// A moment, and how it is drawn.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
-    /// The moment.
+    /// The moment that is shown.
     pub shown: ShownMoment<'a>,
-    /// The view.
+    /// The visible part of the plane.
     pub camera: Camera,
-    /// The layers shown.
+    /// The layers that are on.
     pub layers: Layers,
     /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// The sample under the pointer.
     pub hovered: Option<u32>,
-    /// The selected sample.
+    /// The id of the selected sample.
     pub selected: Option<u32>,
     /// The selected place of the plane, in r.
     pub place: Option<DVec2>,
@@ -48,6 +48,6 @@ pub struct Contrast<'a> {
     pub here: &'a [u32],
     /// The samples of the other run alone.
     pub there: &'a [u32],
-    /// The other run.
+    /// The run that is compared with.
     pub other: &'a Session,
 }

@@ -7,9 +7,9 @@ use emath::{Align2, Pos2, Rect, Vec2};
 /// A line's width and colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// In screen points.
+    /// Width in screen points.
     pub width: f32,
-    /// The colour.
+    /// Colour of the line.
     pub color: Color32,
 }
 
@@ -26,9 +26,9 @@ impl Stroke {
 pub enum Mark {
     /// An eliminated sample: a hollow cross.
     Cross,
-    /// A sample.
+    /// A sample, as a dot.
     Dot,
-    /// An inserted sample.
+    /// An inserted sample: a diamond.
     Diamond,
     /// A gap detector: a ring with a dot.
     Detector,
@@ -68,7 +68,7 @@ impl Mark {
 pub struct Tag {
     /// The text, in a monospaced font.
     pub text: String,
-    /// Its position.
+    /// Where it is, in screen points.
     pub pos: Pos2,
     /// The point of the text at that position.
     pub anchor: Align2,
@@ -76,7 +76,7 @@ pub struct Tag {
     pub size: f32,
     /// The colour of the text.
     pub ink: Color32,
-    /// The background colour.
+    /// The colour behind the text.
     pub ground: Color32,
     /// The border of the background.
     pub border: Option<Stroke>,
@@ -89,16 +89,16 @@ pub struct Tag {
 /// A surface to draw on. Positions and lengths are in screen points, with y downwards; later drawings cover
 /// earlier ones.
 pub trait Surface {
-    /// Draws a rectangle.
+    /// Draws a rectangle with its fill and its border.
     fn rect(&mut self, rect: Rect, fill: Option<Color32>, stroke: Option<Stroke>);
 
-    /// Draws a line.
+    /// Draws a straight, solid line.
     fn line(&mut self, ends: [Pos2; 2], stroke: Stroke);
 
-    /// Draws a dashed line.
+    /// Draws a straight, dashed line.
     fn dashes(&mut self, ends: [Pos2; 2], stroke: Stroke);
 
-    /// Draws a circle.
+    /// Draws a circle with its fill and its border.
     fn circle(&mut self, center: Pos2, radius: f32, fill: Option<Color32>, stroke: Option<Stroke>);
 
     /// Draws an arc: `sweep` radians from the angle `from`, both with y upwards.
@@ -114,7 +114,7 @@ pub trait Surface {
     /// Draws the outline of a polygon with at least three corners.
     fn outline(&mut self, corners: &[Pos2], stroke: Stroke);
 
-    /// Draws a tag.
+    /// Draws a text with its background.
     fn tag(&mut self, tag: &Tag);
 
     /// Returns the size of a tag's text.
@@ -134,7 +134,7 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// A whole circle.
+    /// The arc that is a whole circle.
     pub const WHOLE: Self = Self {
         from: 0.0,
         sweep: std::f32::consts::TAU,
@@ -153,6 +153,7 @@ pub(crate) fn dashed_circle(
     // A circle far larger than the window would need very many dashes.
     let count = (around / (dash + gap)).round().clamp(4.0, 720.0);
     let step = std::f32::consts::TAU / count;
+
     for k in 0..count as u32 {
         let arc = Arc {
             from: k as f32 * step,

@@ -10,33 +10,33 @@ use crate::surface::Stroke;
 /// A shape of a symbol, in screen points around its middle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SymbolShape {
-    /// A closed polygon.
+    /// A polygon with its fill and its outline.
     Polygon {
-        /// Its corners.
+        /// The corners, in sequence.
         corners: Vec<Vec2>,
-        /// Its fill.
+        /// The colour within, if any.
         fill: Option<Color32>,
-        /// Its outline.
+        /// The line around it, if any.
         stroke: Option<Stroke>,
     },
-    /// Connected lines.
+    /// Lines from point to point.
     Line {
-        /// Their ends.
+        /// The points, in sequence.
         points: Vec<Vec2>,
-        /// Their stroke.
+        /// Width and colour of the lines.
         stroke: Stroke,
         /// The lengths of dashes and of the spaces between them, if dashed.
         dashes: Option<[f32; 2]>,
     },
-    /// A circle.
+    /// A circle with its fill and its outline.
     Circle {
-        /// Its middle.
+        /// The middle, from that of the symbol.
         center: Vec2,
-        /// Its radius.
+        /// The radius, in screen points.
         radius: f32,
-        /// Its fill.
+        /// The colour within, if any.
         fill: Option<Color32>,
-        /// Its outline.
+        /// The line around it, if any.
         stroke: Option<Stroke>,
     },
 }
@@ -108,7 +108,6 @@ pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
 /// Returns the symbol of a layer as on the canvas, within 7 points of its middle.
 #[must_use]
 pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
-    let thin = |color: Color32| Stroke::new(1.4, color);
     match layer {
         Layer::Samples => vec![dot(Vec2::ZERO, 3.0, palette.sample)],
         Layer::Disks => vec![
@@ -126,13 +125,7 @@ pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
                 outline(corners, thin(color)),
             ]
         }
-        Layer::Tree => [
-            ([vec2(-1.5, -6.0), vec2(-1.5, 6.0)], 2.6),
-            ([vec2(-1.5, 1.0), vec2(6.0, 1.0)], 1.6),
-            ([vec2(-6.0, -2.0), vec2(-1.5, -2.0)], 1.6),
-        ]
-        .map(|(ends, width)| line(ends, Stroke::new(width, palette.text)))
-        .into(),
+        Layer::Tree => tree(palette),
         // Two sets, and the seam between them in its band.
         Layer::Seams => vec![
             filled(rect(9.0, 13.0), palette.accent.gamma_multiply(0.3)),
@@ -165,26 +158,49 @@ pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
         Layer::Voronoi => TRIANGLE
             .map(|end| line([Vec2::ZERO, end], Stroke::new(1.3, palette.detector)))
             .into(),
-        Layer::Circumcircles => {
-            let on_circle = [0.4_f32, 2.5, 4.4].map(|angle| 6.0 * Vec2::angled(angle));
-            let dots = on_circle.map(|at| dot(at, 1.8, palette.conflict));
-            std::iter::once(ring(6.0, thin(palette.conflict)))
-                .chain(dots)
-                .collect()
-        }
-        Layer::CoveredCircles => {
-            let end = |step: u8| 6.0 * Vec2::angled(-0.3 - 0.25 * f32::from(step));
-            let arc: Vec<Vec2> = (0..=6).map(end).collect();
-            vec![
-                ring(6.0, thin(palette.sample.gamma_multiply(0.5))),
-                line(arc, Stroke::new(2.8, palette.gap)),
-            ]
-        }
+        Layer::Circumcircles => circumcircle(palette),
+        Layer::CoveredCircles => covered_circle(palette),
         Layer::Inserted => {
             let [x, y] = [vec2(5.5, 0.0), vec2(0.0, 5.5)];
             vec![filled([-y, x, y, -x], palette.inserted)]
         }
     }
+}
+
+/// Returns the line of most symbols.
+fn thin(color: Color32) -> Stroke {
+    Stroke::new(1.4, color)
+}
+
+/// Returns three splits, the line of the first one thicker.
+fn tree(palette: &Palette) -> Vec<SymbolShape> {
+    let splits = [
+        ([vec2(-1.5, -6.0), vec2(-1.5, 6.0)], 2.6),
+        ([vec2(-1.5, 1.0), vec2(6.0, 1.0)], 1.6),
+        ([vec2(-6.0, -2.0), vec2(-1.5, -2.0)], 1.6),
+    ];
+    splits
+        .map(|(ends, width)| line(ends, Stroke::new(width, palette.text)))
+        .into()
+}
+
+/// Returns a circle through three samples.
+fn circumcircle(palette: &Palette) -> Vec<SymbolShape> {
+    let on_circle = [0.4_f32, 2.5, 4.4].map(|angle| 6.0 * Vec2::angled(angle));
+    let dots = on_circle.map(|at| dot(at, 1.8, palette.conflict));
+    std::iter::once(ring(6.0, thin(palette.conflict)))
+        .chain(dots)
+        .collect()
+}
+
+/// Returns a circle of which other disks leave an arc exposed.
+fn covered_circle(palette: &Palette) -> Vec<SymbolShape> {
+    let end = |step: u8| 6.0 * Vec2::angled(-0.3 - 0.25 * f32::from(step));
+    let arc: Vec<Vec2> = (0..=6).map(end).collect();
+    vec![
+        ring(6.0, thin(palette.sample.gamma_multiply(0.5))),
+        line(arc, Stroke::new(2.8, palette.gap)),
+    ]
 }
 
 const TRIANGLE: [Vec2; 3] = [vec2(-6.0, 4.0), vec2(1.0, -5.5), vec2(6.0, 4.5)];

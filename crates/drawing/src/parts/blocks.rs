@@ -36,12 +36,15 @@ pub fn borders(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws the numbers of the blocks that have room for them.
 pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     for (index, rect) in visible(scene) {
+        // A number would fill a small block, and many of them would hide the picture.
         if rect.width().min(rect.height()) < MIN_LABELLED {
             continue;
         }
+
         let padding = vec2(4.5, 2.5);
         surface.tag(&Tag {
             text: index.to_string(),
+            // A block that reaches out of the picture keeps its number in sight.
             pos: rect.intersect(scene.rect).left_top() + padding,
             anchor: Align2::LEFT_TOP,
             size: 11.0,
@@ -59,11 +62,13 @@ pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     let is_tiling = scene.stage == Stage::Tile && !scene.shown.ends_stage();
     let context = scene.shown.context().filter(|_| is_tiling);
     let is_drawn = |index: u32| context.is_none_or(|context| context.block == Some(index));
+
     for (index, rect) in visible(scene).filter(|(index, _)| is_drawn(*index)) {
         // Outside the view there could be millions of dashes.
         let clip = rect
             .expand(scene.scale())
             .intersect(scene.rect.expand(20.0));
+
         let corners = [
             clip.left_top(),
             clip.right_top(),
@@ -71,6 +76,7 @@ pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
             clip.left_bottom(),
             clip.left_top(),
         ];
+
         let stroke = Stroke::new(1.0, scene.palette.block(index).gamma_multiply(0.9));
         for ends in corners.array_windows() {
             surface.dashes(*ends, stroke);

@@ -57,6 +57,7 @@ pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     };
     let mut net = Net::of(scene, surface);
     net.reserve();
+
     let color = scene.palette.sample.gamma_multiply(0.45);
     for triangle in &tessellation.triangles {
         for (from, to) in [(0, 1), (1, 2), (2, 0)] {
@@ -88,11 +89,14 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let mut net = Net::of(scene, surface);
     let stroke = Stroke::new(1.4, scene.palette.conflict);
     let mut drawn = 0;
+
     for triangle in &tessellation.triangles {
         let reach = triangle.circumradius;
+        // A circle up to r shows no gap: the samples on it cover its centre.
         if !(1.0 + HAIR..MAX_CIRCUMRADIUS).contains(&reach) {
             continue;
         }
+
         let [low, high] = [-reach, reach].map(|by| triangle.center + by);
         net.shifts(low, high, |net, shift| {
             if drawn < MAX_CIRCLES {
@@ -113,9 +117,11 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     };
     let (palette, radius) = (scene.palette, scene.scale());
     let index = &scene.session.index;
+    // More circles than that would hide each other.
     if scene.is_fine() && index.count_in(scene.low, scene.high) <= MAX_CIRCLES {
         let stroke = Stroke::new(0.8, palette.sample.gamma_multiply(0.3));
         index.visit(scene.low, scene.high, 1.0, |seen| {
+            // Eliminated samples cover nothing.
             if matches!(
                 scene.shown.standing(seen.id),
                 Standing::Tiled | Standing::Valid
@@ -126,6 +132,7 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     let mut net = Net::of(scene, surface);
+    // The wide, faint line comes first: it is the halo of the other.
     let glow = [(7.0, 0.25), (2.8, 1.0)];
     for (width, strength) in glow {
         let stroke = Stroke::new(width, palette.gap.gamma_multiply(strength));
@@ -160,8 +167,10 @@ impl<S: Surface> Net<'_, S> {
             if !self.periodic {
                 return 0..=0;
             }
+            // A box across a border of the domain is drawn at both sides.
             -i32::from(high[k] > self.size[k])..=i32::from(low[k] < 0.0)
         };
+
         let (columns, rows) = (steps(0), steps(1));
         for up in rows {
             for right in columns.clone() {

@@ -30,96 +30,155 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (Some(block), Some(tile)) = (block, tile) else {
         return;
     };
-    let room = scene.rect.size().min_elem();
-    if room < MIN_PICTURE {
+    let leaf = &run.blocks.leaves[block as usize].rect;
+    let rect = scene.lattice_rect(leaf);
+    let Some(inset) = Inset::beside(scene, rect) else {
         return;
-    }
-    let radii = size(run.pattern.domain()).as_vec2();
-    let side = (SHARE * room).clamp(SIDES[0], SIDES[1]);
-    let scale = side / radii.max_element();
-    let extent = vec2(radii.x, radii.y) * scale;
-    let rect = scene.lattice_rect(&run.blocks.leaves[block as usize].rect);
-    // In the corner away from the block.
-    let is_left = rect.center().x > scene.rect.center().x;
-    let left = if is_left {
-        scene.rect.left() + MARGIN
-    } else {
-        scene.rect.right() - MARGIN - extent.x
     };
-    let inset = Rect::from_min_size(pos2(left, scene.rect.top() + TOP_MARGIN), extent);
-    let palette = scene.palette;
-    surface.rect(
-        inset.expand(6.0),
-        Some(palette.panel),
-        Some(Stroke::new(1.0, palette.line)),
-    );
-    surface.rect(
-        inset,
-        Some(palette.domain),
-        Some(Stroke::new(1.0, palette.border)),
-    );
+    ground(scene, surface, &inset);
 
-    let at = |x: i32, y: i32| {
-        let units = vec2(x as f32, -y as f32) / R as f32;
-        inset.left_bottom() + units * scale
-    };
-    let positions = run.pattern.samples();
-    let dot = (0.2 * scale).clamp(0.7, 3.0);
-    if positions.len() <= MAX_DRAWN {
-        let color = palette.sample.gamma_multiply(0.4);
-        for point in positions {
-            surface.mark(Mark::Dot, at(point.x, point.y), [dot, 0.0], color);
-        }
-    }
-    let color = palette.block(block);
-    let mut last: Option<(u32, Pos2)> = None;
-    for id in tile.samples.clone() {
-        let Origin::Tiled { pattern, .. } = run.samples.origins[id as usize] else {
-            continue;
-        };
-        let there = scene.shown.standing(id) != Standing::Absent;
-        let Some(point) = positions.get(pattern as usize).filter(|_| there) else {
-            continue;
-        };
-        let from = at(point.x, point.y);
-        surface.mark(Mark::Dot, from, [dot + 0.7, 0.0], color);
-        last = Some((id, from));
-    }
+    let color = scene.palette.block(block);
+    let last = copied(scene, surface, &inset, tile, color);
     let extent = run.pattern.domain().rect().max;
-    for piece in window(
-        tile,
-        &run.blocks.leaves[block as usize].rect,
-        [extent.x, extent.y],
-    ) {
-        let [low, high] = piece.map(|[x, y]| at(x, y));
+    for piece in window(tile, leaf, [extent.x, extent.y]) {
+        let [low, high] = piece.map(|[x, y]| inset.at(x, y));
         surface.rect(
             Rect::from_two_pos(low, high),
             None,
             Some(Stroke::new(1.8, color)),
         );
     }
+
+    // The line leads from the pattern to the last copy; before the first one, the clip itself comes in.
     let share = scene.subject.drawn_in;
     if let Some((id, from)) = last {
         let to = scene.at(scene.session.position(id));
         let stroke = Stroke::new(1.2, color.gamma_multiply(0.8));
         surface.dashes([from, from.lerp(to, share)], stroke);
     } else {
-        fly(scene, surface, (inset, scale), tile, rect, color);
+        fly(scene, surface, &inset, tile, rect, color);
     }
-    let (below, anchor) = if is_left {
-        (inset.left_bottom() + vec2(-6.0, 10.0), Align2::LEFT_TOP)
+
+    let (below, anchor) = if inset.is_left {
+        (
+            inset.rect.left_bottom() + vec2(-6.0, 10.0),
+            Align2::LEFT_TOP,
+        )
     } else {
-        (inset.right_bottom() + vec2(6.0, 10.0), Align2::RIGHT_TOP)
+        (
+            inset.rect.right_bottom() + vec2(6.0, 10.0),
+            Align2::RIGHT_TOP,
+        )
     };
     let text = format!("clip of block {block} in the pattern");
     scene.tag(surface, below, anchor, text);
+}
+
+/// The pattern on the screen.
+struct Inset {
+    rect: Rect,
+    /// Screen points per r.
+    scale: f32,
+    /// Whether it is in the left corner.
+    is_left: bool,
+}
+
+impl Inset {
+    /// Returns the inset in a corner away from a block; `None` in a picture that is too small for it.
+    fn beside(scene: &Scene<'_>, block: Rect) -> Option<Self> {
+        let room = scene.rect.size().min_elem();
+        if room < MIN_PICTURE {
+            return None;
+        }
+
+        let radii = size(scene.session.run().pattern.domain()).as_vec2();
+        let side = (SHARE * room).clamp(SIDES[0], SIDES[1]);
+        let scale = side / radii.max_element();
+        let extent = vec2(radii.x, radii.y) * scale;
+
+        // Over the block it would hide what it explains.
+        let is_left = block.center().x > scene.rect.center().x;
+        let left = if is_left {
+            scene.rect.left() + MARGIN
+        } else {
+            scene.rect.right() - MARGIN - extent.x
+        };
+        Some(Self {
+            rect: Rect::from_min_size(pos2(left, scene.rect.top() + TOP_MARGIN), extent),
+            scale,
+            is_left,
+        })
+    }
+
+    /// Returns the position on the screen of a place of the pattern, in lattice units.
+    fn at(&self, x: i32, y: i32) -> Pos2 {
+        let units = vec2(x as f32, -y as f32) / R as f32;
+        self.rect.left_bottom() + units * self.scale
+    }
+
+    /// Returns the radius of a sample's dot, in screen points.
+    fn dot(&self) -> f32 {
+        (0.2 * self.scale).clamp(0.7, 3.0)
+    }
+}
+
+/// Draws the frame of the inset, and the pattern in it.
+fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
+    let palette = scene.palette;
+    surface.rect(
+        inset.rect.expand(6.0),
+        Some(palette.panel),
+        Some(Stroke::new(1.0, palette.line)),
+    );
+    surface.rect(
+        inset.rect,
+        Some(palette.domain),
+        Some(Stroke::new(1.0, palette.border)),
+    );
+
+    let positions = scene.session.run().pattern.samples();
+    if positions.len() <= MAX_DRAWN {
+        let color = palette.sample.gamma_multiply(0.4);
+        for point in positions {
+            let at = inset.at(point.x, point.y);
+            surface.mark(Mark::Dot, at, [inset.dot(), 0.0], color);
+        }
+    }
+}
+
+/// Draws the samples of the pattern whose copies are in the block by now, and returns the last copy and where it comes from.
+fn copied(
+    scene: &Scene<'_>,
+    surface: &mut impl Surface,
+    inset: &Inset,
+    tile: &Tile,
+    color: Color32,
+) -> Option<(u32, Pos2)> {
+    let run = scene.session.run();
+    let positions = run.pattern.samples();
+    let mut last: Option<(u32, Pos2)> = None;
+    for id in tile.samples.clone() {
+        let Origin::Tiled { pattern, .. } = run.samples.origins[id as usize] else {
+            continue;
+        };
+        // The ids of the whole block are known, but some of its samples may still be to come.
+        let there = scene.shown.standing(id) != Standing::Absent;
+        let Some(point) = positions.get(pattern as usize).filter(|_| there) else {
+            continue;
+        };
+
+        let from = inset.at(point.x, point.y);
+        surface.mark(Mark::Dot, from, [inset.dot() + 0.7, 0.0], color);
+        last = Some((id, from));
+    }
+    last
 }
 
 /// Draws a clip on its way from the pattern to the block, while its event is animated.
 fn fly(
     scene: &Scene<'_>,
     surface: &mut impl Surface,
-    (inset, scale): (Rect, f32),
+    inset: &Inset,
     tile: &Tile,
     block: Rect,
     color: Color32,
@@ -128,12 +187,14 @@ fn fly(
     if share >= 1.0 {
         return;
     }
-    let from =
-        inset.left_bottom() + vec2(tile.start.x as f32, -tile.start.y as f32) / R as f32 * scale;
+
+    // The clip is the block enlarged by r; it grows on its way from the pattern's scale to that of the picture.
+    let from = inset.at(tile.start.x, tile.start.y);
     let to = block.expand(scene.scale()).left_bottom();
     let size = block.expand(scene.scale()).size();
-    let small = size * (scale / scene.scale());
+    let small = size * (inset.scale / scene.scale());
     let (corner, size) = (from.lerp(to, share), small + (size - small) * share);
+
     let rect = Rect::from_min_size(corner - vec2(0.0, size.y), size);
     surface.rect(
         rect,
@@ -153,6 +214,8 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
     } else {
         extent
     };
+
+    // A clip across the border of a periodic pattern goes on at the other side.
     let ranges = |start: i32, length: i32, period: i32| {
         let end = start + length;
         let mut ranges = vec![[start, end.min(period)]];
@@ -161,14 +224,18 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
         }
         ranges
     };
+
     let columns = ranges(tile.start.x, block.width() + 2 * R, turned[0]);
     let rows = ranges(tile.start.y, block.height() + 2 * R, turned[1]);
+
+    // Bit 2 of a symmetry swaps the axes last, so that it is undone first; bits 0 and 1 mirror x and y.
     let back = |[x, y]: [i32; 2]| {
         let [x, y] = if is_swapped { [y, x] } else { [x, y] };
         let mirrored =
             |at: i32, bit: u8, extent: i32| if symmetry & bit == 0 { at } else { extent - at };
         [mirrored(x, 1, extent[0]), mirrored(y, 2, extent[1])]
     };
+
     let pieces = columns
         .iter()
         .flat_map(|x| rows.iter().map(move |y| [[x[0], y[0]], [x[1], y[1]]]));

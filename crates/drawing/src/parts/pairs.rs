@@ -27,23 +27,28 @@ pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Sur
 #[must_use]
 pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
     let cause = scene.subject.causes.map(|found| &found.cause);
+    // Before tiling there are no samples to join.
     let (Some(Cause::Pairs { pairs, .. }), true) =
         (cause, scene.stage >= tilescope_core::Stage::Tile)
     else {
         return (Vec::new(), 0);
     };
+
     let ends = pairs.iter().map(|pair| {
         let from = scene.session.position(pair.ids[0]);
         [scene.at(from), scene.at(from + pair.offset)]
     });
     let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
     let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();
+
     let count = ends.len();
     if count > MAX_PAIRS {
         let middle = scene.rect.center();
         let distance = |ends: &[Pos2; 2]| ends[0].lerp(ends[1], 0.5).distance_sq(middle);
+        // Which ones are nearest matters, not their order: a selection is faster than sorting.
         ends.select_nth_unstable_by(MAX_PAIRS, |a, b| distance(a).total_cmp(&distance(b)));
         ends.truncate(MAX_PAIRS);
     }
+
     (ends, count)
 }

@@ -30,8 +30,7 @@ pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
 /// Draws the samples of the pattern, in the pattern's own domain.
 pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.17 * scene.scale()).clamp(0.8, 5.0);
-    let positions = scene.session.run().pattern.samples().iter();
-    let positions = positions.map(|point| scene.point(*point));
+    let positions = (scene.session.run().pattern.samples().iter()).map(|point| scene.point(*point));
     for pos in positions.filter(|pos| scene.rect.expand(8.0).contains(*pos)) {
         surface.mark(Mark::Dot, pos, [radius, 0.0], scene.palette.sample);
     }
@@ -54,12 +53,14 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let [radius, cross, diamond, _] = radii_at(scene.symbol_scale());
     let around = outline(diamond);
+
     visit(scene, |id, pos| {
         let look = looks.of(id);
         let by = radius * (look.size - 1.0);
         match look.symbol {
             Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, by], look.color),
             Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, 0.0], look.color),
+            // A larger diamond below, in the colour of the ground, keeps it apart from dots around it.
             Symbol::Diamond => {
                 let ground = scene.palette.domain;
                 surface.mark(Mark::Diamond, pos, [diamond, by + around], ground);
@@ -97,6 +98,7 @@ pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
                     }
                 });
             }
+            // At the end of the stage each conflict has a loser.
             if !scene.shown.ends_stage() {
                 open_conflicts(scene, surface);
             }
@@ -131,6 +133,7 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let iteration = match scene.stage {
+        // After elimination the first search comes next, and its detectors are known.
         Stage::Eliminate => scene.session.iteration(1),
         Stage::Iterate(k) => scene.session.iteration(k),
         _ => None,
@@ -138,13 +141,16 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(iteration) = iteration else {
         return;
     };
+
     let scale = scene.scale();
+    // A mark whose middle is out of view may still reach in.
     let view = scene.rect.expand(12.0);
+
     if scene.has(Layer::Detectors) {
         let [.., radius] = radii_at(scale);
         // There are too many detectors for a strong colour.
-        let color = scene.palette.detector;
-        let color = color.gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
+        let color = (scene.palette.detector).gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
+
         let detectors = iteration.detectors.iter();
         let marked = detectors.filter(|&&id| scene.shown.is_marked(id));
         let positions = marked.map(|&id| scene.at(scene.session.position(id)));
@@ -152,6 +158,7 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
             surface.mark(Mark::Detector, pos, [radius, 0.0], color);
         }
     }
+
     if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
         let radius = (0.36 * scale).clamp(1.4, 10.0);
         let positions = candidates(scene, iteration).map(|point| scene.point(point));
@@ -167,6 +174,7 @@ fn candidates<'a>(
     scene: &'a Scene<'_>,
     iteration: &'a Iteration,
 ) -> impl Iterator<Item = Point> + 'a {
+    // At the end of the stage all have been found, whatever the events say.
     let debugger = scene.shown.debugger.filter(|_| !scene.shown.ends_stage());
     let found = move |candidate: &&Candidate| {
         debugger.is_none_or(|debugger| {
@@ -175,6 +183,7 @@ fn candidates<'a>(
             recording.gap(candidate.sites, cursor).is_some()
         })
     };
+
     let candidates = iteration.candidates.iter().filter(found);
     candidates.map(|candidate| candidate.point)
 }

@@ -2,7 +2,6 @@
 
 use emath::{Align2, vec2};
 use glam::DVec2;
-use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::WitnessMark;
@@ -16,8 +15,10 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     if let Some(found) = subject.witness_mark {
         witness_mark(scene, surface, found);
     }
+
     let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
     let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
+
     if let Some(place) = subject.place {
         for at in images(scene, place).map(|place| scene.at(place)) {
             for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
@@ -25,12 +26,15 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
             }
         }
     }
+
     if let Some(id) = subject.selected {
         for position in images(scene, scene.session.position(id)) {
             selected(scene, surface, id, position, stroke);
             surface.mark(Mark::Halo, scene.at(position), [radius, 0.0], palette.halo);
         }
     }
+
+    // The selected sample has a stronger ring already.
     let hovered = subject.hovered.filter(|id| subject.selected != Some(*id));
     if let Some(id) = hovered {
         let color = palette.halo.gamma_multiply(0.6);
@@ -73,12 +77,7 @@ fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
         return vec![by];
     }
     match shown.session.run().samples.origins[id as usize] {
-        Origin::Inserted { sites, .. } => match sites {
-            Sites::Three(ids) => ids.to_vec(),
-            Sites::Border(ids) => ids.to_vec(),
-            Sites::Corner(site) => vec![site],
-            Sites::Dart | Sites::Unrecorded => Vec::new(),
-        },
+        Origin::Inserted { sites, .. } => sites.ids().to_vec(),
         Origin::Tiled { .. } => Vec::new(),
     }
 }
@@ -92,6 +91,7 @@ fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: Wit
             palette.conflict
         }
     };
+
     match witness_mark {
         WitnessMark::Pair([a, b], distance) => {
             let from = scene.session.position(a);
@@ -102,6 +102,7 @@ fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: Wit
             scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
         }
         WitnessMark::Circle(center, radius) => {
+            // The tolerance of the verdict, so that the colour agrees with it.
             let color = color(radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE);
             let (at, reach) = (
                 scene.at(center),

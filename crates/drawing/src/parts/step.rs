@@ -4,7 +4,6 @@
 use ecolor::Color32;
 use emath::{Align2, Pos2, Vec2, vec2};
 use glam::DVec2;
-use tilescope_core::stages::detect::Sites;
 use tilescope_core::{R, RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
@@ -23,11 +22,13 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let shift = context
         .examined
         .map_or(DVec2::ZERO, |examined| shift_of(scene, &examined));
+
     if let Some(search) = context.search {
         let center = scene.session.position(search.centre) + shift;
         let radius = radii(search.radius) as f32 * scene.scale();
         let stroke = Stroke::new(1.4, palette.detector);
         dashed_circle(surface, scene.at(center), radius, [7.0, 5.0], stroke);
+
         if let Some(debugger) = scene.shown.debugger {
             for id in debugger.recording().test_buffer(&search) {
                 let at = scene.at(scene.session.image_near(id, center));
@@ -39,14 +40,17 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
             }
         }
     }
+
     if let Some(examined) = &context.examined {
         examination(scene, surface, examined, shift);
     }
+
     if let Some((dart, verdict)) = context.dart {
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
     }
+
     if let Some(id) = context.sample {
         let at = scene.at(scene.session.position(id));
         let stroke = Stroke::new(2.5, palette.halo);
@@ -54,6 +58,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let faint = Stroke::new(1.2, palette.halo.gamma_multiply(0.6));
         surface.circle(at, scene.scale(), None, Some(faint));
     }
+
+    // Last, so that nothing covers the change.
     last_event(scene, surface);
 }
 
@@ -80,6 +86,7 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(event) = scene.shown.last_event().and_then(Event::run_event) else {
         return;
     };
+
     let (compared, changed) = match event {
         RunEvent::Test {
             pivot,
@@ -104,9 +111,11 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
         }
         _ => (None, None),
     };
+
     if let Some((ids, color)) = compared {
         pair(scene, surface, ids, color);
     }
+
     if let Some((id, color)) = changed {
         let at = scene.at(scene.session.position(id));
         growth(scene, surface, event, color);
@@ -145,7 +154,7 @@ fn pair(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], color: 
 /// Free room between a label and the rings at the ends of the line that it labels, in screen points.
 const BESIDE: f32 = 8.0;
 
-/// Returns the centre of a label of this size that keeps clear of a line, and of what is drawn around its ends, by `gap`.
+/// Returns the centre of a label of this size that keeps clear of a line, and of the rings around its ends, by `gap`.
 fn beside(ends: [Pos2; 2], size: Vec2, gap: f32) -> Pos2 {
     let along = (ends[1] - ends[0]).normalized();
     // The side that lies above the line, or right of an upright one.
@@ -179,18 +188,15 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
     let center = detector + offset;
     let at = scene.at(center);
     let radius = offset.length() as f32 * scene.scale();
+
     let color = color_of(scene, examined.verdict);
+    // The centre of so large a circle is far out of view, and so is the candidate's mark there.
     let far = radius > MAX_CIRCLE || !radius.is_finite();
     if !far {
         surface.circle(at, radius, None, Some(Stroke::new(1.8, color)));
     }
-    let ids: &[u32] = match &examined.sites {
-        Sites::Three(ids) => ids,
-        Sites::Border(ids) => ids,
-        Sites::Corner(id) => std::slice::from_ref(id),
-        Sites::Dart | Sites::Unrecorded => &[],
-    };
-    for &id in ids {
+
+    for &id in examined.sites.ids() {
         let site = scene.at(scene.session.image_near(id, detector));
         let stroke = Stroke::new(2.2, color);
         surface.circle(site, ring(scene) + 1.0, None, Some(stroke));
@@ -198,11 +204,13 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
             surface.line([site, at], Stroke::new(1.0, color.gamma_multiply(0.7)));
         }
     }
+
     if let Verdict::Covered { by } | Verdict::NotNearest { nearer: by } = examined.verdict {
         let covering = scene.at(scene.session.image_near(by, center));
         surface.dashes([at, covering], Stroke::new(1.6, color));
         surface.circle(covering, scene.scale(), None, Some(Stroke::new(1.2, color)));
     }
+
     if !far {
         let triangle = [vec2(0.0, -7.0), vec2(6.0, 4.5), vec2(-6.0, 4.5)].map(|v| at + v);
         surface.outline(&triangle, Stroke::new(2.0, color));

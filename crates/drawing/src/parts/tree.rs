@@ -47,6 +47,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         Some(RunEvent::Split { index, .. }) => index as usize + 1,
         _ => 0,
     };
+
     // The tree is dimmed where samples are shown.
     let presence = if scene.stage == Stage::Blocks {
         1.0
@@ -54,11 +55,13 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         0.5
     };
     let color = scene.palette.text.gamma_multiply(presence);
+    // The halo of the line that was just made lies below all lines.
     for (number, split, ends) in visible(scene) {
         if number == just_made {
             surface.line(ends, Stroke::new(width(split) + 5.0, scene.palette.accent));
         }
     }
+
     // Lines hardly cross, and drawing those of one kind together is fastest.
     for is_wide in [true, false] {
         for (_, split, ends) in visible(scene) {
@@ -75,15 +78,21 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     let mut taken: Vec<Rect> = Vec::new();
     let palette = scene.palette;
     let min_length = MIN_LENGTHS[usize::from(scene.stage > Stage::Blocks)];
+
     for (number, _, [from, to]) in visible(scene) {
         let (text, size, padding) = (number.to_string(), 11.5, vec2(5.0, 2.0));
         let middle = from.lerp(to, 0.5);
+
         let rect = Align2::CENTER_CENTER.anchor_size(middle, surface.text_size(&text, size));
         let ground = rect.expand2(padding);
+
         let long_enough = (to - from).length() >= min_length * ground.width();
+        // Splits come in the order of making, so that an earlier one has the place.
         if !long_enough || taken.iter().any(|other| other.intersects(ground)) {
             continue;
         }
+
+        // Two points more, so that two numbers do not touch.
         taken.push(ground.expand(2.0));
         surface.tag(&Tag {
             text,

@@ -15,7 +15,7 @@ use crate::symbol::{SymbolShape, symbol};
 /// A legend: the symbols of layers, each with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Legend {
-    /// The layers.
+    /// The layers whose symbols it explains.
     pub layers: Layers,
     /// The kind of the session, in which some layers have other meanings.
     pub kind: SessionKind,
@@ -82,7 +82,7 @@ impl Below {
         }
     }
 
-    /// Returns the shapes.
+    /// Returns the shapes of caption and legend.
     pub(super) fn groups(&self, view: &PictureView) -> Vec<Group> {
         let (palette, frame, width) = (view.palette(), view.frame(), view.width());
         let start = at(frame.left_bottom()) + SPACE * width * DVec2::Y;
@@ -104,6 +104,7 @@ impl Below {
         for LegendEntry { layer, meaning, at } in &self.entries {
             let (at, width) = (start + *at, SYMBOL_WIDTH * size * DVec2::X);
             let middle = at + 0.5 * width;
+            // Symbols are made for the size of the window's letters.
             let scale = size / FONT_OF_SYMBOLS;
             let shapes = symbol(*layer, palette).into_iter();
             legend

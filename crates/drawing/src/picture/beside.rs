@@ -21,7 +21,7 @@ const MEAN_HEIGHT: f64 = 0.62;
 const NAME_HEIGHT: f64 = 24.0;
 const NAME_SIZE: f64 = 15.0;
 
-/// What is known of a moment, for the picture beside that of its samples.
+/// The analysis of a moment, for the picture beside that of its samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beside {
     /// The name of the moment.
@@ -102,6 +102,7 @@ impl Beside {
 
     fn periodogram(&self, view: &PictureView) -> Panel {
         let printed = spectra::periodogram(&self.spectrum, "Periodogram".to_owned());
+        // A white square would outshine a dark canvas in a lecture hall.
         let chart = if view.is_dark() {
             spectra::on_dark(printed)
         } else {
@@ -141,6 +142,7 @@ impl Beside {
             points: self.spectrum.power(),
             band: None,
         };
+        // One scale for all moments: otherwise the eye could not compare two frames.
         let y = Axis::new(power).with_range(0.0, BLACK);
         let chart = spectra::radial_mean(&frequency, y, vec![series]);
 

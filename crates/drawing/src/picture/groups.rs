@@ -132,6 +132,7 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
         width: 2.0,
     };
     let fills = [Fill::Solid(with_alpha(gap, 128)), Fill::Hatch(hatch)];
+    // Exact at any size, where the canvas looks for gaps pixel by pixel.
     let hatched = fills.map(|fill| Shape::Rect {
         rect: rect(area),
         style: Style {

@@ -52,7 +52,7 @@ pub(super) struct Shapes {
     /// Consecutive lines of one style.
     lines: Vec<[DVec2; 2]>,
     stroke: Option<(Stroke, bool)>,
-    /// Marks by kind.
+    /// Marks of each kind, in the order of [`Mark::ALL`].
     marks: [Vec<Shape>; Mark::ALL.len()],
 }
 
@@ -65,8 +65,10 @@ impl Shapes {
         clip: Rect,
     ) -> impl Iterator<Item = Group> {
         self.end_lines();
+        // Marks lie above the other shapes of their part, kind by kind.
         let marks = Mark::ALL.into_iter().map(Mark::name).zip(self.marks);
         let all = [(name, self.drawn)].into_iter().chain(marks);
+
         let groups = all.filter(|(_, shapes)| !shapes.is_empty());
         groups.map(move |(name, shapes)| Group {
             clip: Some(rect(clip)),
@@ -128,12 +130,15 @@ impl Surface for Shapes {
         if arc == Arc::WHOLE {
             return self.circle(center, radius, None, Some(stroke));
         }
+        // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR.
         let step = 2.0 * (2.0 * ARC_ERROR / radius.max(1.0)).sqrt();
         let steps = (arc.sweep.abs() / step).ceil().clamp(2.0, 1_000.0) as u32;
+
         let on = |k: u32| {
             let (sin, cos) = (arc.from + arc.sweep * k as f32 / steps as f32).sin_cos();
             at(center + vec2(cos, -sin) * radius)
         };
+
         let points = (0..=steps).map(on).collect();
         self.add(Shape::Polyline {
             points,
@@ -157,9 +162,11 @@ impl Surface for Shapes {
             Mark::Triangle => (Marker::Triangle, stroked(1.4)),
             Mark::Halo => (Marker::Dot, stroked(2.0)),
         };
+
         let size = 2.0 * f64::from(radius + by);
         let shape = Shape::marker(marker, at(center), size, style);
         self.marks[mark as usize].push(shape);
+        // A detector is a ring with a dot, which no marker of the scene has.
         if mark == Mark::Detector {
             let dot = Shape::marker(
                 Marker::Dot,
