@@ -1,4 +1,4 @@
-//! How far a reproduction is, and how it is stopped: the trait of whoever watches it, and the control that a unit of
+//! How far a reproduction is, and how it is stopped: the trait of its watchers, and the control that a unit of
 //! work gets.
 
 use std::ops::ControlFlow;
@@ -14,9 +14,9 @@ use crate::outcome::Finished;
 /// Units of work of an experiment, and those of them that an earlier run left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Planned {
-    /// The experiment.
+    /// The experiment that these units belong to.
     pub experiment: Experiment,
-    /// All its units.
+    /// How many units it has.
     pub units: usize,
     /// Units that were kept from an earlier run.
     pub kept: usize,
@@ -27,13 +27,13 @@ pub struct Planned {
 
 /// Watches a reproduction and may stop it.
 pub trait Watch: Sync {
-    /// Called first.
+    /// Called once, before the first experiment begins.
     fn planned(&self, _each: &[Planned]) {}
 
     /// Called when an experiment begins.
     fn begins(&self, _experiment: Experiment) {}
 
-    /// Called often, from any thread, with the number of units done, of all experiments, and what is going on.
+    /// Called often, from any thread, with the number of units done, of all experiments, and the current work in words.
     /// `Break` ends it.
     fn progress(&self, done: usize, what: &str) -> ControlFlow<()>;
 

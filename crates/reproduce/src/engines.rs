@@ -17,7 +17,7 @@ use crate::control::Control;
 use crate::error::{ReproduceError, Result};
 use crate::machine::GPUS;
 
-/// Sets along each side of what is made of nine.
+/// Sets along each side of a combination of nine.
 const ALONG: u32 = 3;
 
 /// A sampler, or an engine of randomized tiling.
@@ -32,7 +32,7 @@ pub enum Engine {
     },
     /// The sequential engine, on one thread.
     Sequential,
-    /// The parallel engine.
+    /// The parallel engine, on a pool of threads.
     Parallel {
         /// Threads that it runs on.
         threads: usize,
@@ -41,7 +41,7 @@ pub enum Engine {
     Exact,
     /// The engine on a GPU.
     Gpu {
-        /// The GPU's name.
+        /// The name of the GPU.
         adapter: String,
     },
 }
@@ -134,6 +134,7 @@ impl Engines {
         let observer = &mut |_| control.flow();
         let domain = parameters.validate()?;
         let by_bands = |engine| by_bands(engine, parameters, pattern, control);
+
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
             Engine::Combined { .. } => {
@@ -146,17 +147,20 @@ impl Engines {
             }
             Engine::Parallel { threads } => {
                 let mut pools = self.pools.iter();
+                // `open` starts no pool of all threads: without one of its own, the engine runs on the global pool.
                 let pool = pools.find(|pool| pool.current_num_threads() == *threads);
                 let make = || by_bands(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
             }
             Engine::Exact => {
                 let none = || failed("there are no tables for exact tiling");
+                // Tables are made beforehand, so that they are not in the time of a set.
                 let history = self.history.as_ref().ok_or_else(none)?;
                 exact_sample(parameters, history, observer)?.points()
             }
             Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
+
         Ok(points)
     }
 
@@ -199,6 +203,7 @@ pub fn nine(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Vec<Piec
     rects
         .map(|(index, rect)| {
             let own = Domain::of_rect(&rect, Boundary::Periodic)?;
+            // Seeds of consecutive sets are a hundred apart, so that none of the nine has that of another set.
             let seed = seed.wrapping_mul(100).wrapping_add(index as u64);
             let set = Pattern::of_reference(own, seed, &mut control.observer())?;
             Ok(Piece {

@@ -1,4 +1,4 @@
-//! Why a reproduction ended early. What was finished before is kept.
+//! Why a reproduction ended early. Finished units are kept.
 
 use std::path::{Path, PathBuf};
 
@@ -24,22 +24,22 @@ pub enum ReproduceError {
         "{what}: the verifier counts {conflicts} conflicts and {gaps} gaps; nothing is concluded from this set"
     )]
     Invalid {
-        /// Which set.
+        /// Which set it is, in words.
         what: String,
-        /// Conflicts found.
+        /// How many conflicts the verifier counts.
         conflicts: u64,
-        /// Gaps found.
+        /// How many gaps the verifier counts.
         gaps: u64,
     },
     /// A file or a folder could not be read or made.
     #[error("{}: {cause}", path.display())]
     Io {
-        /// Which.
+        /// The path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Why the system refused.
         cause: std::io::Error,
     },
-    /// An engine failed.
+    /// An engine failed, for the reason in the text.
     #[error("{0}")]
     Engine(String),
     /// A set could not be made, verified or measured, a figure not drawn, or a file not written.
@@ -66,7 +66,7 @@ impl ReproduceError {
     }
 }
 
-/// The result of what may end a reproduction early.
+/// A result, or why the reproduction ended early.
 pub type Result<T, E = ReproduceError> = std::result::Result<T, E>;
 
 /// Makes errors of other crates into [`ReproduceError::Failed`], and those that say that the caller stopped it into

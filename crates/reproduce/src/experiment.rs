@@ -46,7 +46,7 @@ impl Experiment {
         self.words()[0]
     }
 
-    /// Returns its title.
+    /// Returns its title in reports.
     #[must_use]
     pub const fn title(self) -> &'static str {
         self.words()[1]

@@ -27,7 +27,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Returns this machine.
+    /// Returns the machine on which the program runs.
     #[must_use]
     pub fn this() -> Self {
         Self {

@@ -45,6 +45,7 @@ pub fn count(value: u64) -> String {
 
 /// Returns a number with so many significant digits, thousands apart.
 pub fn number(value: f64, digits: usize) -> String {
+    // Neither zero nor an infinity has a magnitude, and NaN has none.
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 {
             "0".to_owned()
@@ -52,11 +53,15 @@ pub fn number(value: f64, digits: usize) -> String {
             value.to_string()
         };
     }
+
     let magnitude = value.abs().log10().floor() as i32;
     let digits = digits.max(1) as i32;
+
+    // Very small and very large numbers would be mostly zeros.
     if !(-4..15).contains(&magnitude) {
         return format!("{value:.*e}", (digits - 1) as usize);
     }
+
     let decimals = digits - 1 - magnitude;
     if decimals >= 0 {
         let text = format!("{value:.*}", decimals as usize);
@@ -64,11 +69,13 @@ pub fn number(value: f64, digits: usize) -> String {
         let point = if rest.is_empty() { "" } else { "." };
         return format!("{}{point}{rest}", grouped(whole));
     }
+
+    // There are more places before the point than digits asked for: those beyond are zeros.
     let unit = 10_f64.powi(-decimals);
     grouped(&format!("{:.0}", (value / unit).round() * unit))
 }
 
-/// Puts thousands apart.
+/// Returns the figures of a whole number with thousands apart.
 fn grouped(whole: &str) -> String {
     let (sign, figures) = match whole.strip_prefix('-') {
         Some(figures) => ("\u{2212}", figures),

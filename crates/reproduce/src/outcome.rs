@@ -84,7 +84,7 @@ pub struct Claim {
     pub paper: String,
     /// The measurement here, with units.
     pub ours: String,
-    /// The verdict.
+    /// Whether the measurement agrees.
     pub verdict: Verdict,
     /// The rule by which the verdict follows from the measurement, and what limits it.
     pub reason: String,
@@ -116,7 +116,7 @@ pub struct Picture {
     pub name: String,
     /// A description of the picture.
     pub caption: String,
-    /// The picture.
+    /// The shapes of the picture.
     pub scene: Scene,
 }
 
@@ -135,13 +135,13 @@ pub struct Column {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Cell {
-    /// A whole number.
+    /// A number of things, which is whole.
     Count(u64),
-    /// A number.
+    /// A number, with digits behind the point.
     Number(f64),
-    /// Text.
+    /// A piece of text.
     Text(String),
-    /// Nothing was measured.
+    /// No value, as nothing was measured.
     Missing(()),
 }
 
@@ -152,14 +152,14 @@ impl Cell {
     }
 }
 
-/// Numbers in rows.
+/// Numbers in rows, under the headings of columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The name of its file, in lower case with hyphens.
     pub name: String,
     /// A description of the numbers.
     pub title: String,
-    /// The columns.
+    /// The columns, from the left.
     pub columns: Vec<Column>,
     /// Rows of as many cells.
     pub rows: Vec<Vec<Cell>>,
@@ -172,9 +172,9 @@ pub struct Table {
 pub struct Outcome {
     /// Claims with the measurements that decide them.
     pub claims: Vec<Claim>,
-    /// Pictures.
+    /// Pictures, to be written as PNG and SVG.
     pub pictures: Vec<Picture>,
-    /// Numbers.
+    /// Tables, to be written as CSV.
     pub tables: Vec<Table>,
     /// Paragraphs on the method and its limits.
     pub notes: Vec<String>,
@@ -183,21 +183,21 @@ pub struct Outcome {
 /// An experiment that has ended, as it is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
-    /// Which.
+    /// The experiment that has ended.
     pub experiment: Experiment,
     /// Whether its sets were small.
     pub quick: bool,
     /// Seed of the first set.
     pub seed: u64,
-    /// The machine.
+    /// The machine that carried it out.
     pub machine: Machine,
-    /// The program's version.
+    /// The version of the program.
     pub version: String,
-    /// What the paper says, and what was measured.
+    /// Claims with the measurements that decide them.
     pub claims: Vec<Claim>,
     /// Names and captions of the pictures.
     pub pictures: Vec<(String, String)>,
-    /// Numbers.
+    /// The tables with all numbers.
     pub tables: Vec<Table>,
     /// How it was done.
     pub notes: Vec<String>,

@@ -39,7 +39,7 @@ pub struct EngineTime {
     pub verify_seconds: f64,
     /// Whether it equals the first engine's set with these parameters.
     pub equal: bool,
-    /// The verifier's report.
+    /// The report of the verifier.
     pub report: Report,
 }
 
@@ -107,11 +107,15 @@ pub(crate) fn times(
     let domain = parameters.validate()?;
     let mut first: Option<(Vec<Point>, Report, f64)> = None;
     let mut all = Vec::new();
+
     for engine in engines {
-        let (points, seconds) = timed(|| open.make(engine, parameters, pattern, control));
-        let points = points?;
+        let (made, seconds) = timed(|| open.make(engine, parameters, pattern, control));
+        let points = made?;
+
+        // A set that equals the verified one is as good as verified.
         let known = first.as_ref().filter(|(verified, ..)| *verified == points);
         let equal = first.is_none() || known.is_some();
+
         let (report, verify_seconds) = if let Some((_, report, seconds)) = known {
             (report.clone(), *seconds)
         } else {
@@ -119,6 +123,7 @@ pub(crate) fn times(
             let (report, seconds) = timed(|| set.judge(control));
             (report?, seconds)
         };
+
         first.get_or_insert_with(|| (points, report.clone(), verify_seconds));
         all.push(EngineTime {
             engine: engine.clone(),
@@ -129,13 +134,14 @@ pub(crate) fn times(
             report,
         });
     }
+
     Ok(all)
 }
 
 /// A method over all rounds.
 #[derive(Clone, Debug)]
 pub struct EngineRate {
-    /// The engine.
+    /// The engine that made its sets.
     pub engine: Engine,
     /// Leaf size in radii; `None` for sets made from scratch.
     pub leaf: Option<f64>,
@@ -198,16 +204,22 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         let one = round.iter().find(|one| one.key() == key);
         one.cloned()
     };
+
     let times: Vec<EngineTime> = rounds
         .iter()
         .filter_map(|round| find(round, *key))
         .collect();
+
+    // Within one round, so that a disturbance affects both sides.
     let ratio = |baseline: Key<'_>| {
         let ratio = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
         Summary::of(rounds.iter().filter_map(ratio))
     };
+
     let all = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median = |value| all(value).map(|summary| summary.quartiles[1]);
+
+    // The ratio to one thread says something of more threads, and of exact tiling, which runs on one as well.
     let is_compared = match key.0 {
         Engine::Parallel { threads } => *threads > 1,
         Engine::Exact => true,
@@ -215,6 +227,7 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
             false
         }
     };
+
     let one_thread = (&Engine::Parallel { threads: 1 }, key.1);
     Some(EngineRate {
         engine: key.0.clone(),
@@ -227,6 +240,7 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
             .filter(|_| is_compared)
             .map(|ratio| ratio.quartiles[1]),
         density: median(|one| one.report.density)?,
+        // The worst of all sets, since each of them has to be valid.
         min_distance: all(|one| one.report.min_distance / one.report.radius)?.least,
         covering_radius: all(|one| one.report.covering_radius / one.report.radius)?.most,
         times,

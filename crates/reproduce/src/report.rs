@@ -66,13 +66,16 @@ fn plain(text: &str) -> Span {
 fn blocks(out: &Path) -> Vec<Block> {
     let mut blocks = vec![Block::Text(vec![plain(INTRODUCTION)])];
     let mut finished: Vec<Finished> = Vec::new();
+
     for experiment in Experiment::ALL {
         match read(out, experiment) {
             Some(Ok(one)) => finished.push(one),
+            // A file that cannot be read leaves the other experiments in the report.
             Some(Err(error)) => blocks.push(Block::Text(vec![Span::Strong(error)])),
             None => {}
         }
     }
+
     blocks.extend(claims("What the paper says", &finished, true));
     blocks.extend(claims("Beyond the paper", &finished, false));
     blocks.extend(finished.iter().flat_map(section));
@@ -100,12 +103,13 @@ fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Bloc
             Span::Verdict(claim.verdict, one.words(claim)),
         ]
     };
+
     let rows = finished.iter().flat_map(|one| {
-        let claims = one.claims.iter();
-        let claims = claims.filter(|claim| claim.is_of_the_paper() == of_the_paper);
+        let claims = (one.claims.iter()).filter(|claim| claim.is_of_the_paper() == of_the_paper);
         claims.map(move |claim| row(one, claim))
     });
     let rows: Vec<_> = rows.collect();
+
     let heads = ["claim", "place", "the paper", "here", "verdict"];
     (!rows.is_empty()).then(|| Block::Table {
         title: title.to_owned(),
@@ -126,6 +130,7 @@ fn section(one: &Finished) -> Vec<Block> {
     if one.quick {
         facts.push(("Quick", plain("small sets, few of them")));
     }
+
     let mut blocks = vec![Block::Section(one.experiment), Block::Facts(facts)];
     blocks.extend(one.claims.iter().map(|claim| {
         let Claim {
@@ -140,13 +145,17 @@ fn section(one: &Finished) -> Vec<Block> {
             Span::Plain(format!(". {}", claim.reason)),
         ])
     }));
+
     blocks.extend(one.notes.iter().map(|note| Block::Text(vec![plain(note)])));
+    // Long curves are for data files alone.
     for table in one.tables.iter().filter(|table| table.shown) {
         let rows = table.rows.iter().map(|row| {
             let cells = row.iter().zip(&table.columns);
-            let cells = cells.map(|(cell, column)| Span::Plain(readable(cell, column.digits)));
-            cells.collect()
+            cells
+                .map(|(cell, column)| Span::Plain(readable(cell, column.digits)))
+                .collect()
         });
+
         blocks.push(Block::Table {
             title: table.title.clone(),
             numbers: true,
@@ -154,6 +163,7 @@ fn section(one: &Finished) -> Vec<Block> {
             rows: rows.collect(),
         });
     }
+
     blocks.extend(one.pictures.iter().map(|(name, caption)| {
         Block::Picture(format!("{}-{name}", one.experiment), caption.clone())
     }));

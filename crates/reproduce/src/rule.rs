@@ -1,4 +1,4 @@
-//! Rules by which a verdict follows from an interval of what was measured.
+//! Rules by which a verdict follows from the interval of a measurement.
 
 use crate::outcome::Verdict;
 
@@ -24,19 +24,23 @@ impl Rule {
         let Some([low, high]) = interval else {
             return Verdict::NotComparable;
         };
+
         let (holds, contradicted) = match self {
             Self::Within([least, most]) => {
                 (low >= least && high <= most, high < least || low > most)
             }
             Self::Above(least) => (low >= least, high < least),
             Self::NotZero(reach) => {
+                // A wide interval around zero denies nothing.
                 let zero = (low..=high).contains(&0.0);
                 (!zero, zero && 0.5 * (high - low) <= reach)
             }
         };
+
         match (holds, contradicted) {
             (true, _) => Verdict::Reproduced,
             (_, true) => Verdict::NotReproduced,
+            // The interval holds a limit, or is too wide to deny anything.
             _ => Verdict::NotComparable,
         }
     }

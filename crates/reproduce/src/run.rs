@@ -24,7 +24,7 @@ pub struct Options {
     pub settings: Settings,
     /// The folder of the result; made if it is not there. Nothing else in it is touched.
     pub out: PathBuf,
-    /// Forget what was kept of an earlier run.
+    /// Whether the parts of earlier runs are deleted first.
     pub fresh: bool,
 }
 
@@ -35,7 +35,7 @@ pub struct Summary {
     pub finished: Vec<Finished>,
     /// Those that could not be carried out, and why.
     pub failed: Vec<(Experiment, String)>,
-    /// The report.
+    /// The path of the report.
     pub report: PathBuf,
 }
 
@@ -43,8 +43,8 @@ impl Summary {
     /// Returns how many claims of the paper have this verdict.
     #[must_use]
     pub fn count(&self, verdict: Verdict) -> usize {
-        let claims = self.finished.iter().flat_map(|one| &one.claims);
-        let claims = claims.filter(|claim| claim.is_of_the_paper());
+        let claims = (self.finished.iter().flat_map(|one| &one.claims))
+            .filter(|claim| claim.is_of_the_paper());
         claims.filter(|claim| claim.verdict == verdict).count()
     }
 }
@@ -55,8 +55,10 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
     let made_by = made_by(&Machine::this());
     let planned = |&experiment: &Experiment| {
         let stamp = stamp(experiment, settings, &made_by);
-        let kept = out.map(|out| Parts::kept(&folder(out, experiment), &stamp));
-        let kept = kept.unwrap_or_default();
+        let kept = out
+            .map(|out| Parts::kept(&folder(out, experiment), &stamp))
+            .unwrap_or_default();
+
         let units = experiment.units(settings);
         Planned {
             experiment,
@@ -65,6 +67,7 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
             seconds: kept.iter().sum(),
         }
     };
+
     experiments.iter().map(planned).collect()
 }
 
@@ -77,7 +80,7 @@ fn folder(out: &Path, experiment: Experiment) -> PathBuf {
 /// all numbers, JSON of each experiment) into the folder. What earlier runs left there of other experiments stays in
 /// the report.
 ///
-/// The same settings give the same numbers, except times; what was kept in `parts/` is not computed again, if
+/// The same settings give the same numbers, except times; units that are kept in `parts/` are not computed again, if
 /// settings, program, machine and threads are the same. An experiment that fails does not keep the others from being
 /// carried out; cancelling does.
 pub fn reproduce(
@@ -88,38 +91,49 @@ pub fn reproduce(
     let settings = &options.settings;
     let machine = Machine::this();
     let made_by = made_by(&machine);
+
+    // With `fresh` the parts of earlier runs are deleted before they are read.
     let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
     let each = plan(experiments, settings, kept);
     watch.planned(&each);
+
     let mut summary = Summary {
         finished: Vec::new(),
         failed: Vec::new(),
         report: options.out.join("report.html"),
     };
+
     let mut done = 0;
     for Planned {
         experiment, units, ..
     } in each
     {
         watch.begins(experiment);
+
         let stamp = stamp(experiment, settings, &made_by);
         let parts = Parts::open(folder(&options.out, experiment), stamp, options.fresh)?;
         let study = Study::new(experiment, settings, done, parts, watch);
+
+        // The next experiment counts on from here, also if this one fails.
         done += units;
         let outcome = match experiment.carry_out(&study) {
             Ok(outcome) => outcome,
             Err(ReproduceError::Cancelled) => return Err(ReproduceError::Cancelled),
+            // A failure does not keep the other experiments from being carried out.
             Err(error) => {
                 watch.failed(experiment, &error);
                 summary.failed.push((experiment, error.to_string()));
                 continue;
             }
         };
+
+        // After each experiment, so that the folder is complete whenever the run is interrupted.
         let finished = keep(experiment, outcome, options, &machine)?;
         report::write(&options.out)?;
         watch.finished(&finished);
         summary.finished.push(finished);
     }
+
     Ok(summary)
 }
 
@@ -133,7 +147,7 @@ fn made_by(machine: &Machine) -> String {
     format!("{} {digest} {}", env!("CARGO_PKG_VERSION"), machine.line())
 }
 
-/// Returns what must agree for kept numbers to be used: program, machine and settings.
+/// Returns the stamp that kept numbers must have to be used: program, machine and settings.
 fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
     let (quick, seed) = (settings.quick, settings.seed);
     format!("{experiment} quick {quick} seed {seed} {made_by}")
@@ -150,6 +164,7 @@ fn keep(
     for folder in [&figures, &data] {
         fs::create_dir_all(folder).map_err(ReproduceError::io(folder))?;
     }
+
     for picture in &outcome.pictures {
         draw(picture, &figures, experiment)?;
     }
@@ -157,6 +172,7 @@ fn keep(
         let path = data.join(format!("{experiment}-{}.csv", table.name));
         write_whole(&path, csv(table).as_bytes())?;
     }
+
     let settings = &options.settings;
     let named = |picture: Picture| (picture.name, picture.caption);
     let finished = Finished {
@@ -170,6 +186,8 @@ fn keep(
         tables: outcome.tables,
         notes: outcome.notes,
     };
+
+    // The report reads this file and shows those above, so that it is written last.
     let path = data.join(format!("{experiment}.json"));
     let bytes = serde_json::to_vec_pretty(&finished)?;
     write_whole(&path, &bytes)?;

@@ -79,13 +79,16 @@ impl<'a> Study<'a> {
     ) -> Result<T> {
         let control = self.control(what);
         control.go_on()?;
+
         let result = if let Some(kept) = self.parts.load(key) {
             kept
         } else {
             let made = make(&control)?;
+            // At once, so that an interrupted run goes on behind this unit.
             self.parts.save(key, control.seconds(), &made)?;
             made
         };
+
         self.done.set(self.done.get() + 1);
         Ok(result)
     }
@@ -102,6 +105,7 @@ impl<'a> Study<'a> {
         self.unit(key, what, |control| {
             let indices = indices.into_par_iter();
             indices
+                // The seed follows from the index, whichever thread takes it.
                 .map(|index| make(settings.seed_of(index as u64), control))
                 .collect()
         })

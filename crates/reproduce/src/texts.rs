@@ -1,5 +1,5 @@
 //! The words of reports, read from `assets/experiments`: claims, tables, charts, captions and notes, with placeholders
-//! for what was measured. Code gives the numbers and the verdicts. `assets/experiments/README.md` describes the files.
+//! for the measurements. Code gives the numbers and the verdicts. `assets/experiments/README.md` describes the files.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -23,7 +23,7 @@ struct Words {
     pictures: BTreeMap<String, PictureText>,
 }
 
-/// The fields of a [`Claim`]; `here` is what was measured, `rule` the reason of the verdict.
+/// The fields of a [`Claim`]; `here` has the measurement, `rule` the reason of the verdict.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ClaimText {
@@ -150,6 +150,7 @@ pub fn picture_texts(id: &str, values: &Value) -> PictureText {
 pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -> Value) -> Table {
     let (_, text) = find(id, |texts| &texts.tables);
     let objects: Vec<Value> = rows.into_iter().map(cells).collect();
+
     let mut table = Table {
         name: name(id),
         title: text.title.clone(),
@@ -157,12 +158,14 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         rows: vec![Vec::new(); objects.len()],
         shown: !text.hidden,
     };
+
     let mut add = |column: Column, cell: &dyn Fn(&Value) -> Option<Value>| {
         table.columns.push(column);
         for (row, object) in table.rows.iter_mut().zip(&objects) {
             row.push(Cell::of(cell(object).unwrap_or_default()));
         }
     };
+
     for column in &text.columns {
         let key = column.key.trim_end_matches('?');
         let named = |number: &str| Column {
@@ -170,8 +173,11 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             head: column.head.replace("{n}", number),
             digits: column.digits,
         };
+
+        // All rows have the same columns, so that the first one tells which.
         let optional = key != column.key || objects.is_empty();
         match objects.first().and_then(|object| object.get(key)) {
+            // A column for each pair of the first row.
             Some(Value::Array(pairs)) => {
                 for (index, pair) in pairs.iter().enumerate() {
                     let cell = |object: &Value| object[key].get(index).map(|pair| pair[1].clone());
@@ -182,6 +188,8 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             None => debug_assert!(optional, "{id}: no cells of {key}"),
         }
     }
+
+    // The other way round: a cell without a column would be left out without a word.
     for key in objects
         .iter()
         .filter_map(Value::as_object)
@@ -193,6 +201,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             .any(|column| column.key.trim_end_matches('?') == key);
         debug_assert!(known, "{id}: no column for {key}");
     }
+
     table
 }
 
@@ -207,6 +216,7 @@ impl Words {
     fn filled(&self, template: &str, values: &Value) -> String {
         let mut out = String::new();
         let mut rest = template;
+
         while let Some((before, (inside, after))) =
             (rest.split_once('{')).and_then(|(before, rest)| Some((before, rest.split_once('}')?)))
         {
@@ -216,14 +226,17 @@ impl Words {
                 out.push_str(&self.filled(&self.texts[part], values));
                 continue;
             }
+
             let (name, format) = inside.split_once(':').unwrap_or((inside, ""));
             let value = values.pointer(&format!("/{}", name.replace('.', "/")));
+            // Placeholders are written in the assets, so that tests find one without a value.
             debug_assert!(
                 value.is_some(),
                 "no value for {{{inside}}} of \"{template}\""
             );
             out.push_str(&shown(value.unwrap_or(&Value::Null), format));
         }
+
         out + rest
     }
 }
@@ -237,8 +250,12 @@ fn shown(value: &Value, format: &str) -> String {
             cell => readable(&cell, 0),
         };
     };
-    let digits: String = format.chars().filter(char::is_ascii_digit).collect();
-    let digits = digits.parse().unwrap_or(0);
+
+    // Only the format `p` has no digits, and it needs none.
+    let digits = (format.chars().filter(char::is_ascii_digit))
+        .collect::<String>()
+        .parse()
+        .unwrap_or(0);
     match (format.starts_with('+'), format.ends_with('%')) {
         _ if format == "p" => chance(value),
         (false, false) => number(value, digits),

@@ -16,7 +16,7 @@ use crate::texts::{chart, claim, table, text};
 
 /// Shortest edges of blocks, in radii.
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
-/// Measured and predicted may differ by this share of what is predicted.
+/// Measured and predicted shares may differ by this part of the predicted one.
 const CLOSE: f64 = 0.2;
 /// The paper's bound for leaves from `FROM` on.
 const PAPER: f64 = 0.1;
@@ -42,6 +42,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         })?;
         found.push(LeafShares::sum(&sets));
     }
+
     Ok(Outcome {
         claims: claims(&found),
         pictures: vec![curves(&found)?],
@@ -65,14 +66,18 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
         inserted: run.summary().inserted.iter().sum(),
         ..LeafShares::default()
     };
+
     for block in &run.blocks.leaves {
         let [width, height] =
             [block.rect.width(), block.rect.height()].map(|x| f64::from(x) / f64::from(R));
         found.blocks += 1;
         found.edges += width + height;
+        // A clip is its block with r more on each side, which the proof of theorem 3.1 needs.
         found.clipped += (width + 2.0) * (height + 2.0);
+        // Clips of neighbours reach r into the block.
         found.alone += (width - 2.0) * (height - 2.0);
     }
+
     let near = conflicts(run);
     let samples = run.samples.origins.iter().zip(&run.samples.fates);
     for ((origin, fate), in_conflict) in samples.zip(near) {
@@ -82,14 +87,17 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
             found.in_conflict += usize::from(in_conflict);
             let lost = matches!(fate, Fate::Eliminated { .. });
             found.eliminated += usize::from(lost);
+            // In the margin of a clip nothing is lost: the place belongs to another block.
             found.lost += usize::from(lost && *own);
         }
     }
+
     found
 }
 
 /// Returns for each tiled sample whether another one is within r.
 fn conflicts(run: &Run) -> Vec<bool> {
+    // Tiled samples come first, in the order of their ids.
     let tiled = |origin: &&Origin| matches!(origin, Origin::Tiled { .. });
     let points = &run.samples.points[..run.samples.origins.iter().take_while(tiled).count()];
     let mut grid = SampleGrid::with_capacity(run.domain, points.len());
@@ -110,12 +118,15 @@ fn exponent(found: &[LeafShares], value: fn(&LeafShares) -> f64) -> f64 {
 }
 
 fn claims(found: &[LeafShares]) -> Vec<Claim> {
+    // The smallest leaf of the paper's bound is the one that the claims name.
     let Some(first) = found.iter().find(|one| one.leaf >= FROM) else {
         return Vec::new();
     };
+
     let bounded = found
         .iter()
         .all(|one| one.inserted_share() < one.predicted());
+
     vec![
         area(found, first),
         below(found),
@@ -130,7 +141,7 @@ fn claims(found: &[LeafShares]) -> Vec<Claim> {
     ]
 }
 
-/// The equation itself.
+/// Returns the claim of the equation itself.
 fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
     let ratios =
         |share: fn(&LeafShares) -> f64| ends(found.iter().map(|one| share(one) / one.predicted()));
@@ -148,10 +159,12 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
 fn below(found: &[LeafShares]) -> Claim {
     let large = || found.iter().filter(|one| one.leaf >= FROM);
     let most = |share: fn(&LeafShares) -> f64| largest(large().map(share));
+
     let from = |share: fn(&LeafShares) -> f64| {
-        let from = large().find(|one| share(one) < PAPER);
-        from.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
+        let first = large().find(|one| share(one) < PAPER);
+        first.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
     };
+
     let margin = most(LeafShares::margin_share);
     let values = json!({
         "margin": margin, "margin_from": from(LeafShares::margin_share),
@@ -164,7 +177,9 @@ fn below(found: &[LeafShares]) -> Claim {
 fn inverse(found: &[LeafShares]) -> Claim {
     let [margin, inserted] =
         [LeafShares::margin_share, LeafShares::inserted_share].map(|share| exponent(found, share));
+    // An inverse is a power law with the exponent -1.
     let holds = |exponent: f64| (exponent + 1.0).abs() <= EXPONENT;
+
     let values = json!({
         "margin": margin, "inserted": inserted, "overlap": exponent(found, LeafShares::overlap),
         "predicted": exponent(found, LeafShares::predicted), "limit": EXPONENT,
@@ -183,7 +198,7 @@ struct LeafShares {
     leaf: f64,
     count: usize,
     inserted: usize,
-    /// The domain's.
+    /// Area of the domain.
     area: f64,
     blocks: usize,
     /// Sum of the widths and heights of all blocks, in radii.
@@ -223,7 +238,7 @@ impl LeafShares {
         sets.iter().fold(Self::default(), sum)
     }
 
-    /// Equation 4.
+    /// Returns the share by equation 4.
     fn predicted(&self) -> f64 {
         (2.0 * self.leaf + 1.0) / (self.leaf + 1.0).powi(2)
     }
@@ -290,6 +305,7 @@ fn curves(found: &[LeafShares]) -> Result<Picture> {
     let of = |value: &dyn Fn(&LeafShares) -> f64| {
         found.iter().map(|one| [one.leaf, value(one)]).collect()
     };
+
     let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
         let predicted = |one: &LeafShares| one.predicted() * scale(one);
         let mut series = vec![reference("equation 4", of(&predicted))];
@@ -298,7 +314,9 @@ fn curves(found: &[LeafShares]) -> Result<Picture> {
         }
         series
     };
+
     let shares = chart("eq4/shares", all(&|_| 100.0));
+    // Times N, a share that is inversely proportional to N is level.
     let products = chart("eq4/products", all(&|one| one.leaf));
     let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
     picture("eq4/shares", &json!({}), rows)

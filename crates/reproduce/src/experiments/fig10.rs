@@ -36,16 +36,20 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let each = Sampler::ALL.into_iter();
     let results: Vec<SamplerResults> =
         each.map(|one| results(one, study)).collect::<Result<_>>()?;
+
     let control = study.control("the pictures");
+    // Sets are not kept, so that those of the pictures are made anew.
     let corner = |sampler| looks::corner(sampler, settings, &control);
     let corners: Vec<_> = Sampler::ALL
         .into_iter()
         .map(corner)
         .collect::<Result<_>>()?;
+
     let values = json!({
         "reach": filter::REACH, "sigma": filter::SIGMA, "cut_off": filter::CUT_OFF,
         "left_out": horizon::LEFT_OUT, "leaf": samplers::LEAF,
     });
+
     Ok(Outcome {
         claims: claims::claims(&results),
         pictures: pictures::pictures(&results, &corners, settings)?,
@@ -61,28 +65,28 @@ fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
     let settings = study.settings;
     let (name, key) = (sampler.name(), sampler.key());
     let what = format!("spectrum, {name}");
+    // The spectrum, each plate and each horizon are units: an interrupted run loses one of them at most.
     let spectrum = study.unit(&format!("look-{key}"), &what, |control| {
-        looks::spectrum(sampler, looks::amounts(settings), settings, control)
+        let (count, sets) = looks::amounts(settings);
+        looks::spectrum(sampler, count, sets, settings, control)
     })?;
+
     let (size, count, sets) = plate::amounts(settings);
     let plate = |index| {
         let what = format!("zone plate, {name}, set {}", index + 1);
         study.unit(&format!("plate-{key}-{index}"), &what, |control| {
-            plate::errors(sampler, (count, index), size, settings, control)
+            plate::errors(sampler, count, index, size, settings, control)
         })
     };
+
     let horizon = |per_pixel: &usize| {
         let what = format!("horizon, {name}, {per_pixel} samples per pixel");
         study.unit(&format!("horizon-{key}-{per_pixel}"), &what, |control| {
-            horizon::errors(
-                sampler,
-                *per_pixel,
-                horizon::amounts(settings),
-                settings,
-                control,
-            )
+            let (board, sets) = horizon::amounts(settings);
+            horizon::errors(sampler, *per_pixel, board, sets, settings, control)
         })
     };
+
     let per_pixel = horizon::per_pixel(settings).iter();
     Ok(SamplerResults {
         sampler,

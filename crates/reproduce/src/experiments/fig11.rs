@@ -32,12 +32,15 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let rounds: Vec<StageRound> = stages::run(plan, study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);
+
     let mut tables = vec![shown::stages(&rows), shown::counts(&rounds)];
     if !passes.is_empty() {
         tables.push(shown::passes(&passes));
     }
+
     let mut notes = vec![text("fig11/how", &json!({}))];
     notes.extend(no_gpu().map(|why| text("fig11/no-gpu", &json!({ "why": why }))));
+
     Ok(Outcome {
         claims: claims(&rows),
         pictures: vec![shown::shares(&rows, plan)?],
@@ -57,19 +60,22 @@ fn claims(rows: &[LeafTimes]) -> Vec<Claim> {
 fn longest(id: &str, rows: &[LeafTimes], printed: bool) -> Claim {
     let rows = || rows.iter().filter(|row| row.printed == printed);
     let words = |row: &LeafTimes| {
+        // The paper has elimination and the first insertion as one part.
         let [first, other] = row.shares().map(|share| percent(share, 2));
-        let parts = row
-            .first_shares()
-            .into_iter()
-            .map(|share| percent(share, 2));
-        let parts: Vec<String> = parts.collect();
-        let parts = match &parts[..] {
-            [_, _, ..] => format!(" ({})", parts.join(" and ")),
+
+        let each: Vec<String> = (row.first_shares().into_iter())
+            .map(|share| percent(share, 2))
+            .collect();
+        let parts = match &each[..] {
+            [_, _, ..] => format!(" ({})", each.join(" and ")),
+            // One loop that does both has no parts to tell apart.
             _ => String::new(),
         };
+
         let name = row.name();
         format!("{name}: {first}{parts}, the longest other one {other}")
     };
+
     let shares: Vec<String> = rows().map(words).collect();
     let holds = rows().all(|row| row.shares()[0] > row.shares()[1]);
     let values = json!({ "shares": shares.join("; ") });

@@ -82,6 +82,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         found.push(study.unit(&key, &what, |control| measure(side, seed, control))?);
     }
     let control = study.control("the picture");
+    // Sets are not kept, so that the one of the picture is made anew.
     let domain = domain(DRAWN)?;
     let glued = glue(domain, seed, &control)?;
     Ok(Outcome {
@@ -118,19 +119,26 @@ fn glue(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Glued> {
 fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> {
     let domain = domain(side)?;
     control.go_on()?;
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let one = one.map_err(|error| ReproduceError::Engine(error.to_string()))?;
+
+    // The speed-up is over a single thread, so that nothing in this set may use more.
+    let one = (rayon::ThreadPoolBuilder::new().num_threads(1).build())
+        .map_err(|error| ReproduceError::Engine(error.to_string()))?;
     let (whole, alone) =
         timed(|| one.install(|| reference_sample(domain, seed, &mut control.observer())));
+    // Only its time is compared.
     drop(whole?);
+
     let glued = glue(domain, seed, control)?;
     let (combined, [making, gluing]) = (&glued.combined, glued.seconds);
     let set = Set::of(&domain, &combined.points);
     let report = set.judge(control)?;
+
     let rects = nine_rects(&domain);
+    // A sample in the margin around its rectangle is no loss: the place belongs to another set.
     let lost = combined.eliminated.iter().filter(|lost| lost.own);
     let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
     let deepest = lost.clone().map(depth).max().unwrap_or(0);
+
     let summary = combined.summary();
     Ok(LayoutResult {
         side,
@@ -160,15 +168,18 @@ fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
         .iter()
         .map(|one| one.report.conflicts + one.report.gaps)
         .sum();
+
     let words = match faults {
         0 => "neither conflict nor gap".to_owned(),
         1 => "1 conflict or gap".to_owned(),
         _ => format!("{} conflicts and gaps", count(faults)),
     };
+
     let layouts = match found.len() {
         1 => "it".to_owned(),
         layouts => format!("{layouts} layouts"),
     };
+
     let values = json!({ "samples": last.after, "faults": words, "layouts": layouts });
     claim("fig12/maximal", Verdict::of(faults == 0), &values)
 }
@@ -216,13 +227,16 @@ const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 
 fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
     let combined = &glued.combined;
+    // The lowest corner of the middle set is one at which four of the nine meet.
     let corner = combined.domain.user_from_lattice(rects[4].min);
     let half = 0.5 * PART * combined.domain.radius();
     let part = Rect::new(corner.map(|x| x - half), corner.map(|x| x + half));
+
     let values = json!({
         "before": glued.before, "after": combined.points.len(), "part": PART,
         "lost": combined.eliminated.iter().filter(|lost| lost.own).count(),
     });
+
     let picture = |(name, window): (&str, Option<Rect>)| {
         let title = text(&format!("fig12/{name}-title"), &values);
         Picture {
@@ -241,12 +255,15 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
     let tint = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
     let block = |source: &Source| match *source {
         Source::Tiled { block, .. } => tint(block).map(|at| at as u32),
+        // An inserted sample belongs to none of the nine.
         Source::Inserted { .. } => None,
     };
+
     let options = PictureOptions {
         window,
         ..PictureOptions::default()
     };
+
     let blocks = TINTED.map(|piece| Rect::new(user(rects[piece].min), user(rects[piece].max)));
     let set = SetPicture {
         points: &points,
@@ -258,6 +275,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         exposed: Vec::new(),
         caption,
     };
+
     let mut scene = set_scene(&set, &options);
     let style = Style::filled(options.palette.eliminated);
     if let Some(part) = window {
@@ -267,6 +285,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         let cross = |at| Shape::marker(Marker::Cross, at, 13.0, style);
         above_samples(&mut scene, "eliminated", positions.map(cross).collect());
     }
+
     legend(&mut scene, &options.palette, window.is_some());
     scene
 }
@@ -284,6 +303,7 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
         palette.inserted,
         palette.eliminated,
     ];
+
     let [sample, inserted, eliminated] = colors.map(Style::filled);
     let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
     let entries = [
@@ -292,8 +312,10 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
         ("eliminated", Marker::Cross, 1.0, eliminated),
         ("disk of radius r", Marker::Dot, 1.6, disk),
     ];
+
     let mut group = Group::new("legend");
     let mut x = 20.0 + 0.5 * MARK;
+    // The whole picture has neither crosses nor disks: they would be too small.
     for (name, kind, size, style) in entries.into_iter().take(if close { 4 } else { 2 }) {
         group
             .shapes
@@ -303,6 +325,7 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
         x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;
         group.shapes.push(Shape::Text(text));
     }
+
     scene.groups.push(group);
     scene.height += LINE;
 }

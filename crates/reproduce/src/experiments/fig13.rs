@@ -41,10 +41,13 @@ fn methods(last: bool) -> Vec<Method> {
             side: PATTERN,
         };
         methods.push(Method::kdrt(leaf));
+        // The smaller pattern is looked at, too: it is periodic, so that runs succeed, but their blocks contain parts of it
+        // twice.
         if !default.fits() {
             methods.push(default);
         }
     }
+
     methods.push(Method::OnePattern { leaf: ONE_LEAF });
     if last {
         methods.push(Method::Copies);
@@ -82,13 +85,16 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
             spectra::measure(&group, method, control)
         })?);
     }
+
     let plan = plan(study.settings);
     let rounds = rates::run(plan, study)?;
     let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
     let rows = engine_rates::rows(&timed, None);
     let against = against::against(&found);
+
     let mut pictures = spectra_pictures(study, &found)?;
     pictures.push(shown::rates(&rows, plan)?);
+
     Ok(Outcome {
         claims: claims::claims(&against, &rows),
         pictures,
@@ -104,46 +110,56 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 /// The figures show one set of each method, made anew.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
-    let picture = |group: SetGroup, names, columns: Vec<(Method, Method)>| {
+    let picture = |group: SetGroup, name: &str, title: &str, columns: Vec<(Method, Method)>| {
         let of = |method: Method| spectra::find(found, group.radius, method);
         let both = |(one, below)| Some((of(one)?, of(below)?));
         let columns: Vec<_> = columns.into_iter().filter_map(both).collect();
         let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);
         let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;
-        shown::spectra(names, &columns, &sets)
+        shown::spectra(name, title, &columns, &sets)
     };
+
     let groups = groups(study.settings);
     let each = groups.iter().map(|group| {
-        let names = ("spectra", "Reference and KDRT");
-        picture(*group, names, shown::columns(&LEAVES))
+        picture(
+            *group,
+            "spectra",
+            "Reference and KDRT",
+            shown::columns(&LEAVES),
+        )
     });
     let mut pictures: Vec<Picture> = each.collect::<Result<_>>()?;
+    // The control, which this figure needs, stands with the last radius alone.
     if let Some(group) = groups.last() {
-        let names = ("regular", "Where regularity shows");
-        pictures.push(picture(*group, names, shown::regular())?);
+        let title = "Where regularity shows";
+        pictures.push(picture(*group, "regular", title, shown::regular())?);
     }
     Ok(pictures)
 }
 
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![text("fig13/how", &json!({}))];
+
+    // A domain of a single block was not tiled, so that no verdict rests on it.
     let is_whole =
         |one: &&MethodSpectra| one.method.leaf().is_some() && !one.method.tiles(one.radius);
-    let whole = found.iter().filter(is_whole);
-    let whole = whole.map(|one| format!("{} at radius {}", one.method.name(), one.radius));
-    let whole: Vec<String> = whole.collect();
+    let whole: Vec<String> = (found.iter().filter(is_whole))
+        .map(|one| format!("{} at radius {}", one.method.name(), one.radius))
+        .collect();
     if !whole.is_empty() {
         notes.push(text("fig13/whole", &json!({ "methods": whole.join(", ") })));
     }
-    let shared = found
-        .iter()
-        .filter(|one| matches!(one.method, Method::OnePattern { .. }));
-    let shared = shared.map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));
+
+    // Sets with one pattern repeat each other as well as themselves, so that no verdict rests on them.
+    let shared = (found.iter())
+        .filter(|one| matches!(one.method, Method::OnePattern { .. }))
+        .map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));
     let excess = shared.collect::<Vec<_>>().join(", ");
     notes.push(text(
         "fig13/shared",
         &json!({ "leaf": ONE_LEAF, "excess": excess }),
     ));
+
     let all = || rounds.iter().flat_map(|round| &round.patterns);
     let pattern = |side: f64| {
         let seconds = all().filter(|(of, _)| of.to_bits() == side.to_bits());
@@ -153,10 +169,9 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
             number(median.unwrap_or(f64::NAN), 3)
         )
     };
-    let patterns = distinct(all().map(|(side, _)| *side))
-        .into_iter()
-        .map(pattern);
-    let patterns = patterns.collect::<Vec<_>>().join(", ");
+
+    let sides = distinct(all().map(|(side, _)| *side)).into_iter();
+    let patterns = sides.map(pattern).collect::<Vec<_>>().join(", ");
     notes.push(text("fig13/rates", &json!({ "patterns": patterns })));
     notes.extend(no_gpu().map(|why| text("fig13/no-gpu", &json!({ "why": why }))));
     notes

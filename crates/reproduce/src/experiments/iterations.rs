@@ -59,9 +59,12 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
             })?);
         }
     }
+
     let compared = variants::compare(study)?;
     let mut printed: Vec<Summary> = compared.iter().map(|one| one.printed.clone()).collect();
+    // Sets of both sizes count for the claims on the algorithm as printed.
     printed.extend(variants::large_printed(study)?);
+
     Ok(Outcome {
         claims: claims(&found, &printed),
         pictures: vec![
@@ -88,6 +91,7 @@ fn measure(
     parameters.order = case.order;
     let (set, summary) = Set::kdrt(&parameters, control)?;
     let report = set.verified(&format!("{}, seed {seed}", case.name()), control)?;
+
     Ok(IterationCounts {
         case,
         seed,
@@ -108,11 +112,15 @@ fn claims(found: &[IterationCounts], printed: &[Summary]) -> Vec<Claim> {
 fn suffices(how: &str, sets: &[Summary]) -> Claim {
     let counts = || sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+
     let large = sets
         .iter()
+        // A set has about as many samples as it was made for.
         .filter(|set| set.count as f64 >= 0.9 * PAPER_SAMPLES)
         .count();
+    // One set that needs more refutes it, whatever its size; only sets of the paper's size confirm it.
     let verdict = Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER);
+
     let values = json!({
         "range": if least == most { most.to_string() } else { format!("{least} to {most}") },
         "within": counts().filter(|count| *count <= PAPER).count(), "allowed": PAPER,
@@ -127,10 +135,13 @@ fn rare(how: &str, sets: &[Summary]) -> Claim {
         let late = |set: &Summary| set.inserted.iter().skip(from).sum::<usize>();
         sets.iter().map(late).sum()
     };
+
     let (late, inserted) = (after(PAPER), after(0));
     let share = |count: f64| count / inserted.max(1) as f64;
     let [low, high] = poisson_interval(late, MISSED).map(share);
+    // Known if the interval lies on one side of the limit.
     let verdict = Verdict::if_known(low > RARE || high <= RARE, high <= RARE);
+
     let values = json!({
         "late": late, "inserted": inserted, "share": share(late as f64),
         "allowed": PAPER, "rare": RARE, "high": high,

@@ -68,8 +68,10 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
             measure(case, samples, seed, control)
         })?);
     }
+
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
+    // Sets are not kept, so that the one with the largest gap is made again to be drawn.
     if let Some(worst) = gaps::worst(&found) {
         let (leaf, variant) = (worst.leaf, Variant::Staged);
         let case = SearchCase { leaf, variant };
@@ -77,6 +79,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         let (set, _) = make(&parameters, Search::TwoRadii, &control)?;
         pictures.extend(picture::witnesses(&set, &worst.two.worst)?);
     }
+
     Ok(Outcome {
         claims: claims(&found),
         pictures,
@@ -105,10 +108,12 @@ fn measure(
     control: &Control<'_>,
 ) -> Result<GapStatistics> {
     let parameters = case.parameters(samples, seed);
+    // Nothing but the reach of the search differs between the two sets.
     let judged = |search| -> Result<GapCounts> {
         let (set, inserted) = make(&parameters, search, control)?;
         GapCounts::of(&set, inserted, control)
     };
+
     Ok(GapStatistics {
         leaf: case.leaf,
         printed: case.variant == Variant::AsPrinted,
@@ -136,8 +141,10 @@ fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
     let holes: usize = sets.iter().map(|one| one.holes).sum();
     let samples: usize = sets.iter().map(|one| one.count).sum();
     let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
+
     let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
     let rate = json!({ "rate": a_million(holes as f64, samples), "ends": ends });
+
     let values = json!({
         "holes": match holes {
             0 => "no gap".to_owned(),
@@ -150,6 +157,8 @@ fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
         "centers": sets.iter().map(|one| one.centers).sum::<u64>(),
         "out": sets.iter().map(|one| one.out_of_sight).sum::<usize>(),
     });
+
+    // A single gap refutes it in any number of samples.
     claim(
         id,
         Verdict::if_known(!holds || samples >= ENOUGH, holds),

@@ -45,11 +45,13 @@ impl TimingPlan {
     ) -> Result<Vec<T>> {
         let rounds = self.rounds;
         let mut opened = None;
+
         let one = |number: u64| {
             let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);
             study.unit(&key, &what, |control| {
+                // Opened for the first round that was not kept, and not at all if there is none.
                 let engines = match &mut opened {
                     Some(opened) => opened,
                     none => none.insert(open(control)?),
@@ -57,6 +59,7 @@ impl TimingPlan {
                 round(&base, engines, control)
             })
         };
+
         (0..rounds).map(one).collect()
     }
 }

@@ -39,6 +39,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (batches, samples, cells) = amounts(study.settings);
     let parameters = square(samples, LEAF);
     let mut seeds: Vec<SeedCounts> = Vec::new();
+
     for batch in 0..batches {
         let (key, what) = (
             format!("batch-{batch}"),
@@ -50,6 +51,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         })?);
     }
     let found = UniformityResults::of(&seeds)?;
+
     Ok(Outcome {
         claims: claims::claims(&found),
         pictures: shown::pictures(&found, cells)?,

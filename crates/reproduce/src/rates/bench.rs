@@ -24,7 +24,7 @@ pub struct Bench {
     pub threads: Vec<usize>,
     /// Whether the sequential engine is timed, too.
     pub sequential: bool,
-    /// Number of rounds.
+    /// How many rounds there are.
     pub rounds: u64,
     /// Seed of the first round; each round has its own.
     pub seed: u64,
@@ -97,10 +97,12 @@ impl Bench {
         let base = self.base()?;
         let of_plane = sized(self.plane, self.seed)?;
         let control = Control::new(watch, 0, "the pattern".to_owned());
+
         // The time to make a pattern is reported, so it is generated here and not taken from the kept ones.
         let generate = || Pattern::generate(&base.pattern, &mut control.observer());
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
+
         // That of exact tiling has the side that the method chooses, and is among the kept ones for no caller yet.
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
@@ -110,16 +112,15 @@ impl Bench {
         let parallel = |&threads: &usize| Engine::Parallel { threads };
         let mut engines: Vec<Engine> = self.threads.iter().map(parallel).collect();
         if self.sequential {
+            // First of its group, it makes the set that is verified, and that the others are compared with.
             engines.insert(0, Engine::Sequential);
         }
+
         let by_leaf = [&engines[..], &[Engine::Exact]];
-        let rounds = self.rounds(
-            &open,
-            [&[&[Engine::Reference]], &by_leaf],
-            (&base, &pattern),
-            watch,
-        )?;
-        let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+        let once: &[&[Engine]] = &[&[Engine::Reference]];
+        let made = self.rounds(&open, once, &by_leaf, &base, &pattern, watch)?;
+        let rounds: Vec<&[EngineTime]> = made.iter().map(Vec::as_slice).collect();
+
         Ok(CpuRates {
             pattern_seconds,
             history_seconds,
@@ -143,21 +144,26 @@ impl Bench {
     pub(super) fn rounds(
         &self,
         open: &Engines,
-        [once, by_leaf]: [&[&[Engine]]; 2],
-        (base, pattern): (&Parameters, &Arc<Pattern>),
+        once: &[&[Engine]],
+        by_leaf: &[&[Engine]],
+        base: &Parameters,
+        pattern: &Arc<Pattern>,
         watch: &dyn Watch,
     ) -> Result<Vec<Vec<EngineTime>>> {
         let round = |number: u64| {
             let what = format!("round {} of {}", number + 1, self.rounds);
             let control = Control::new(watch, number as usize, what);
             control.go_on()?;
+
             let mut parameters = *base;
             parameters.seed = self.seed.wrapping_add(number);
 
             let mut all = Vec::new();
+            // Sets from scratch have no leaf size: one of them is enough for a round.
             for group in once {
                 all.extend(times(open, group, &parameters, pattern, &control)?);
             }
+
             for &leaf in &self.leaves {
                 parameters.leaf = leaf;
                 for group in by_leaf {
@@ -176,24 +182,31 @@ impl Bench {
         watch: &dyn Watch,
     ) -> Result<WindowTimes> {
         let control = Control::new(watch, self.rounds as usize, "windows".to_owned());
-        let (plane, plane_seconds) = timed(|| Plane::new(parameters, pattern));
-        let plane = plane?;
+        let (made, plane_seconds) = timed(|| Plane::new(parameters, pattern));
+        let plane = made?;
+
+        // A maximal set has about 0.7 samples in a squared radius.
         let side = (Self::WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;
         let key = Key::from_seed(self.seed);
+
         let mut windows = WindowTimes {
             plane_seconds,
             seconds: Vec::new(),
             counts: Vec::new(),
             valid: true,
         };
+
         for round in 0..self.rounds as u32 {
             let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
             let low = [x, y].map(|v| v / f64::from(u32::MAX));
             let window = plane.domain().window(low, low.map(|v| v + side))?;
+
             let (points, seconds) = timed(|| plane.window(&window));
             windows.seconds.push(seconds);
             windows.counts.push(points?.len());
             control.go_on()?;
+
+            // Beyond the timed window, the verdict needs the samples around it.
             let cut = plane.widened(&window, &mut control.observer())?;
             let asked = (Region::new(cut.size, false), plane.domain().radius());
             let options = VerifyOptions::default();
@@ -201,6 +214,7 @@ impl Bench {
             let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
             windows.valid &= report.valid();
         }
+
         Ok(windows)
     }
 }

@@ -20,11 +20,11 @@ const COPIES: u32 = 32;
 /// The time of the passes of one name in one stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PassTimes {
-    /// The stage's name.
+    /// The name of the stage.
     pub stage: String,
-    /// The passes' name.
+    /// The name of the passes.
     pub name: String,
-    /// Number of passes.
+    /// How many passes there were.
     pub times: usize,
     /// The least bytes that they move, where all of them visit all elements.
     pub bytes: Option<u64>,
@@ -62,29 +62,39 @@ impl Bench {
         let base = self.base()?;
         let control = Control::new(watch, 0, "the first run".to_owned());
         let pattern = Pattern::of_spec(&base.pattern, &mut control.observer())?;
+
         let open = Engines::open(&[], vec![Arc::clone(gpu)])?;
         let adapter = gpu.report().name.clone();
         let engines = [Engine::parallel(), Engine::Gpu { adapter }];
+
+        // The first run compiles the passes; its time is reported by itself and its set is not needed.
         let leaf = *self.leaves.first().unwrap_or(&base.leaf);
         let first = Parameters { leaf, ..base };
         let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
         drop(made?);
-        let rounds = self.rounds(&open, [&[], &[&engines]], (&base, &pattern), watch)?;
-        let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+
+        let made = self.rounds(&open, &[], &[&engines], &base, &pattern, watch)?;
+        let rounds: Vec<&[EngineTime]> = made.iter().map(Vec::as_slice).collect();
+
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
+            // Passes of all iterations are added up.
             let stage = match report.stage {
                 Stage::Iterate(_) => "iterate".to_owned(),
                 stage => stage.to_string(),
             };
             [stage, report.name.to_owned()]
         })?;
+
+        // A copy that is not timed warms the device up.
         block_on(gpu.copy(COPIED, 1))?;
         let (copied, seconds) = timed(|| block_on(gpu.copy(COPIED, COPIES)));
         copied?;
+
         Ok(GpuRates {
             rows: rows(&rounds, Some(&engines[0])),
             first_seconds,
             run,
+            // Every byte is read and written.
             copy_rate: 2.0 * COPIED as f64 * f64::from(COPIES) / seconds,
         })
     }
@@ -102,16 +112,20 @@ pub(crate) fn run_timed(
         timed: true,
         ..Options::default()
     };
-    let sweep = GpuSweep::new(Arc::clone(gpu), parameters, pattern, options);
-    let mut sweep = block_on(sweep)?;
+
+    let opening = GpuSweep::new(Arc::clone(gpu), parameters, pattern, options);
+    let mut sweep = block_on(opening)?;
+
     let mut samples = 0;
     while let Some(band) = block_on(sweep.step(&mut control.observer()))? {
         samples += band.points.len();
     }
+
     let mut passes = Vec::new();
     for report in sweep.reports() {
         add(&mut passes, names(report), report);
     }
+
     Ok(GpuRun {
         passes,
         samples,
@@ -123,8 +137,10 @@ fn add(passes: &mut Vec<PassTimes>, [stage, name]: [String; 2], report: &PassRep
     let known = passes
         .iter_mut()
         .find(|pass| pass.name == name && pass.stage == stage);
+
     if let Some(pass) = known {
         pass.times += 1;
+        // A pass without a number leaves the sum without one: a part would look like all.
         pass.bytes = pass.bytes.zip(report.bytes()).map(|(a, b)| a + b);
         pass.seconds = pass.seconds.zip(report.seconds).map(|(a, b)| a + b);
     } else {

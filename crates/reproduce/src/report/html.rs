@@ -28,7 +28,9 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
          <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
     );
+
     for block in blocks {
+        // Writing to a String cannot fail.
         let _ = match block {
             Block::Section(one) => {
                 writeln!(out, "<h2 id=\"{one}\">{}</h2>", escape(one.title()))
@@ -50,6 +52,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 heads,
                 rows,
             } => {
+                // Tables of claims are sections; those of numbers belong to an experiment's section.
                 let (level, class) = if *numbers {
                     (3, " class=\"n\"")
                 } else {
@@ -62,6 +65,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                     let cells: String = row.iter().map(cell).collect();
                     format!("<tr>{cells}</tr>\n")
                 };
+
                 let rows: String = rows.iter().map(row).collect();
                 writeln!(
                     out,
@@ -76,6 +80,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
             }
         };
     }
+
     out.push_str("</body>\n</html>\n");
     out
 }

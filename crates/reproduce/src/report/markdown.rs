@@ -7,6 +7,7 @@ use super::{Block, Span, TITLE};
 pub fn page(blocks: &[Block]) -> String {
     let mut out = format!("# {TITLE}\n");
     for block in blocks {
+        // Writing to a String cannot fail.
         let _ = match block {
             Block::Section(one) => write!(out, "\n<a id=\"{one}\"></a>\n\n## {}\n", one.title()),
             Block::Text(spans) => {
@@ -24,6 +25,7 @@ pub fn page(blocks: &[Block]) -> String {
                 heads,
                 rows,
             } => {
+                // Tables of claims are sections; those of numbers belong to an experiment's section.
                 let title = if *numbers {
                     title
                 } else {
@@ -35,6 +37,7 @@ pub fn page(blocks: &[Block]) -> String {
                     let cells: Vec<String> = row.iter().map(|one| cell(&span(one))).collect();
                     format!("| {} |\n", cells.join(" | "))
                 };
+
                 let rows: String = rows.iter().map(row).collect();
                 write!(
                     out,

@@ -28,6 +28,7 @@ pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
     ) else {
         return Vec::new();
     };
+
     vec![
         suppressed(random, reference, kdrt),
         plate_alike(reference, kdrt),
@@ -73,6 +74,7 @@ fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
     if verdict != Verdict::NotComparable {
         return String::new();
     }
+
     let known = ratios.iter().all(known);
     text(
         if known {
@@ -127,7 +129,9 @@ fn horizon_alike(
     let ratio = Ratio::of(&kdrt.overall(), &reference.overall());
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
     let densest = kdrt.horizons.last().and_then(|sets| sets.first());
+    // A claim of two parts: as good as the reference sampler, and better than random samples.
     let verdict = Verdict::of_all([alike(ratio), clearly(&better)]);
+
     let values = json!({
         "ratio": words(ratio), "better": better.map(words), "alike": ALIKE, "clearly": CLEARLY,
         "per_pixel": densest.map_or(0, |one| one.per_pixel),
@@ -146,6 +150,7 @@ fn scene(all: &[SamplerResults]) -> Claim {
         ))
     };
     let slopes: Vec<String> = all.iter().filter_map(slope).collect();
+
     let values = json!({ "dense": DENSE, "slopes": slopes.join(", ") });
     let exponents = if slopes.is_empty() {
         String::new()

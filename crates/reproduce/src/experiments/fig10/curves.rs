@@ -13,8 +13,8 @@ use crate::texts::chart;
 type Curve = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
 pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
-    let rows = [vec![plate(all), horizon(all)], vec![power(all)]];
-    let rows = rows.map(|row| {
+    let charts = [vec![plate(all), horizon(all)], vec![power(all)]];
+    let rows = charts.map(|row| {
         let charts = row.into_iter().filter(|chart| !chart.series.is_empty());
         charts.map(Panel::Lines).collect::<Vec<_>>()
     });

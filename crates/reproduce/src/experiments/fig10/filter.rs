@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// Standard deviation of the Gaussian, in pixels.
 pub const SIGMA: f64 = 0.5;
-/// Beyond this many pixels along an axis the Gaussian is cut off. What is lost is a share of `erfc(4.5 / sqrt 2)`, 6.8e-6,
+/// Beyond this many pixels along an axis the Gaussian is cut off. This loses a share of `erfc(4.5 / sqrt 2)`, 6.8e-6,
 /// along each axis: a filtered value of a function between -1 and 1 is off by less than 2.8e-5.
 pub const REACH: f64 = 4.5 * SIGMA;
 /// The bound of what the end of the Gaussian changes in a value.
@@ -21,7 +21,7 @@ const TOUCHED: usize = 6;
 
 /// An image and how many of its pixels no sample reaches.
 pub struct Filtered {
-    /// Values in rows.
+    /// The values, row by row.
     pub values: Vec<f64>,
     pub empty: usize,
 }
@@ -37,6 +37,7 @@ pub fn gaussian(
     let bands: Vec<Filtered> = (0..side.div_ceil(BAND))
         .into_par_iter()
         .map(|band| band_of(band, &bins, &function, side))
+        // In the sequence of the bands, whichever thread is first.
         .collect();
     Filtered {
         empty: bands.iter().map(|band| band.empty).sum(),
@@ -66,11 +67,14 @@ fn band_of(
 ) -> Filtered {
     let rows = BAND * band..(BAND * (band + 1)).min(side);
     let mut sums = vec![[0.0; 2]; rows.len() * side];
+    // No sample reaches farther than into the next band: REACH is less than BAND.
     let near = band.saturating_sub(1)..(band + 2).min(bins.len());
+
     for at in bins[near].iter().flatten() {
         let (across, down) = (touched(at[0]), touched(at[1]));
         let mut value = None;
         for (row, wy) in down.filter(|(row, _)| rows.contains(row)) {
+            // Once for a sample, and not at all if it reaches no row of the band.
             let value = *value.get_or_insert_with(|| function(*at));
             let line = &mut sums[(row - rows.start) * side..][..side];
             for (column, wx) in across.clone().filter(|(column, _)| *column < side) {
@@ -79,6 +83,7 @@ fn band_of(
             }
         }
     }
+
     let mean = |[sum, weight]: &[f64; 2]| if *weight > 0.0 { sum / weight } else { 0.0 };
     Filtered {
         values: sums.iter().map(mean).collect(),
@@ -112,9 +117,11 @@ pub fn pixel_means(
 ) -> Filtered {
     let mut pixels = vec![Vec::new(); side * side];
     for at in samples {
+        // A sample on the upper edge belongs to the last pixel.
         let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
         pixels[row * side + column].push(*at);
     }
+
     let mut empty = 0;
     let value = |(index, held): (usize, &Vec<[f64; 2]>)| {
         if !held.is_empty() {
@@ -124,6 +131,7 @@ pub fn pixel_means(
         empty += 1;
         nearest(&pixels, side, index).map_or(0.0, &function)
     };
+
     Filtered {
         values: pixels.iter().enumerate().map(value).collect(),
         empty,

@@ -13,7 +13,7 @@ use crate::study::Settings;
 const EYE: f64 = 8.0;
 /// Share of the image above the horizon.
 const SKY: usize = 8;
-/// Within this many pixels below the horizon nothing is integrated: what is left out is at most [`LEFT_OUT`] of a pixel.
+/// Within this many pixels below the horizon nothing is integrated, which leaves out at most [`LEFT_OUT`] of a pixel.
 const CUT: f64 = 1.0 / 32.0;
 /// The bound of that.
 pub const LEFT_OUT: f64 = CUT * CUT / (2.0 * EYE);
@@ -85,7 +85,8 @@ impl Horizon {
     /// Returns how wrong the image is that the samples of a set in the unit square give.
     fn errors(
         self,
-        (index, per_pixel): (u64, usize),
+        index: u64,
+        per_pixel: usize,
         points: &[[f64; 2]],
         exact: &[f64],
     ) -> HorizonErrors {
@@ -94,10 +95,13 @@ impl Horizon {
             .iter()
             .map(|at| at.map(|v| v * side as f64))
             .collect();
+
         let image = pixel_means(&placed, |at| self.value(at), side);
+        // The sky has no error and would make it look smaller.
         let board = self.sky() * side..;
         let pairs = image.values[board.clone()].iter().zip(&exact[board]);
         let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();
+
         let shown = index == 0 && per_pixel == SHOWN;
         HorizonErrors {
             index,
@@ -160,15 +164,16 @@ pub fn amounts(settings: &Settings) -> (Horizon, u64) {
 pub fn errors(
     sampler: Sampler,
     per_pixel: usize,
-    (horizon, sets): (Horizon, u64),
+    horizon: Horizon,
+    sets: u64,
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<Vec<HorizonErrors>> {
     let exact = horizon.exact();
     let one = |index| {
         let count = per_pixel * horizon.side * horizon.side;
-        let points = sampler.points((count, index), settings, control)?;
-        Ok(horizon.errors((index, per_pixel), &points, &exact))
+        let points = sampler.points(count, index, settings, control)?;
+        Ok(horizon.errors(index, per_pixel, &points, &exact))
     };
     (0..sampler.sets(sets)).map(one).collect()
 }
@@ -234,8 +239,8 @@ mod tests {
         alone(&settings, |control| {
             for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
                 let rmse = |per_pixel| -> Result<f64> {
-                    let one = (Horizon { side: 64 }, 1);
-                    let made = || errors(sampler, per_pixel, one, &settings, control);
+                    let horizon = Horizon { side: 64 };
+                    let made = || errors(sampler, per_pixel, horizon, 1, &settings, control);
                     let found = made()?;
                     assert_eq!(found, made()?);
                     Ok(found[0].rmse)

@@ -40,26 +40,31 @@ pub fn amounts(settings: &Settings) -> (usize, u64) {
 /// Returns the mean spectrum of sets of about `count` samples.
 pub fn spectrum(
     sampler: Sampler,
-    (count, sets): (usize, u64),
+    count: usize,
+    wanted: u64,
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<MeanSpectrum> {
     let region = Region::UNIT_SQUARE;
-    let (sets, window) = (sampler.sets(sets), window(count));
-    let mut mean = MeanPeriodogram::default();
+    let (sets, window) = (sampler.sets(wanted), window(count));
+    let mut periodograms = MeanPeriodogram::default();
+
     for index in 0..sets {
-        let points = sampler.points((count, index), settings, control)?;
-        mean.add(&Periodogram::of(
+        let points = sampler.points(count, index, settings, control)?;
+        periodograms.add(&Periodogram::of(
             &points,
             region,
             &window,
             &control.analysis(),
         )?)?;
     }
+
     let nothing = || ReproduceError::Engine("a sampler without a set has no spectrum".to_owned());
-    let mean = mean.mean().ok_or_else(nothing)?;
+    let mean = periodograms.mean().ok_or_else(nothing)?;
     let spectrum = Spectrum::of(&mean)?;
+    // The zero frequency may have no value; a picture has it white.
     let finite = |power: &f64| if power.is_finite() { *power } else { 0.0 };
+
     Ok(MeanSpectrum {
         sets,
         count: mean.samples.round() as usize,
@@ -76,7 +81,7 @@ pub fn corner(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<Vec<[f64; 2]>> {
-    let points = sampler.points((amounts(settings).0, 0), settings, control)?;
+    let points = sampler.points(amounts(settings).0, 0, settings, control)?;
     let part = (DRAWN as f64 / points.len().max(1) as f64).sqrt().min(1.0);
     let scaled = points.iter().map(|at| at.map(|v| v / part));
     Ok(scaled.filter(|at| at.iter().all(|v| *v < 1.0)).collect())
@@ -92,8 +97,7 @@ fn window(count: usize) -> FrequencyWindow {
 /// The mean over all frequencies up to [`LOW`], each counted once.
 fn low(spectrum: &Spectrum) -> f64 {
     let nus = spectrum.profile.relative_frequencies().into_iter();
-    let low = nus.zip(&spectrum.profile.annuli);
-    let low = low.filter(|(nu, _)| *nu <= LOW);
+    let low = (nus.zip(&spectrum.profile.annuli)).filter(|(nu, _)| *nu <= LOW);
     let (sum, count) = low.fold((0.0, 0.0), |(sum, count), (_, annulus)| {
         let frequencies = annulus.count as f64;
         (sum + annulus.power * frequencies, count + frequencies)
@@ -110,7 +114,7 @@ mod tests {
     fn noise_has_power_one_at_low_frequencies_and_maximal_sets_little() {
         let settings = Settings::default();
         alone(&settings, |control| {
-            let look = |sampler| spectrum(sampler, (4000, 2), &settings, control);
+            let look = |sampler| spectrum(sampler, 4000, 2, &settings, control);
             let random = look(Sampler::Random)?;
             assert!((random.low - 1.0).abs() < 0.1, "{}", random.low);
             let kdrt = look(Sampler::Kdrt)?;

@@ -39,12 +39,14 @@ pub fn pictures(
     let plate = Plate {
         side: plate.map_or(1, |one| one.side),
     };
+
     let exact = plate.exact();
     let sharp = json!({ "side": plate.side, "edge": EDGE });
     let plates = plate_tiles(all, 0, "fig10/errors")?;
     let wrong = json!({ "error": ERROR_SHOWN });
     let errors = plate_tiles(all, 1, "fig10/parts")?;
     let nyquist = json!({ "nyquist": NYQUIST });
+
     Ok(vec![
         comparison(all, corners)?,
         sheet("fig10/zone-plate", &sharp, (&exact, true), plates)?,
@@ -69,18 +71,22 @@ fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
 
 /// Samples, spectrum, zone plate and horizon of each sampler, as in the paper.
 fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Picture> {
+    // All spectra have one axis, that of the first.
     let reach = (all.first()).map_or(Spectrum::MAX_NU, |one| one.spectrum.reach);
     let (mut samples, mut spectra, mut plates, mut boards) = (vec![], vec![], vec![], vec![]);
+
     for (one, places) in all.iter().zip(corners) {
         let dots = TileContent::Dots(places.clone());
         let note = format!("{} samples", places.len());
         samples.push(tile(Some(TILE), one.sampler.name(), note, dots));
         spectra.push(spectrum(&one.spectrum, reach)?);
+
         let plate = plate_content(one, 0, TILE)?;
         plates.push(tile(Some(TILE), "", plate_note(one, "fig10/errors"), plate));
         let (note, board) = horizon_content(one, TILE)?;
         boards.push(tile(Some(TILE), "", note, board));
     }
+
     let axis = |name| Axis::new(name).with_range(-reach, reach);
     let rows = [
         (axis("samples"), samples),
@@ -91,14 +97,18 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         (axis("zone plate"), plates),
         (axis("horizon"), boards),
     ];
+
     let row = |(axis, mut row): (Axis, Vec<TileChart>)| -> Vec<Panel> {
+        // The name of a row stands beside its first tile.
         if let Some(first) = row.first_mut() {
             first.y = Some(axis);
         }
         row.into_iter().map(Panel::Tile).collect()
     };
+
     let mut rows = rows.map(row);
     rows[0].push(power_scale(BLACK));
+
     let first = all.first().and_then(|one| one.plates.first());
     let values = json!({
         "sets": all.iter().map(|one| one.spectrum.sets).max(), "nu": Spectrum::MAX_NU, "black": BLACK,
@@ -121,7 +131,7 @@ fn plate_content(one: &SamplerResults, which: usize, side: f64) -> Result<TileCo
     })
 }
 
-/// The image of the first set, and what is written below it.
+/// Returns the note below the image of the first set, and the image.
 fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileContent)> {
     let first = one.horizons.iter().filter_map(|sets| sets.first());
     let mut images = first.filter_map(|set| Some((set.rmse, set.shades.as_deref()?)));
@@ -139,9 +149,11 @@ fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     } else {
         format!("power to \u{3bd} = {LOW}: {}", number(spectrum.low, 2))
     };
+
     if (spectrum.reach / shown - 1.0).abs() > OFF_AXIS {
         note = format!("{note}; edge at \u{3bd} = {}", number(spectrum.reach, 3));
     }
+    // Rows of the spectrum go upwards, those of a picture downwards.
     let powers = spectrum.picture.chunks(CELLS).rev().flatten();
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
@@ -163,6 +175,7 @@ fn sheet(
         String::new(),
         shades(&exact, LARGE, lower)?,
     );
+
     let tiles: Vec<Panel> = [exact].into_iter().chain(others).map(Panel::Tile).collect();
     picture(id, values, tiles.chunks(2).map(<[Panel]>::to_vec).collect())
 }

@@ -14,7 +14,7 @@ use crate::study::Settings;
 
 /// Local frequency at the right and the upper edge, in cycles per pixel; the image's own Nyquist frequency is 1/2.
 pub const EDGE: f64 = 1.5;
-/// The image's Nyquist frequency: what is rendered wrong below is noise, above it aliasing too.
+/// The image's Nyquist frequency: errors below it are noise, above it aliasing as well.
 pub const NYQUIST: f64 = 0.5;
 /// Width of the classes of local frequency, in cycles per pixel.
 const CLASS: f64 = 0.05;
@@ -127,25 +127,30 @@ pub fn amounts(settings: &Settings) -> (Plate, usize, u64) {
 /// Renders a zone plate from a set, which is given by about how many samples it has and by its number.
 pub fn errors(
     sampler: Sampler,
-    (count, index): (usize, u64),
+    count: usize,
+    index: u64,
     plate: Plate,
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<PlateErrors> {
-    let points = sampler.points((count, index), settings, control)?;
+    let points = sampler.points(count, index, settings, control)?;
     control.go_on()?;
+
     let exact = plate.exact();
     let image = plate.render(&points);
     let pairs = image.values.iter().zip(&exact);
     let errors: Vec<f64> = pairs.map(|(found, exact)| found - exact).collect();
+
     let shades = || {
         let result = image.values.iter().map(|v| shade(*v)).collect();
         [result, errors.iter().map(|v| error_shade(*v)).collect()]
     };
+
     Ok(PlateErrors {
         index,
         count: points.len(),
         empty: image.empty,
+        // Shades are kept only of the set that is shown.
         shades: (index == 0).then(shades),
         ..measured(plate, &exact, &errors)
     })
@@ -155,9 +160,11 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
     let highest = EDGE * std::f64::consts::SQRT_2;
     let mut classes = vec![Squares::default(); (highest / CLASS).ceil() as usize];
     let [mut below, mut above, mut all, mut signal] = [Squares::default(); 4];
+
     for (index, (error, exact)) in errors.iter().zip(exact).enumerate() {
         let frequency = plate.frequency(index);
         let class = ((frequency / CLASS) as usize).min(classes.len() - 1);
+
         let part = if frequency < NYQUIST {
             &mut below
         } else {
@@ -168,11 +175,14 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         }
         add(&mut signal, *exact);
     }
+
+    // A few pixels at the corner say nothing about their frequency.
     let full = classes
         .iter()
         .enumerate()
         .filter(|one| one.1.1 >= MIN_PIXELS);
     let middle = |class: usize| (class as f64 + 0.5) * CLASS;
+
     PlateErrors {
         side: plate.side,
         rmse: root(all),
@@ -245,7 +255,7 @@ mod tests {
         let settings = Settings::default();
         alone(&settings, |control| {
             let plate = Plate { side: 64 };
-            let rendered = |count, sampler| errors(sampler, (count, 0), plate, &settings, control);
+            let rendered = |count, sampler| errors(sampler, count, 0, plate, &settings, control);
             for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
                 let (few, many) = (rendered(10_000, sampler)?, rendered(160_000, sampler)?);
                 assert!(

@@ -67,13 +67,16 @@ impl Sampler {
     /// Returns about `count` samples in the unit square, those of set number `index`.
     pub fn points(
         self,
-        (count, index): (usize, u64),
+        count: usize,
+        index: u64,
         settings: &Settings,
         control: &Control<'_>,
     ) -> Result<Vec<[f64; 2]>> {
         control.go_on()?;
+
         let seed = settings.seed_of(index);
         let along = (count as f64).sqrt().round().max(1.0) as u32;
+
         match self {
             Self::Random => Ok(draws(count as u32, seed, |_, place| place)),
             Self::Jittered => {
@@ -85,6 +88,7 @@ impl Sampler {
                 Ok(cells.map(|cell| in_cell(cell, [0.5; 2], along)).collect())
             }
             Self::Reference => {
+                // The density of maximal sets gives the radius for a number of samples.
                 let radius = (MAXIMAL_DENSITY / count as f64).sqrt();
                 let domain = Domain::from_size([1.0; 2], radius, Boundary::Periodic)?;
                 verified(Set::reference(domain, seed, control)?, "reference", control)
@@ -140,7 +144,7 @@ mod tests {
         alone(&Settings::default(), |control| {
             let settings = Settings::default();
             let full = |sampler: Sampler| -> Result<usize> {
-                let points = sampler.points((900, 0), &settings, control)?;
+                let points = sampler.points(900, 0, &settings, control)?;
                 let mut cells = vec![0; 900];
                 for at in &points {
                     cells[(30.0 * at[1]) as usize * 30 + (30.0 * at[0]) as usize] += 1;
@@ -163,7 +167,7 @@ mod tests {
                         seed,
                         ..Settings::default()
                     };
-                    sampler.points((4000, index), &settings, control)
+                    sampler.points(4000, index, &settings, control)
                 };
                 let first = made(1, 0)?;
                 assert_eq!(first, made(1, 0)?, "{sampler:?}");

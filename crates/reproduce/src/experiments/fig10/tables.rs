@@ -25,7 +25,9 @@ fn plates(all: &[SamplerResults]) -> Table {
         let mean = |value: fn(&PlateErrors) -> f64| {
             Summary::of(one.plates.iter().map(value)).map(|all| all.mean)
         };
+        // A single set has no deviation.
         let errors = Summary::of(one.plate_errors()).filter(|errors| errors.count > 1);
+
         json!({
             "sampler": one.sampler.name(), "sets": one.plates.len(), "samples": one.plates[0].count,
             "side_pixels": one.plates[0].side, "rmse": mean(|plate| plate.rmse),
@@ -55,6 +57,7 @@ fn horizons(all: &[SamplerResults]) -> Table {
                 let errors = sets.and_then(|sets| Summary::of(sets.iter().map(|set| set.rmse)));
                 (per_pixel, errors.map(|errors| errors.mean))
             });
+
         let mut row = json!({
             "sampler": one.sampler.name(), "empty_percent_sparsest": 100.0 * one.horizons[0][0].empty,
             "rmse_{n}_per_pixel": rmse.collect::<Vec<_>>(),
@@ -62,6 +65,7 @@ fn horizons(all: &[SamplerResults]) -> Table {
         if exponents {
             row["exponent"] = json!(one.slope());
         }
+
         row
     })
 }
@@ -87,6 +91,7 @@ fn plate_classes(all: &[SamplerResults]) -> Table {
         let classes = plate.classes.iter();
         classes.map(move |class| (name, plate.index, *class))
     });
+
     table(
         "fig10/zone-plate-frequencies",
         rows,

@@ -39,8 +39,7 @@ impl LeafTimes {
     }
 
     fn medians(&self, first: bool) -> Vec<f64> {
-        let each = self.procedures.iter();
-        let each = each.filter(|(of, _, _)| of.is_first() == first);
+        let each = (self.procedures.iter()).filter(|(of, _, _)| of.is_first() == first);
         each.map(|(_, _, share)| share.quartiles[1]).collect()
     }
 }
@@ -64,15 +63,18 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
     let each = times.iter().flat_map(|one| &one.seconds).map(|(of, _)| *of);
     let procedures: BTreeSet<Procedure> = each.collect();
+
     let of = |procedure: Procedure| {
         let seconds = |one: &StageTimes| {
             let found = one.seconds.iter().find(|(of, _)| *of == procedure);
+            // A round without an iteration spent no time on it.
             found.map_or(0.0, |(_, seconds)| *seconds)
         };
         let shares = times.iter().map(|one| seconds(one) / whole(one));
         let seconds = Summary::of(times.iter().map(|one| seconds(one)))?;
         Some((procedure, seconds, Summary::of(shares)?))
     };
+
     let first = times.first()?;
     Some(LeafTimes {
         leaf: first.leaf,

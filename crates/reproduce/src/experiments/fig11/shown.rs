@@ -39,6 +39,7 @@ fn group(row: &LeafTimes) -> BarGroup {
             color: usize::from(!procedure.is_first()),
         }
     });
+
     BarGroup {
         heading: format!(
             "Leaf {} r{}: {} ms, {} samples",
@@ -59,16 +60,20 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
     type Row<'a> = (String, String, &'a Summary, Option<f64>);
     let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
         let share = |share: &Summary| Some(100.0 * share.quartiles[1]);
-        let each = row.procedures.iter();
-        let each = each.map(|(of, seconds, part)| (row.name(), of.name(), seconds, share(part)));
+        let each = (row.procedures.iter())
+            .map(|(of, seconds, part)| (row.name(), of.name(), seconds, share(part)));
+
         let whole = (row.name(), "all".to_owned(), &row.whole, Some(100.0));
-        let parallel = "parallel engine, all stages on all threads";
+        // It carries all stages out region by region, so that it has one time and no share.
+        let name = "parallel engine, all stages on all threads";
         let parallel = row
             .parallel
             .iter()
-            .map(|seconds| (row.name(), parallel.to_owned(), seconds, None));
+            .map(|seconds| (row.name(), name.to_owned(), seconds, None));
+
         each.chain([whole]).chain(parallel).collect()
     });
+
     table(
         "fig11/procedures",
         rows,

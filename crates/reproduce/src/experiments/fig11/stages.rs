@@ -90,20 +90,26 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
             for leaf in LEAVES {
                 timed.push(staged(&Parameters { leaf, ..*base }, engines, control)?);
             }
+
             let printed = Parameters {
                 variant: Variant::AsPrinted,
+                // As printed, each sample takes about twenty times as long.
                 radius: radius_estimate(base, fewer)?,
                 ..*base
             };
+
             let pattern = pattern(&fitting(ONE_LEAF), control)?;
             timed.push(verified(&printed, &pattern, control)?.0);
+
             let mut passes = Vec::new();
             for gpu in GPUS.iter() {
                 let open = engines.gpu(&gpu.name)?;
+                // All passes of a stage are one row, whatever their names.
                 let by_stage = |report: &PassReport| [report.stage.to_string(), String::new()];
                 let run = run_timed(&open, base, &pattern, control, by_stage)?;
                 passes.extend(run.passes.into_iter().map(|one| (gpu.name.clone(), one)));
             }
+
             Ok(StageRound { timed, passes })
         },
     )
@@ -133,6 +139,7 @@ fn verified(
     let printed = parameters.variant == Variant::AsPrinted;
     let mut engine = Sequential::new(parameters, Arc::clone(pattern))?;
     let mut seconds = Vec::new();
+
     loop {
         let began = Instant::now();
         let mut finishing = None;
@@ -143,11 +150,14 @@ fn verified(
             }
             control.flow()
         };
+
         let Some(stage) = engine.step(&mut observer)? else {
             break;
         };
         let ended = Instant::now();
         let before = finishing.unwrap_or(ended);
+
+        // What prepares a stage is done at the end of the step before, and counts for that one.
         let of = procedure(stage, printed);
         if of == Procedure::Finish {
             seconds.push((Procedure::Check, (before - began).as_secs_f64()));
@@ -156,10 +166,12 @@ fn verified(
             seconds.push((of, (ended - began).as_secs_f64()));
         }
     }
+
     let run = engine.run();
     let points = run.points();
     let name = format!("leaf {} r", parameters.leaf);
     Set::of(&run.domain, &points).verified(&name, control)?;
+
     let detectors = run.iterations.iter().map(|one| one.detectors.len());
     let timed = StageTimes {
         leaf: parameters.leaf,
@@ -169,6 +181,7 @@ fn verified(
         detectors: detectors.collect(),
         parallel: None,
     };
+
     Ok((timed, points))
 }
 

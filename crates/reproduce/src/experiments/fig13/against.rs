@@ -48,14 +48,18 @@ pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
         let [Some(a), Some(b)] = groups else {
             return None;
         };
+
         let chance = difference(&a.curves, &b.curves)?;
         let [to_a, to_b] = [a, b].map(|group| difference(&one.curves, &group.curves));
+        // Of two groups neither is better: the mean of both squares.
         let square = 0.5 * (to_a?.powi(2) + to_b?.powi(2));
+
         Some(Against {
             radius: one.radius,
             method: one.method,
             difference: square.sqrt(),
             chance,
+            // What chance and the method add is independent of each other, so that squares are subtracted.
             left: (square - chance.powi(2)).max(0.0).sqrt(),
             excess: one.excess - 0.5 * (a.excess + b.excess),
             apart: (a.excess - b.excess).abs(),
@@ -66,6 +70,7 @@ pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
             peak: one.peaks.over(),
         })
     };
+
     let others = |one: &&MethodSpectra| !matches!(one.method, Method::Reference | Method::Again);
     found.iter().filter(others).filter_map(compare).collect()
 }

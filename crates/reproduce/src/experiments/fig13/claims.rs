@@ -43,14 +43,17 @@ const PEAK: Measure = Measure {
 
 pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
     let kdrt = |holds: bool| -> Vec<Against> {
-        let kind = |one: &&Against| matches!(one.method, Method::Kdrt { .. });
-        let kind = each.iter().filter(kind).copied();
-        kind.filter(|one| one.method.fits() == holds).collect()
+        let is_kdrt = |one: &&Against| matches!(one.method, Method::Kdrt { .. });
+        let of_kdrt = each.iter().filter(is_kdrt).copied();
+        of_kdrt.filter(|one| one.method.fits() == holds).collect()
     };
+
     let [holding, close] = [true, false].map(kdrt);
     let control = each.iter().find(|one| one.method == Method::Copies);
+
     let mut claims = Vec::from(self::rates(rows));
     claims.push(similar(&holding));
+
     // Of all radii: two groups may come close to each other by chance.
     let apart = largest(each.iter().map(|one| one.apart));
     claims.extend(level([&holding, &close], apart, control));
@@ -60,10 +63,12 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
 
 /// Whether tiling is several times as fast as sampling from scratch, and why the paper's own ratio cannot be compared.
 fn rates(rows: &[EngineRate]) -> [Claim; 2] {
+    // On one thread, as the reference sampler is.
     let alone = |row: &&EngineRate| row.leaf.is_some() && row.engine.threads() == Some(1);
     let alone: Vec<&EngineRate> = rows.iter().filter(alone).collect();
     let holds = alone.iter().all(|row| row.ratio.quartiles[1] >= FASTER);
     let direction = Verdict::if_known(!alone.is_empty(), holds);
+
     let values = json!({
         "ratios": by_name(&alone), "densities": ends(alone.iter().map(|row| row.density)),
         "reference": rows.first().map(|row| row.density), "faster": FASTER,
@@ -72,6 +77,7 @@ fn rates(rows: &[EngineRate]) -> [Claim; 2] {
         "ratios": ends(alone.iter().map(|row| row.ratio.quartiles[1])),
         "millions": rows.first().map(|row| row.rate.quartiles[1] / 1e6),
     });
+
     [
         claim("fig13/direction", direction, &values),
         // The baselines differ.
@@ -96,19 +102,21 @@ fn by_name(rows: &[&EngineRate]) -> String {
 fn similar(each: &[Against]) -> Claim {
     // Where chance differences are large, the remainder after subtracting them is uncertain.
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;
-    let each: Vec<Against> = each.iter().filter(judged).copied().collect();
-    let (verdict, words) = match worst(&each, Against::ratio) {
+    let quiet: Vec<Against> = each.iter().filter(judged).copied().collect();
+
+    let (verdict, words) = match worst(&quiet, Against::ratio) {
         None => (Verdict::NotComparable, text("fig13/loud", &json!({}))),
         Some((ratio, worst)) => {
-            let left = largest(each.iter().map(|one| one.left));
+            let left = largest(quiet.iter().map(|one| one.left));
             let values = json!({
-                "difference": percent(&each, |one| one.difference),
-                "chance": percent(&each, |one| one.chance), "ratio": ratio, "radius": worst.radius,
+                "difference": percent(&quiet, |one| one.difference),
+                "chance": percent(&quiet, |one| one.chance), "ratio": ratio, "radius": worst.radius,
                 "leaf": worst.method.leaf(), "left": left,
             });
             (Verdict::of(left <= SIMILAR), text("fig13/similar", &values))
         }
     };
+
     let values = json!({ "words": words, "similar": SIMILAR, "loud": 2.0 * SIMILAR });
     claim("fig13/similar", verdict, &values)
 }
@@ -188,11 +196,13 @@ fn detectable(each: &[Against], apart: f64) -> String {
     let Some((most, _)) = worst(&tiled(each), |one| one.excess) else {
         return String::new();
     };
+
     let id = if most <= apart {
         "fig13/not-detectable"
     } else {
         "fig13/detectable"
     };
+    // From decibels to a share of the variance.
     let more = 10_f64.powf(0.1 * most) - 1.0;
     text(
         id,
@@ -240,15 +250,19 @@ fn by_leaf(each: &[Against], measure: &Measure) -> String {
             signed((measure.of)(one))
         }
     };
-    let texts = leaves(each).into_iter().map(|leaf| {
-        let of_leaf = || each.iter().filter(|one| one.method.leaf() == Some(leaf));
-        if !of_leaf().any(Against::tiled) {
-            return format!("leaf {leaf} r one block: nothing was tiled");
-        }
-        let values: Vec<String> = of_leaf().map(value).collect();
-        format!("leaf {leaf} r {}", values.join(" / "))
-    });
-    let texts: Vec<String> = texts.collect();
+
+    let texts: Vec<String> = (leaves(each).into_iter())
+        .map(|leaf| {
+            let of_leaf = || each.iter().filter(|one| one.method.leaf() == Some(leaf));
+            // Values of several radii would all read the same.
+            if !of_leaf().any(Against::tiled) {
+                return format!("leaf {leaf} r one block: nothing was tiled");
+            }
+            let values: Vec<String> = of_leaf().map(value).collect();
+            format!("leaf {leaf} r {}", values.join(" / "))
+        })
+        .collect();
+
     let radii = distinct(each.iter().map(|one| one.radius.to_string()));
     format!("{} (radii {})", texts.join(", "), radii.join(" / "))
 }

@@ -18,7 +18,7 @@ const APART: u64 = 10_000;
 /// A method of making sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Method {
-    /// From scratch.
+    /// By the reference sampler, from scratch.
     Reference,
     /// By the reference sampler with other seeds: differs by chance alone.
     Again,
@@ -46,6 +46,7 @@ impl Method {
             Self::Reference => words("reference", "reference"),
             Self::Again => words("reference, other seeds", "again"),
             Self::Kdrt { leaf, side } => {
+                // The default pattern goes without saying where the blocks fit it.
                 let default = self.fits() && side <= PATTERN;
                 let pattern = if default {
                     String::new()
@@ -126,15 +127,18 @@ impl SetGroup {
             ..Parameters::default()
         };
         let domain = base.validate()?;
+
         let tiled = |leaf, side, of_pattern| {
             let mut parameters = Parameters { leaf, seed, ..base };
             (parameters.pattern.side, parameters.pattern.seed) = (side, of_pattern);
             Set::kdrt(&parameters, control).map(|(set, _)| set)
         };
+
         match method {
             Method::Reference => Set::reference(domain, seed, control),
             Method::Again => Set::reference(domain, seed.wrapping_add(APART), control),
             Method::Kdrt { leaf, side } => tiled(leaf, side, seed),
+            // The seed of the group, so that all sets have one pattern.
             Method::OnePattern { leaf } => tiled(leaf, PATTERN, self.seed),
             Method::Copies => copies(&domain, seed, control),
         }

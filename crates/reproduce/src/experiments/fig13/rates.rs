@@ -56,25 +56,34 @@ fn warm(control: &Control<'_>) -> Result<Engines> {
 
 fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<RateRound> {
     let (mut all, mut patterns) = (Vec::new(), Vec::new());
+
     let mut pattern = |leaf: f64| -> Result<Arc<Pattern>> {
         let spec = fitting(leaf);
         let (pattern, seconds) = timed(|| Pattern::generate(&spec, &mut control.observer()));
         patterns.push((spec.side, seconds));
         Ok(Arc::new(pattern?))
     };
+
     let of_base = pattern(base.leaf)?;
+    // Each by itself, since they make different sets: each set is verified.
     for engine in references() {
         all.extend(times(open, &[engine], base, &of_base, control)?);
     }
+
     for leaf in LEAVES {
         let (parameters, pattern) = (Parameters { leaf, ..*base }, pattern(leaf)?);
         all.extend(times(open, &engines(), &parameters, &pattern, control)?);
     }
+
+    // Nothing is concluded from a round with a wrong set.
     for one in &all {
         one.check()?;
     }
+
+    // Each side once, with its shortest time, which comes first in this order.
     patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     patterns.dedup_by_key(|(side, _)| side.to_bits());
+
     Ok(RateRound {
         timed: all,
         patterns,

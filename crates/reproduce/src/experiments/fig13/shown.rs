@@ -53,7 +53,8 @@ type MethodColumn<'a> = (&'a MethodSpectra, &'a MethodSpectra);
 
 /// Returns the figure of a radius: a column for each method with its set, the reference first.
 pub fn spectra(
-    (name, title): (&str, &str),
+    name: &str,
+    title: &str,
     columns: &[MethodColumn<'_>],
     sets: &[Set],
 ) -> Result<Picture> {
@@ -61,20 +62,23 @@ pub fn spectra(
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
     };
+    // All columns have one axis, so that they can be compared.
     let range = decibels(columns);
     let row = |panel: &dyn Fn(&MethodSpectra, &MethodSpectra) -> Panel| -> Vec<Panel> {
         let panels = columns.iter().map(|(one, below)| panel(one, below));
         panels.collect()
     };
-    let samples = columns.iter().zip(sets);
-    let samples = samples.map(|((one, _), set)| samples_tile(one.method, set));
+
+    let samples = (columns.iter().zip(sets)).map(|((one, _), set)| samples_tile(one.method, set));
     let rows = vec![
         samples.chain([power_scale(BLACK)]).collect(),
         row(&image),
         row(&power),
         row(&|one, below| anisotropy(one, below, range)),
     ];
+
     let (grid, [count, _]) = (&reference.picture, reference.count);
+    // In their own column the reference sets are drawn over a second group of them.
     let over = reference.method == Method::Reference;
     let values = json!({
         "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
@@ -82,6 +86,7 @@ pub fn spectra(
         "side": (2.0 * grid.reach * count.sqrt() / grid.columns as f64).round(),
         "over": if over { text("fig13/over", &json!({})) } else { String::new() },
     });
+
     let picture = picture("fig13/spectra", &values, rows)?;
     let radius = reference.radius.to_string().replace('.', "-");
     Ok(Picture {
@@ -111,18 +116,25 @@ fn cells(columns: usize) -> usize {
 fn image(one: &MethodSpectra, _: &MethodSpectra) -> Panel {
     let grid = &one.picture;
     let shown = cells(grid.columns);
+    // The rim is left out on both sides alike, so that the zero frequency stays in the middle.
     let cut = (grid.columns - shown) / 2;
     let reach = grid.reach * shown as f64 / grid.columns as f64;
+
     let axis = |label: &str| Axis::new(label).with_range(-reach, reach);
     let rows = grid.values.chunks(grid.columns).skip(cut).take(shown);
-    let values = rows.flat_map(|row| row[cut..cut + shown].iter());
-    let values: Vec<f64> = values.copied().map(f64::from).collect();
+    let values: Vec<f64> = rows
+        .flat_map(|row| row[cut..cut + shown].iter())
+        .copied()
+        .map(f64::from)
+        .collect();
     let middle = values.len() / 2;
+
     Panel::Image(ImageChart {
         title: "Mean periodogram".to_owned(),
         x: axis("kx / \u{221a}N").with_ticks(whole_ticks(reach)),
         y: axis("ky / \u{221a}N").with_ticks(whole_ticks(reach)),
         columns: shown,
+        // The zero frequency was kept as 0 if it had no value.
         absent: (values[middle] == 0.0).then_some(middle),
         values,
         clamp: [0.0, BLACK],
@@ -154,8 +166,8 @@ fn by_frequency(id: &str, series: Vec<Series>, [low, high]: [f64; 2]) -> Panel {
 
 /// Returns the curve of a method with a value at each frequency.
 fn series(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Series {
-    let points = of.curves.nu.iter().enumerate();
-    let points = points.filter_map(|(index, nu)| Some([*nu, value(index)?]));
+    let points =
+        (of.curves.nu.iter().enumerate()).filter_map(|(index, nu)| Some([*nu, value(index)?]));
     Series {
         look: look(of.method),
         ..curve(&of.method.name(), 0, points.collect())
@@ -171,8 +183,8 @@ fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
 
 /// The range of all anisotropies and of noise's level, with a little room: one axis for all columns.
 fn decibels(columns: &[MethodColumn<'_>]) -> [f64; 2] {
-    let all = columns.iter().flat_map(|(one, below)| [one, below]);
-    let all = all.flat_map(|of| {
+    let methods = columns.iter().flat_map(|(one, below)| [one, below]);
+    let all = methods.flat_map(|of| {
         let values = of.curves.anisotropy.iter().flatten().copied();
         values.chain([anisotropy_reference_db(of.sets)])
     });
@@ -190,8 +202,8 @@ fn anisotropy(one: &MethodSpectra, below: &MethodSpectra, range: [f64; 2]) -> Pa
 /// The level of sets without preferred directions, and where chance takes their rings.
 fn noise(one: &MethodSpectra) -> Series {
     let level = anisotropy_reference_db(one.sets);
-    let rings = one.curves.nu.iter().zip(&one.curves.noise);
-    let rings = rings.filter_map(|(nu, ends)| Some((*nu, (*ends)?)));
+    let rings = (one.curves.nu.iter().zip(&one.curves.noise))
+        .filter_map(|(nu, ends)| Some((*nu, (*ends)?)));
     let (points, band) = rings.map(|(nu, ends)| ([nu, level], ends)).unzip();
     Series {
         band: Some(band),
@@ -204,12 +216,14 @@ pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
         let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
         leaf.unwrap_or_else(|| "From scratch".to_owned())
     };
+
     let group = |(color, heading_of): (usize, String)| {
         let rows = rows.iter().filter(|row| heading(row) == heading_of);
         let bars = rows.map(|row| bar(row, color)).collect();
         let heading = heading_of.clone();
         BarGroup { heading, bars }
     };
+
     let headings = distinct(rows.iter().map(heading)).into_iter();
     let groups = headings.enumerate().map(group).collect();
     bar_picture("fig13/rates", &plan.values(), groups)
@@ -238,10 +252,13 @@ fn threads(threads: Option<usize>) -> String {
 pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
     table("fig13/quality", found, |one| {
         let same = |held: &&Against| {
+            // Both radii come from one list, so that their bits are equal.
             held.radius.to_bits() == one.radius.to_bits() && held.method == one.method
         };
+
         let held = against.iter().find(same);
         let percent = |value: fn(&Against) -> f64| held.map(|held| 100.0 * value(held));
+
         json!({
             "radius": one.radius, "method": one.method.name(), "sets": one.sets,
             "samples": one.count[0].round() as u64, "samples_sd": one.count[1],

@@ -59,7 +59,7 @@ pub fn find(found: &[MethodSpectra], radius: f64, method: Method) -> Option<&Met
     found.iter().filter(same).find(|one| one.method == method)
 }
 
-/// Values by annulus.
+/// Values by annulus, those of one annulus at one index.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Curves {
     pub nu: Vec<f64>,
@@ -82,32 +82,40 @@ pub struct MeanPicture {
 /// Makes, verifies and measures the sets of a method.
 pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Result<MethodSpectra> {
     let go_on = control.analysis();
-    let mut mean = MeanPeriodogram::default();
+    let mut periodograms = MeanPeriodogram::default();
     // Frequencies and mean power of the spectra that follow from g(r).
     let mut smooth: Option<(Vec<f64>, Average)> = None;
     let (mut reports, mut alone) = (Vec::new(), Vec::new());
+
     for number in 0..group.sets {
         let set = group.set(method, number, control)?;
         let name = format!("{}, radius {}, set {number}", method.name(), group.radius);
         reports.push(set.verified(&name, control)?);
+
+        // One window for all sets, whatever their own numbers of samples, so that their periodograms can be averaged.
         let window = Spectrum::window(group.samples(), set.region);
         let periodogram = Periodogram::of(&set.points, set.region, &window, &go_on)?;
         alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
-        mean.add(&periodogram)?;
+        periodograms.add(&periodogram)?;
+
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
             let first = || (curve.frequencies().to_vec(), Average::new(powers.len()));
             smooth.get_or_insert_with(first).1.add(powers)?;
         }
     }
+
     let nothing = || ReproduceError::Engine("there is no set to look at".to_owned());
-    let mean = mean.mean().ok_or_else(nothing)?;
+    let mean = periodograms.mean().ok_or_else(nothing)?;
     let spectrum = Spectrum::of(&mean)?;
+
     let (frequencies, powers) = smooth.ok_or_else(nothing)?;
     let smooth = PowerCurve::new(frequencies, powers.means().to_vec())?;
-    let counts = Summary::of(reports.iter().map(|report| report.count as f64));
-    let counts = counts.ok_or_else(nothing)?;
+
+    let counts =
+        Summary::of(reports.iter().map(|report| report.count as f64)).ok_or_else(nothing)?;
     let [least, _] = ends(reports.iter().map(|report| report.min_distance));
+
     Ok(MethodSpectra {
         radius: group.radius,
         method,
@@ -115,6 +123,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         count: [counts.mean, counts.deviation],
         min_distance: least / group.radius,
         covering_radius: largest(reports.iter().map(|one| one.covering_radius)) / group.radius,
+        // It is 0 where no frequency has little power, so that there is none to tell.
         nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
         oscillation: smooth.oscillation(),
         excess: spectrum.profile.anisotropy_excess_db(),
@@ -134,6 +143,7 @@ fn curves(spectrum: &Spectrum) -> Curves {
             .has_anisotropy()
             .then(|| annulus.anisotropy_noise_db(sets))
     };
+
     let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
     Curves {
         nu,
@@ -167,8 +177,8 @@ pub fn difference(one: &Curves, other: &Curves) -> Option<f64> {
     if one.power.len() != other.power.len() {
         return None;
     }
-    let pairs = one.nu.iter().zip(one.power.iter().zip(&other.power));
-    let pairs = pairs.filter(|(nu, _)| (0.1..=2.0).contains(*nu));
+    let pairs = (one.nu.iter().zip(one.power.iter().zip(&other.power)))
+        .filter(|(nu, _)| (0.1..=2.0).contains(*nu));
     let squares = pairs.map(|(_, (a, b))| ((a - b) / (0.5 * (a + b))).powi(2));
     Summary::of(squares).map(|summary| summary.mean.sqrt())
 }

@@ -71,10 +71,12 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
         let total = |count: &dyn Fn(&Summary) -> usize| -> usize {
             sets.iter().map(|one| count(&one.summary)).sum()
         };
+
         let samples = total(&|set| set.count) as f64;
         let inserted = total(&|set| set.inserted.iter().sum()) as f64;
         let in_each = (0..most(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
         let iterations = || sets.iter().map(|one| one.iterations());
+
         json!({
             "order": case.order(), "leaf_r": case.leaf, "sets": sets.len(),
             "samples": samples / sets.len() as f64, "inserted_percent": 100.0 * inserted / samples,
@@ -118,17 +120,20 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
             .iter()
             .map(|one| inserted_in(&one.summary, k) as f64)
             .collect();
+
         let mean = counts.iter().sum::<f64>() / counts.len().max(1) as f64;
-        let ends = ends(counts.into_iter());
-        let [least, most] = ends.map(|count| drawn_count(count as usize));
+        let whisker = ends(counts.into_iter());
+        let [least, most] = whisker.map(|count| drawn_count(count as usize));
+
         Bar {
             name: format!("iteration {}", k + 1),
             value: mean,
-            whisker: Some(ends),
+            whisker: Some(whisker),
             text: format!("{} ({least} to {most})", drawn_mean(mean)),
             color: 0,
         }
     };
+
     let groups = groups(cases, |case| (0..most).map(|k| bar(case, k)).collect());
     let largest = found.iter().map(|one| one.summary.count).max().unwrap_or(0);
     let values = json!({ "sets": found.len(), "largest": largest });
@@ -152,6 +157,7 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
             .iter()
             .filter(|one| one.iterations() == iterations)
             .count();
+
         let plural = if iterations == 1 { "" } else { "s" };
         Bar {
             name: format!("{iterations} iteration{plural}"),
@@ -161,6 +167,8 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
             color: 0,
         }
     };
+
+    // One range for all cases, so that their bars can be compared.
     let range = least.unwrap_or(0)..=most(found);
     let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     bar_picture("iterations/needed", &json!({}), groups)

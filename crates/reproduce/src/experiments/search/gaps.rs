@@ -43,12 +43,12 @@ impl Witness {
             let at = set.points[*index];
             shortest([at[0] - x, at[1] - y], &set.region)
         };
+        // The sites are the samples on the circle, and rounding may have moved them a hair beyond it.
         let reach = gap.distance + HAIR * set.radius;
-        let near = samples
-            .iter()
-            .map(away)
-            .filter(|[x, y]| x.hypot(*y) <= reach);
-        let mut near: Vec<[f64; 2]> = near.collect();
+        let mut near: Vec<[f64; 2]> = (samples.iter().map(away))
+            .filter(|[x, y]| x.hypot(*y) <= reach)
+            .collect();
+        // By angle, so that the sequence of the samples does not matter.
         near.sort_by(|a, b| a[1].atan2(a[0]).total_cmp(&b[1].atan2(b[0])));
         Self {
             center: gap.center,
@@ -77,7 +77,7 @@ pub struct GapCounts {
     pub inserted: usize,
     /// Centres of empty circles that are too large.
     pub centers: u64,
-    /// Connected gaps.
+    /// How many connected gaps there are.
     pub holes: usize,
     /// Area of the gaps, in squared radii.
     pub area: f64,
@@ -115,24 +115,30 @@ impl GapCounts {
     fn take_apart(&mut self, set: &Set, report: &Report, control: &Control<'_>) -> Result<()> {
         let limit = (1.0 + report.covering_tolerance) * set.radius;
         let parts = Tessellation::of(&set.points, set.region, set.radius)?;
+        // The verifier's tolerance decides here, too: a shallower hole is no gap to it.
         for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > limit) {
             self.holes += 1;
             self.area += hole.area / set.radius.powi(2);
         }
+
         let mut seen = Vec::new();
         for (index, gap) in report.worst_gaps.iter().enumerate() {
+            // There may be a hundred thousand centres to look at.
             if index % ASK == 0 {
                 control.go_on()?;
             }
+
             let hole = parts.gap_at(gap.center);
             let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
             let witness = Witness::of(gap, set, samples);
             self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
+            // The verifier lists the largest first; one of each hole is kept.
             if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
                 self.worst.push(witness);
             }
         }
+
         Ok(())
     }
 }
@@ -187,8 +193,10 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
             let sets = of(found, *leaf, *printed);
             let holes: usize = sets.iter().map(|one| pick(one).holes).sum();
             let samples: usize = sets.iter().map(|one| pick(one).count).sum();
+
             let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
             let values = json!({ "holes": holes, "samples": samples, "ends": ends });
+
             Bar {
                 name: (*name).to_owned(),
                 value: a_million(holes as f64, samples),
@@ -202,6 +210,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
             bars: KINDS.iter().enumerate().map(bar).collect(),
         }
     };
+
     let groups = leaves(found).iter().map(group).collect();
     bar_picture("search/gaps", &json!({}), groups)
 }
@@ -211,6 +220,8 @@ fn sums(sets: &[&GapStatistics]) -> Value {
     let total =
         |count: fn(&GapCounts) -> usize| sets.iter().map(|one| count(&one.two)).sum::<usize>();
     let holes = total(|two| two.holes);
+
+    // All sets of a row have one variant and one leaf.
     json!({
         "variant": if sets[0].printed { "as printed" } else { "in stages" }, "leaf_r": sets[0].leaf,
         "samples": total(|two| two.count), "inserted": total(|two| two.inserted), "gaps_2r": holes,
@@ -227,8 +238,9 @@ fn sums(sets: &[&GapStatistics]) -> Value {
 /// Returns the numbers of each leaf, over its sets.
 pub fn by_leaf(found: &[GapStatistics]) -> Table {
     let leaves = leaves(found);
-    let rows = [true, false].into_iter();
-    let rows = rows.flat_map(|printed| leaves.iter().map(move |leaf| of(found, *leaf, printed)));
+    let variants = [true, false].into_iter();
+    let rows =
+        variants.flat_map(|printed| leaves.iter().map(move |leaf| of(found, *leaf, printed)));
     table("search/leaves", rows, |sets| {
         let mut row = sums(&sets);
         row["sets"] = json!(sets.len());

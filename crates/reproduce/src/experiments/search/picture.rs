@@ -1,4 +1,4 @@
-//! Pictures of the largest gaps that looking 2r far leaves: what is uncovered, and why no site sees both others.
+//! Pictures of the largest gaps that looking 2r far leaves: the uncovered area, and why no site sees both others.
 
 use glam::DVec2;
 use serde_json::json;
@@ -42,6 +42,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     // The neighbourhood alone, in the middle of a small domain of its own.
     let middle = [2.0 * AROUND * radius; 2];
     let (points, size) = (around(set, witness.center, middle), middle.map(|x| 2.0 * x));
+
     let half = 0.5 * PART * radius;
     let window = Rect::new(middle.map(|x| x - half), middle.map(|x| x + half));
     let options = PictureOptions {
@@ -49,6 +50,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         window: Some(window),
         ..PictureOptions::default()
     };
+
     let picture = SetPicture {
         points: &points,
         size,
@@ -60,6 +62,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         caption,
     };
     let mut scene = set_scene(&picture, &options);
+
     let region = Region::new(size, false);
     let parts = Tessellation::of(&points, region, radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
@@ -70,6 +73,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         .iter()
         .map(|one| one.map(flip))
         .collect();
+
     let mut shapes = hole(&triangles, &options.palette);
     shapes.extend(triangle(witness, middle.into(), radius, &options.palette));
     above_samples(&mut scene, "gap", shapes);
@@ -79,8 +83,8 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
 /// Returns the samples around a position, moved so that it lies at `middle`.
 fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
     let away = |p: &[f64; 2]| shortest([0, 1].map(|k| p[k] - center[k]), &set.region);
-    let near = |d: &[f64; 2]| d.iter().all(|x| x.abs() < AROUND * set.radius);
-    let near = set.points.iter().map(away).filter(near);
+    let is_near = |d: &[f64; 2]| d.iter().all(|x| x.abs() < AROUND * set.radius);
+    let near = set.points.iter().map(away).filter(is_near);
     near.map(|d| [0, 1].map(|k| middle[k] + d[k])).collect()
 }
 
@@ -110,17 +114,22 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
     let colored = sites
         .into_iter()
         .zip([palette.conflict, palette.detector, palette.inserted]);
+
     let empty = Style::stroked(palette.gap, 1.5);
     let mut shapes = vec![Shape::circle(middle, witness.distance, empty)];
     shapes.extend(colored.clone().map(|(site, color)| {
         let sight = Style::default().with_stroke(Stroke::new(color, 2.0).dashed(9.0, 5.0));
         Shape::circle(site, 2.0 * radius, sight)
     }));
+
     for (k, length) in witness.sides().iter().enumerate() {
+        // Side k joins the two other sites, as `Witness::sides` has it.
         let corners = [1, 2, 3].map(|next| sites[(k + next) % 3]);
         let what = format!("{} r", number(length / radius, 4));
         shapes.extend(side(corners, &what, radius, palette));
     }
+
+    // Over the lines that end there.
     let dot =
         |(site, color): (DVec2, _)| Shape::marker(Marker::Dot, site, 15.0, Style::filled(color));
     shapes.extend(colored.map(dot));

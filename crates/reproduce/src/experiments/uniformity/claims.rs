@@ -150,7 +150,7 @@ fn interior(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     claim("uniformity/interior", verdict, &values)
 }
 
-/// Where clips overlap.
+/// Places near borders of blocks, where clips overlap.
 fn border(how: &str, ours: &SamplerUniformity) -> Claim {
     let [near, middle, _] = ours.bands().map(|band| band.among(2, ours.sets));
     let values = json!({

@@ -63,12 +63,17 @@ impl SeedCounts {
             (parameters.insertion, parameters.order) = (insertion, order);
             sequential(&parameters, control)
         };
+
+        // Insertion alone differs between the first two, so that both have the same gaps.
         let circumcentre = run(Insertion::Circumcentre, base.order)?;
         let uniform = run(Insertion::Uniform, base.order)?;
         let random = run(Insertion::Circumcentre, Order::Random)?;
+
         let domain = circumcentre.domain;
+        // A seed of its own: the reference set shares no draw with the runs.
         let own = seed ^ (1 << 40);
         let reference = reference_sample(domain, own, &mut control.observer())?;
+
         let rects = circumcentre
             .blocks
             .leaves
@@ -80,8 +85,10 @@ impl SeedCounts {
             cells,
             rects,
         };
+
         let survivors = survivors(&circumcentre);
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
+
         Ok(Self {
             sets: [
                 counter.verified(&reference, "reference", control)?,
@@ -134,6 +141,7 @@ impl Counter {
             columns: self.cells,
             rows: self.cells,
         };
+
         let positions = self.domain.users_from_lattice(points);
         Ok(SetCounts {
             count: points.len() as u64,
@@ -154,10 +162,15 @@ impl Counter {
         let seed = run.parameters.seed;
         let what = format!("{:?}, seed {seed}", run.parameters.insertion);
         let counted = self.verified(&run.points(), &what, control)?;
+
         let samples = run.samples.origins.iter().zip(&run.samples.points);
-        let inserted = samples.filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }));
-        let inserted: Vec<Point> = inserted.map(|(_, point)| *point).collect();
+        // In the sequence of their insertion, on which ranks depend.
+        let inserted: Vec<Point> = samples
+            .filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }))
+            .map(|(_, point)| *point)
+            .collect();
         let ranked = gaps.ranked(&self.domain.users_from_lattice(&inserted), seed);
+
         Ok(SetCounts {
             inserted: depths(&inserted, &self.rects)?,
             ranks: ranked.classes,

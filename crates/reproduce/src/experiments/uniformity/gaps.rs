@@ -15,7 +15,7 @@ use crate::sets::shortest;
 const PLACES: usize = 39;
 /// Classes of ranks, of four each.
 pub const CLASSES: usize = 10;
-/// Draws for each place, at most; what is left of a gap may be small.
+/// Draws for each place, at most; the rest of a gap may be small.
 const TRIES: usize = 400;
 
 /// The gaps between samples, before anything is inserted.
@@ -53,7 +53,7 @@ impl<'a> Gaps<'a> {
         })
     }
 
-    /// Ranks samples in the sequence in which they were inserted: each among uniform places of what was left of its gap.
+    /// Ranks samples in the sequence in which they were inserted: each among uniform places of the rest of its gap.
     pub fn ranked(&self, inserted: &[[f64; 2]], seed: u64) -> Ranked {
         let mut ranked = Ranked {
             classes: vec![0; CLASSES],
@@ -77,15 +77,20 @@ impl<'a> Gaps<'a> {
         draws: &mut impl FnMut() -> f64,
     ) -> Option<usize> {
         let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0.into()) <= gap.reach;
+        // The distance rules most gaps out before their triangles are looked at.
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
-        let around = gap.reach + 2.0 * self.radius;
-        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= around;
+
+        // An earlier sample farther away does not reach the gap.
+        let limit = gap.reach + 2.0 * self.radius;
+        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= limit;
         let earlier: Vec<[f64; 2]> = earlier.iter().filter(around).copied().collect();
+
         let own = self.clearance(gap, &earlier, place);
         let (mut places, mut nearer) = (0, 0);
         for _ in 0..TRIES * PLACES {
             let other = gap.draw(draws);
             let clearance = self.clearance(gap, &earlier, other);
+            // A place that an earlier sample covers is no longer in the gap.
             if clearance > self.radius && gap.region.contains(other) {
                 places += 1;
                 nearer += usize::from(clearance < own);
@@ -94,6 +99,7 @@ impl<'a> Gaps<'a> {
                 return Some(nearer);
             }
         }
+
         None
     }
 
@@ -115,13 +121,16 @@ impl Gap {
         let deepest = region.deepest.0;
         let corners = region.fill.as_flattened().iter();
         let reach = largest(corners.map(|corner| corner.distance(deepest)));
+
         let mut total = 0.0;
         let area = |[a, b, c]: &[DVec2; 3]| {
             total += 0.5 * (b - a).perp_dot(c - a).abs();
             total
         };
+
         Self {
             areas: region.fill.iter().map(area).collect(),
+            // The farthest corner is in reach itself, whatever rounding does.
             reach: reach * (1.0 + 1e-9),
             region,
         }
@@ -143,7 +152,7 @@ impl Gap {
     }
 }
 
-/// Returns what draws uniform numbers in [0, 1), for one sample of one run.
+/// Returns a generator of uniform numbers in [0, 1), for one sample of one run.
 pub fn draws(seed: u64, index: u32) -> impl FnMut() -> f64 {
     let mut counter = 0;
     move || {

@@ -7,9 +7,9 @@ use super::counted::{EDGES, SeedCounts, SetCounts};
 use super::gaps::CLASSES;
 use crate::error::Result;
 
-/// Confidence of intervals.
+/// The confidence of all intervals.
 const LEVEL: f64 = 0.99;
-/// What intervals miss, of one statement or of several together.
+/// The probability that an interval misses, or one of several that hold together.
 const MISSED: f64 = 1.0 - LEVEL;
 /// Where the bands of distances from a block's border begin, in classes: at 0, 1 r and 3 r.
 const BANDS: [usize; 3] = [0, 4, 9];
@@ -119,16 +119,20 @@ impl SamplerUniformity {
     fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
         let own = |seed: &SeedCounts| seed.sets[way].clone();
+
         let test = |counts: &dyn Fn(SetCounts) -> Vec<u64>,
                     shares: &dyn Fn(&SeedCounts) -> Vec<f64>| {
             uniformity(seeds, &|seed| counts(own(seed)), shares)
         };
+
+        // Only runs whose gaps were looked at have ranks.
         let ranked = seeds
             .iter()
             .any(|seed| seed.sets[way].ranks.iter().sum::<u64>() > 0);
         let ranks = || test(&|set| set.ranks, &|_| even(CLASSES));
         let inserted = seeds.iter().map(|seed| &seed.sets[way].inserted);
         let count = |way: usize| seeds.iter().map(|seed| seed.sets[way].count).sum::<u64>() as f64;
+
         Ok(Self {
             name: NAMES[way],
             sets: seeds.len() as u64,
@@ -173,8 +177,8 @@ impl SamplerUniformity {
         [0, 1].map(|side| self.against(&self.sides.deviations[side]))
     }
 
-    /// Returns what is judged of places besides the grid: bands and strips not narrower than 1 r, against the sets' own mean,
-    /// with intervals that hold together with the grid's.
+    /// Returns the places that are judged besides the grid: bands and strips not narrower than 1 r, against the sets' own
+    /// mean, with intervals that hold together with the grid's.
     pub fn places(&self) -> Vec<(&'static str, DensityOffset)> {
         let [wide, frame, sides] =
             [&self.wide, &self.frame, &self.sides].map(|one| &one.deviations);
@@ -213,6 +217,7 @@ impl SamplerUniformity {
             probability: f64::NAN,
             effect: f64::NAN,
         };
+
         if let Some(inside) = &self.inside {
             let share =
                 |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
@@ -221,6 +226,7 @@ impl SamplerUniformity {
             ranks.probability = inside.chi_square.probability;
             ranks.effect = inside.chi_square.cramers_v;
         }
+
         ranks
     }
 }
@@ -268,11 +274,13 @@ impl PairedBias {
     fn from_pairs(pairs: &[(f64, f64)]) -> Self {
         let sets = pairs.len() as f64;
         let quantile = student_quantile(MISSED, sets - 1.0);
+
         let estimate = |value: &dyn Fn(&(f64, f64)) -> f64| {
             let mean = pairs.iter().map(value).sum::<f64>() / sets;
             let square: f64 = pairs.iter().map(|pair| (value(pair) - mean).powi(2)).sum();
             (mean, (square / (sets - 1.0)).sqrt())
         };
+
         let off = |relative: f64, deviation: f64| {
             let reach = quantile * deviation / sets.sqrt();
             DensityOffset {
@@ -280,11 +288,14 @@ impl PairedBias {
                 interval: [relative - reach, relative + reach],
             }
         };
+
         let (difference, spread) = estimate(&|pair| pair.0);
         let (excess, _) = estimate(&|pair| pair.1);
+
         // A ratio of means varies as the differences less the ratio times the excesses.
         let ratio = difference / excess;
         let (_, left) = estimate(&|pair| pair.0 - ratio * pair.1);
+
         Self {
             difference: off(difference, spread),
             effect: difference / spread,
@@ -307,16 +318,20 @@ pub struct ClassBias {
 fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     let classes = test.deviations.len() as f64;
     let quantile = student_quantile(MISSED, test.runs as f64 - 1.0);
-    let noise =
+    // Half an interval over the quantile is the error of the mean that it was made from.
+    let variance =
         |class: &Deviation| (0.5 * (class.interval[1] - class.interval[0]) / quantile).powi(2);
-    let noise = test.deviations.iter().map(noise).sum::<f64>() / classes;
+    let noise = test.deviations.iter().map(variance).sum::<f64>() / classes;
+
     let squares = test.deviations.iter().map(|class| class.relative.powi(2));
     let square = squares.sum::<f64>() / classes;
     let excess = square - noise;
+
     // A square of bias plus noise varies with the noise alone and with the product of both.
     let alone = noise * (2.0 / classes).sqrt();
     let error = ((2.0 * noise.powi(2) + 4.0 * noise * excess.max(0.0)) / classes).sqrt();
     let reach = student_quantile(missed, f64::INFINITY) * error;
+
     let root = |square: f64| square.max(0.0).sqrt();
     ClassBias {
         rms: root(excess),

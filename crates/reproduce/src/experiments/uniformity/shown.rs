@@ -1,4 +1,4 @@
-//! Charts, maps and tables of what was counted.
+//! Charts, maps and tables of the counts.
 
 use serde_json::json;
 use tilescope_analysis::measures::Uniformity;
@@ -24,6 +24,7 @@ pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>>
     let [reference, _, circumcentre, uniform, random] = &found.all;
     let four = [(1, reference), (0, circumcentre), (2, uniform), (3, random)];
     let two = [(0, circumcentre), (2, uniform)];
+
     let borders = [
         [
             density("uniformity/blocks", &four, |one| &one.blocks),
@@ -32,6 +33,7 @@ pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>>
         [ranks(&two), inserted(&two)],
     ];
     let borders = borders.map(|row| row.map(Panel::Lines).into());
+
     let values = json!({ "sets": circumcentre.sets });
     Ok(vec![
         picture("uniformity/borders", &values, borders.into())?,
@@ -53,6 +55,7 @@ fn density(
     let series = |&(number, subject): &Subject<'_>| {
         let (mut points, mut band) = (Vec::new(), Vec::new());
         for (class, deviation) in pick(subject).deviations.iter().enumerate() {
+            // The last class has no end, and so no middle to be drawn at.
             if let Some(x) = middle(class) {
                 let off = subject.against(deviation);
                 points.push([x, 100.0 * off.relative]);
@@ -64,6 +67,7 @@ fn density(
             ..curve(subject.name, number, points)
         }
     };
+
     let mut chart = chart(id, subjects.iter().map(series).collect());
     chart.x.range = Some([0.0, 7.0]);
     chart
@@ -71,16 +75,19 @@ fn density(
 
 fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
+        // Sets without inserted samples have no curve.
         let ranks = &subject.inside.as_ref()?.deviations;
         let place = |class: usize| (class as f64 + 0.5) / ranks.len() as f64;
-        let points = ranks.iter().enumerate();
-        let points = points.map(|(class, of)| [place(class), 1.0 + of.relative]);
+
+        let points =
+            (ranks.iter().enumerate()).map(|(class, of)| [place(class), 1.0 + of.relative]);
         let band = ranks.iter().map(|of| of.interval.map(|end| 1.0 + end));
         Some(Series {
             band: Some(band.collect()),
             ..curve(subject.name, number, points.collect())
         })
     };
+
     let mut chart = chart(
         "uniformity/ranks",
         subjects.iter().filter_map(series).collect(),
@@ -95,7 +102,9 @@ fn ranks(subjects: &[Subject<'_>]) -> LineChart {
 
 fn inserted(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
+        // Nothing inserted is a flat curve, not a division by zero.
         let total = subject.inserted.iter().sum::<u64>().max(1) as f64;
+
         let mut sum = 0;
         let mut points = vec![[0.0, 0.0]];
         for (end, count) in EDGES[1..].iter().zip(&subject.inserted) {
@@ -104,6 +113,7 @@ fn inserted(subjects: &[Subject<'_>]) -> LineChart {
         }
         curve(subject.name, number, points)
     };
+
     let mut chart = chart("uniformity/inserted", subjects.iter().map(series).collect());
     chart.x.range = Some([0.0, 5.0]);
     chart.y.range = Some([0.0, 105.0]);
@@ -124,9 +134,11 @@ fn tests(found: &UniformityResults) -> Table {
             ("side of the domain's border", Some(&one.sides)),
             ("rank in the gap", one.inside.as_ref()),
         ];
+        // Sets without inserted samples have no ranks.
         of.into_iter()
             .filter_map(|(by, test)| Some((one.name, by, test?)))
     });
+
     table("uniformity/tests", rows, |(name, by, test)| {
         let chi_square = &test.chi_square;
         json!({
@@ -148,6 +160,7 @@ fn distances(found: &UniformityResults) -> Table {
             classes.map(move |(class, deviation)| (one, border, class, deviation))
         })
     });
+
     table(
         "uniformity/distances",
         rows,
@@ -206,7 +219,9 @@ fn color(deviation: f64) -> [u8; 3] {
 fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
     let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
+
     for one in [reference].into_iter().chain(others).chain([moved]) {
+        // Rows of the grid go upwards, those of a bitmap downwards.
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
         let colors: Vec<[u8; 3]> = rows.map(|cell| color(cell.relative)).collect();
         let content = TileContent::Cells(Bitmap::rgb(cells, &colors)?);
@@ -217,6 +232,7 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
             content,
         )));
     }
+
     let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
     let deviation = |step: i32| END * (f64::from(step) / 31.5 - 1.0);
     let [low, high] = [-END, END].map(|end| format!("{} %", signed(100.0 * end, 2)));
@@ -224,6 +240,7 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
         ends: [format!("samples of a cell, from the mean: {low}"), high],
         colors: (0..64).map(|step| color(deviation(step))).collect(),
     }));
+
     let values = json!({ "cells": cells, "low": -END, "high": END });
     picture("uniformity/maps", &values, rows)
 }
