@@ -49,7 +49,8 @@ def outcome_of(call, samples, folder, spare):
             side = round({samples} ** 0.5)
             lattice = (np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2) + 0.5) / side
             points = tilescope.PointSet(lattice, 1 / side)
-            np.save(folder + "/set.npy", lattice)
+            if {"set.npy" in call}:
+                np.save(folder + "/set.npy", lattice)
             del lattice
         with open("/proc/self/statm") as file:
             used = int(file.read().split()[0]) * resource.getpagesize()
