@@ -1,6 +1,8 @@
 //! A question that is closed: the right option is marked beside the learner's own, and all options can be read; and the card
 //! at the end of a lesson.
 
+use std::collections::BTreeMap;
+
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_classroom::lessons::LessonCommand;
@@ -73,11 +75,13 @@ fn contrast_within(picture: &[u8], width: usize, rect: egui::Rect) -> f64 {
     );
     let all = picture.as_chunks::<4>().0;
     let pixels = rows.flat_map(|y| &all[y * width..][columns.clone()]);
-    let pixels: Vec<[u8; 4]> = pixels.copied().collect();
-    let count = |color: [u8; 4]| pixels.iter().filter(|pixel| **pixel == color).count();
-    let ground = pixels.iter().copied().max_by_key(|&color| count(color));
-    let ground = ground.expect("pixels");
-    let contrasts = pixels.iter().map(|&pixel| contrast(pixel, ground));
+    let mut counts: BTreeMap<[u8; 4], usize> = BTreeMap::new();
+    for &color in pixels {
+        *counts.entry(color).or_default() += 1;
+    }
+    let most = counts.iter().max_by_key(|(_, count)| **count);
+    let (&ground, _) = most.expect("pixels");
+    let contrasts = counts.keys().map(|&color| contrast(color, ground));
     contrasts.fold(0.0, f64::max)
 }
 
