@@ -46,6 +46,8 @@ const STRIDE: u64 = 1 << 14;
 pub(crate) struct Meter<'a> {
     observer: &'a mut dyn Observer,
     progress: Progress,
+    /// Work since the observer was last called, in pieces of the usual size.
+    since: u64,
 }
 
 impl<'a> Meter<'a> {
@@ -65,7 +67,11 @@ impl<'a> Meter<'a> {
         total: u64,
     ) -> Result<Self, SampleError> {
         let progress = Progress { stage, done, total };
-        let mut meter = Self { observer, progress };
+        let mut meter = Self {
+            observer,
+            progress,
+            since: 0,
+        };
         meter.ask()?;
         Ok(meter)
     }
@@ -79,7 +85,14 @@ impl<'a> Meter<'a> {
     #[inline]
     pub(crate) fn tick(&mut self) -> Result<(), SampleError> {
         self.progress.done += 1;
-        if self.progress.done.is_multiple_of(STRIDE) {
+        self.work(1)
+    }
+
+    /// Tells of work as long as so many usual pieces, which is not counted: the observer is called as often as if it were.
+    #[inline]
+    pub(crate) fn work(&mut self, pieces: u64) -> Result<(), SampleError> {
+        self.since += pieces;
+        if self.since >= STRIDE {
             self.ask()
         } else {
             Ok(())
@@ -92,6 +105,7 @@ impl<'a> Meter<'a> {
     }
 
     pub(crate) fn ask(&mut self) -> Result<(), SampleError> {
+        self.since = 0;
         self.progress.done = self.progress.done.min(self.progress.total);
         match self.observer.observe(self.progress) {
             ControlFlow::Continue(()) => Ok(()),

@@ -198,9 +198,11 @@ fn sieve(
     let key = Key::from_seed(options.seed);
     let blocks = blocks(pieces, key);
     let ranking = Ranking::new(options.order, domain, key);
-    let contested = contested(samples, &blocks, &ranking);
-    let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
-    eliminate(domain, samples, &contested, meter, &mut Unrecorded)
+    let mut meter = Meter::begin(observer, Stage::Eliminate, samples.len() as u64)?;
+    let contested = contested(samples, &blocks, &ranking, &mut meter)?;
+    meter.set_total(contested.len() as u64);
+    eliminate(domain, samples, &contested, &mut meter, &mut Unrecorded)?;
+    meter.end()
 }
 
 /// Detects and inserts until no gap is left.
@@ -212,8 +214,9 @@ fn fill(
 ) -> Result<(), SampleError> {
     let key = Key::from_seed(options.seed);
     let samples = &mut glued.samples;
-    let mut survivors = survivors(domain, samples);
-    let mut detectors = first_detectors(samples, &survivors, &mut Unrecorded);
+    let mut meter = Meter::begin(observer, Stage::Iterate(1), samples.len() as u64)?;
+    let mut survivors = survivors(domain, samples, &mut meter)?;
+    let mut detectors = first_detectors(samples, &survivors, &mut meter, &mut Unrecorded)?;
 
     for k in 1.. {
         let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;

@@ -211,8 +211,13 @@ impl Sequential {
         } = run.parameters;
 
         let ranking = Ranking::new(order, &run.domain, self.key);
-        let contested = contested(&run.samples, &run.blocks, &ranking);
-        let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
+        let mut meter = Meter::begin(observer, Stage::Eliminate, run.samples.len() as u64)?;
+        let contested = contested(&run.samples, &run.blocks, &ranking, &mut meter)?;
+        meter.set_total(contested.len() as u64);
+        if variant == Variant::Staged {
+            let (domain, samples) = (&run.domain, &mut run.samples);
+            eliminate(domain, samples, &contested, &mut meter, recorder)?;
+        }
 
         self.filling = match (variant, insertion) {
             // Lines 2 to 11 of Algorithm 4, which eliminate and insert in turn.
@@ -227,17 +232,17 @@ impl Sequential {
                 Filling::AsPrinted(printed)
             }
             (Variant::Staged, Insertion::Circumcentre) => {
-                eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
                 // Detection asks for valid samples alone, and the grid of elimination also holds lost ones.
-                let survivors = survivors(run.domain, &run.samples);
-                let detectors = first_detectors(&run.samples, &survivors, recorder);
+                let survivors = survivors(run.domain, &run.samples, &mut meter)?;
+                let detectors = first_detectors(&run.samples, &survivors, &mut meter, recorder)?;
+                meter.end()?;
                 Filling::Circumcentres {
                     survivors,
                     detectors,
                 }
             }
             (Variant::Staged, Insertion::Uniform) => {
-                eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
+                meter.end()?;
                 Filling::Uniform(gap_process(run.domain, &run.samples, self.key))
             }
         };
@@ -328,14 +333,19 @@ impl Sequential {
 }
 
 /// Returns the grid of all kept samples.
-pub(crate) fn survivors(domain: Domain, samples: &Samples) -> SampleGrid {
+pub(crate) fn survivors(
+    domain: Domain,
+    samples: &Samples,
+    meter: &mut Meter<'_>,
+) -> Result<SampleGrid, SampleError> {
     let mut grid = SampleGrid::with_capacity(domain, samples.len());
     for (id, &fate) in (0..).zip(&samples.fates) {
+        meter.work(1)?;
         if fate == Fate::Kept {
             grid.insert(id, samples.points[id as usize]);
         }
     }
-    grid
+    Ok(grid)
 }
 
 fn detect<T: Recorder>(

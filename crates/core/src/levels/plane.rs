@@ -4,9 +4,9 @@
 //! which unknowns remain is computed again with a halo twice as wide.
 
 use glam::I64Vec2;
-use rayon::prelude::*;
 
 use crate::count::{radius_estimate, search_radius};
+use crate::engine::parallel::side_by_side::compute_each;
 use crate::engine::parallel::widened::WidenedWindow;
 use crate::engine::parallel::window_maker::{parts, pieces};
 use crate::error::{ParameterError, SampleError};
@@ -16,7 +16,7 @@ use crate::lattice::{
 use crate::parameters::{Insertion, Order, Parameters, Search, Variant, check_sequential};
 use crate::pattern::Symmetry;
 use crate::pool::Pool;
-use crate::progress::{Meter, Observer, Unobserved};
+use crate::progress::{Meter, Observer, Progress};
 use crate::radius::Radius;
 use crate::random::{Key, Stream};
 use crate::stage::Stage;
@@ -359,36 +359,32 @@ impl NestedPlane {
             .flat_map(|part| pieces(part, self.window_side))
             .collect();
 
-        let total = windows.len() as u64;
-        let mut levels = vec![Vec::new(); self.levels as usize];
-        let mut meter = Meter::begin(observer, Stage::Regions, total)?;
+        let (stage, total) = (Stage::Regions, windows.len() as u64);
+        let progress = |done: usize| Progress {
+            stage,
+            done: done as u64,
+            total,
+        };
+        let computed = compute_each(&windows, observer, progress, |window, observer| {
+            self.piece(window, observer)
+        })?;
 
+        let mut levels = vec![Vec::new(); self.levels as usize];
         let mut left = Vec::new();
         let mut add = |piece: Vec<Vec<Point>>| {
             for (all, mut found) in levels.iter_mut().zip(piece) {
                 all.append(&mut found);
             }
         };
-
-        // Each thread computes a window between two calls of the observer.
-        for some in windows.chunks(rayon::current_num_threads()) {
-            let found = some
-                .par_iter()
-                .with_max_len(1)
-                .map(|window| self.piece(window));
-
-            for (piece, window) in found.collect::<Vec<_>>().into_iter().zip(some) {
-                match piece? {
-                    Some(piece) => add(piece),
-                    None => left.push(window),
-                }
-                meter.tick()?;
+        for (piece, window) in computed.into_iter().zip(&windows) {
+            match piece? {
+                Some(piece) => add(piece),
+                None => left.push(window),
             }
-
-            meter.ask()?;
         }
 
         // Windows for which the whole is less work share one: it is made once.
+        let mut meter = Meter::resume(observer, stage, total, total)?;
         if !left.is_empty() {
             let mut region = LevelRegion::default();
             self.compute_whole(&mut region, &mut meter)?;
@@ -407,7 +403,11 @@ impl NestedPlane {
 
     /// Returns the samples that each level adds in a window that lies in the domain, or `None` if the whole is computed
     /// sooner.
-    fn piece(&self, window: &Rect) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
+    fn piece(
+        &self,
+        window: &Rect,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
         let mut region = self.idle.take();
 
         for repair in 0..=MAX_REPAIRS {
@@ -418,7 +418,7 @@ impl NestedPlane {
                 return Ok(None);
             }
 
-            if self.compute(&mut region, window, halo)? {
+            if self.compute(&mut region, window, halo, observer)? {
                 let shown = Rect {
                     min: Point::default(),
                     max: Point::new(window.width(), window.height()),
@@ -466,6 +466,7 @@ impl NestedPlane {
         region: &mut LevelRegion,
         window: &Rect,
         halo: i64,
+        observer: &mut dyn Observer,
     ) -> Result<bool, SampleError> {
         let domain = self.domain();
 
@@ -494,9 +495,7 @@ impl NestedPlane {
             frame
         };
 
-        // Windows are computed on several threads, and the caller's observer is asked between them.
-        let mut unobserved = Unobserved;
-        let mut meter = Meter::begin(&mut unobserved, Stage::Regions, self.levels.into())?;
+        let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
         self.run(region, frame, domain.is_periodic(), &mut meter)?;
 
         // Only an unknown that reaches into the window makes it unsure.
@@ -629,6 +628,7 @@ fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::Unobserved;
 
     /// With narrow halos windows have unknowns. Whatever a window then says that it knows is right.
     #[test]
@@ -653,7 +653,10 @@ mod tests {
             for halo in [1, 2, 4, 8] {
                 let (mut known, mut unknown) = (0, 0);
                 for window in pieces(&domain, side) {
-                    if !plane.compute(&mut region, &window, halo).unwrap() {
+                    if !plane
+                        .compute(&mut region, &window, halo, &mut Unobserved)
+                        .unwrap()
+                    {
                         unknown += 1;
                         continue;
                     }

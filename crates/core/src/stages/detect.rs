@@ -25,9 +25,11 @@ use glam::{DVec2, I64Vec2, IVec2};
 
 use crate::border::Border;
 use crate::circumcentre::circumcentre;
+use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
 use crate::parameters::Search;
+use crate::progress::Meter;
 use crate::record::{Recorder, RunEvent, Verdict};
 use crate::samples::{Fate, Samples};
 use crate::stages::voronoi::RelaxedCell;
@@ -108,12 +110,14 @@ pub(crate) fn border_in_reach<T: Recorder>(domain: &Domain, at: Point, reach: Re
 pub(crate) fn first_detectors<T: Recorder>(
     samples: &Samples,
     survivors: &SampleGrid,
+    meter: &mut Meter<'_>,
     recorder: &mut T,
-) -> Vec<u32> {
+) -> Result<Vec<u32>, SampleError> {
     let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
     let mut is_detector = vec![false; samples.len()];
 
     for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
+        meter.work(1)?;
         if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
             survivors.any_near(point, DETECTOR_REACH, |near| {
                 // The grid finds a square, and detectors lie in its disk.
@@ -132,11 +136,8 @@ pub(crate) fn first_detectors<T: Recorder>(
         }
     }
 
-    (0..)
-        .zip(is_detector)
-        .filter(|&(_, is)| is)
-        .map(|(id, _)| id)
-        .collect()
+    let marked = (0..).zip(is_detector).filter(|&(_, is)| is);
+    Ok(marked.map(|(id, _)| id).collect())
 }
 
 /// Finds candidates; keeps its buffers between detectors.

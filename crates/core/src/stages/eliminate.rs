@@ -14,10 +14,16 @@ use crate::stages::order::Ranking;
 /// Returns the ids of the samples that may be in conflict, by rank, then id: those inside the
 /// domain that are in a margin or within 2r of their block's border.
 #[must_use]
-pub fn contested(samples: &Samples, blocks: &Blocks, ranking: &Ranking) -> Vec<u32> {
+pub(crate) fn contested(
+    samples: &Samples,
+    blocks: &Blocks,
+    ranking: &Ranking,
+    meter: &mut Meter<'_>,
+) -> Result<Vec<u32>, SampleError> {
     let mut ranked: Vec<(u32, u32)> = Vec::new();
 
     for (id, (&point, &origin)) in (0..).zip(samples.points.iter().zip(&samples.origins)) {
+        meter.work(1)?;
         let Origin::Tiled { block, own, .. } = origin else {
             continue;
         };
@@ -31,7 +37,7 @@ pub fn contested(samples: &Samples, blocks: &Blocks, ranking: &Ranking) -> Vec<u
     }
 
     ranked.sort_unstable();
-    ranked.into_iter().map(|(_, id)| id).collect()
+    Ok(ranked.into_iter().map(|(_, id)| id).collect())
 }
 
 /// Decides the fate of every undecided sample: `Kept`, or `Eliminated` by the first kept sample
@@ -40,13 +46,14 @@ pub(crate) fn eliminate<T: Recorder>(
     domain: &Domain,
     samples: &mut Samples,
     contested: &[u32],
-    mut meter: Meter<'_>,
+    meter: &mut Meter<'_>,
     recorder: &mut T,
 ) -> Result<(), SampleError> {
     // All other samples are in conflict with none, so that nothing needs to find them.
     let mut grid = SampleGrid::with_capacity(*domain, contested.len());
     for &id in contested {
         grid.insert(id, samples.points[id as usize]);
+        meter.work(1)?;
     }
 
     // Algorithm 4, lines 2 to 6. An eliminated sample claims nothing.
@@ -87,7 +94,7 @@ pub(crate) fn eliminate<T: Recorder>(
     }
 
     keep_rest(samples, recorder);
-    meter.end()
+    Ok(())
 }
 
 /// Keeps every sample that was not contested.

@@ -81,6 +81,8 @@ pub(crate) fn tile<T: Recorder>(
             symmetry: Symmetry(symmetry as u8),
             samples,
         });
+        // A block of a thousand samples is a long piece.
+        meter.work(clip.len() as u64)?;
         meter.tick()?;
     }
     meter.end()?;

@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SampleError;
@@ -12,7 +11,7 @@ use crate::memory::NoMemory;
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::pool::Pool;
-use crate::progress::{Meter, Observer};
+use crate::progress::{Meter, Observer, Progress};
 use crate::run::{Run, Summary};
 use crate::samples::{Sampled, Source};
 use crate::stage::Stage;
@@ -21,7 +20,11 @@ use super::counts::WindowCounts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
 use super::plane::Plane;
-use super::window_maker::{WINDOWS_A_THREAD, WindowMaker, WindowSamples};
+use super::side_by_side::compute_each;
+use super::window_maker::{WindowMaker, WindowSamples};
+
+/// Windows for each thread that are computed before their samples are joined.
+const WINDOWS_A_THREAD: usize = 6;
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const MIN_SIDE: i32 = 64;
@@ -207,18 +210,21 @@ impl<P: WindowMaker> Sweep<P> {
         &mut self,
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<Vec<WindowSamples>>>, SampleError> {
-        Meter::resume(observer, Stage::Regions, self.done as u64, self.rows as u64)?;
         if self.done == self.rows {
+            let rows = self.rows as u64;
+            Meter::resume(observer, Stage::Regions, rows, rows)?;
             return Ok(None);
         }
+
         let windows = self.next_windows();
-        let bands = self.compute(&windows)?;
+        let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
+        let end = ((last - 1) / R + 1).max(self.done + 1);
+        let bands = self.compute(&windows, end, observer)?;
         for piece in bands.iter().flatten() {
             self.counts.add(&piece.counts);
             self.count += piece.points.len() as u64;
         }
-        let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
-        self.done = ((last - 1) / R + 1).max(self.done + 1);
+        self.done = end;
         Ok(Some(bands))
     }
 
@@ -252,20 +258,28 @@ impl<P: WindowMaker> Sweep<P> {
         bands
     }
 
-    fn compute(&self, bands: &[Vec<Rect>]) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
+    /// Computes bands up to the row `end`.
+    fn compute(
+        &self,
+        bands: &[Vec<Rect>],
+        end: i32,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
         let windows: Vec<&Rect> = bands.iter().flatten().collect();
-        let pieces: Vec<WindowSamples> = windows
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|window| {
-                let mut piece = self.idle.take();
-                self.plane.fill(window, self.sources, &mut piece)?;
-                Ok(piece)
-            })
-            .collect::<Vec<Result<_, SampleError>>>()
-            // The first error in the order of windows, not in time.
-            .into_iter()
-            .collect::<Result<_, _>>()?;
+        // Rows count as computed by the share of their windows that have been begun.
+        let progress = |begun: usize| Progress {
+            stage: Stage::Regions,
+            done: self.done as u64 + (end - self.done) as u64 * begun as u64 / windows.len() as u64,
+            total: self.rows as u64,
+        };
+        let pieces = compute_each(&windows, observer, progress, |window, _| {
+            let mut piece = self.idle.take();
+            self.plane.fill(window, self.sources, &mut piece)?;
+            Ok(piece)
+        })?;
+
+        // The first error in the order of windows, not in time.
+        let pieces: Vec<WindowSamples> = pieces.into_iter().collect::<Result<_, SampleError>>()?;
         let mut pieces = pieces.into_iter();
         Ok(bands
             .iter()

@@ -5,15 +5,13 @@ use rayon::prelude::*;
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R, Rect, Window};
-use crate::progress::{Meter, Observer, Unobserved};
+use crate::progress::{Meter, Observer, Progress, Unobserved};
 use crate::stage::Stage;
 
 use super::counts::WindowCounts;
 use super::frame::CELL_BITS;
+use super::side_by_side::compute_each;
 use super::widened::WidenedWindow;
-
-/// Windows for each thread between two calls of the observer.
-pub(super) const WINDOWS_A_THREAD: usize = 6;
 
 /// What computes any window of a run alone: [`crate::Plane`] and [`crate::ExactPlane`].
 pub trait WindowMaker: Sync + Sized {
@@ -96,17 +94,18 @@ fn samples_of_window<M: WindowMaker>(
     if let [part] = parts.as_slice() {
         return compute(part);
     }
+
+    let (stage, total) = (Stage::Regions, parts.len() as u64);
+    let progress = |done: usize| Progress {
+        stage,
+        done: done as u64,
+        total,
+    };
     let mut points = Vec::new();
-    let total = parts.len() as u64;
-    for (some, done) in parts.chunks(pieces_at_once()).zip(0..) {
-        let done = done * pieces_at_once() as u64;
-        Meter::resume(observer, Stage::Regions, done, total)?;
-        let found: Vec<_> = some.par_iter().map(compute).collect();
-        for part in found {
-            points.append(&mut part?);
-        }
+    for part in compute_each(&parts, observer, progress, |part, _| compute(part))? {
+        points.append(&mut part?);
     }
-    Meter::resume(observer, Stage::Regions, total, total)?;
+    Meter::resume(observer, stage, total, total)?;
     points.par_sort_unstable_by_key(|p| p.canonical());
     Ok(points)
 }
@@ -135,11 +134,6 @@ pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
         }
     }
     parts
-}
-
-/// Returns how many pieces of a window are computed between two calls of the observer.
-fn pieces_at_once() -> usize {
-    WINDOWS_A_THREAD * rayon::current_num_threads()
 }
 
 /// Cuts a part of the domain into windows of at most `side` units along each axis.
