@@ -185,6 +185,7 @@ fn all_engines_give_the_same_points_in_wasm_as_here() {
     });
 }
 
+/// The control: what is equal above differs from the points of another seed.
 #[test]
 fn another_seed_gives_other_points_and_nonsense_is_refused() {
     for_each_build(|name, wasm| {
@@ -201,11 +202,8 @@ fn another_seed_gives_other_points_and_nonsense_is_refused() {
         };
         for (task, other) in tasks(parameters).iter().zip(tasks(other)) {
             let points = task.points().expect("points");
-            assert_eq!(difference(&wasm.points(task), &points), None, "{name}");
-            assert!(
-                difference(&wasm.points(&other), &points).is_some(),
-                "{name}"
-            );
+            let differs = difference(&wasm.points(&other), &points).is_some();
+            assert!(differs, "{name}: {task:?}");
         }
         let variant = Variant::AsPrinted;
         let refused = Task::Sweep(
