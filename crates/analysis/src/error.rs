@@ -4,6 +4,7 @@
 use crate::number::Number;
 use crate::region::Region;
 use crate::report::Report;
+use crate::squares::SquaresError;
 
 /// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -39,6 +40,14 @@ pub enum VerifyError {
         point: [f64; 2],
         /// The region.
         region: Region,
+    },
+    /// A sample lies outside the shape that is to be covered; there is no tolerance.
+    #[error("sample {index} at ({}, {}) lies outside the shape", Number(.point[0]), Number(.point[1]))]
+    OutOfShape {
+        /// Index of the first such sample.
+        index: usize,
+        /// Its position.
+        point: [f64; 2],
     },
     /// The radius is not a positive number within 2^-100 to 2^100 times the longer extent.
     #[error(
@@ -148,6 +157,12 @@ pub enum VerifyError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// The judge does not judge sets of this kind.
+    #[error("{0}")]
+    WrongJudge(&'static str),
+    /// The judge by squares gives no verdict.
+    #[error(transparent)]
+    Squares(SquaresError),
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,

@@ -2,6 +2,7 @@
 
 use crate::error::VerifyError;
 use crate::grid::Grid;
+use crate::judge::JudgeChoice;
 use crate::region::Region;
 
 /// Samples that are checked together, without a branch for each.
@@ -12,6 +13,19 @@ pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
         Ok(())
     } else {
         Err(VerifyError::BadTolerance { tolerance })
+    }
+}
+
+/// Refuses the judge of sets whose radius varies for a set of one radius.
+pub(crate) fn check_judge(choice: JudgeChoice) -> Result<(), VerifyError> {
+    match choice {
+        JudgeChoice::Automatic
+        | JudgeChoice::Delaunay
+        | JudgeChoice::Circles
+        | JudgeChoice::Both => Ok(()),
+        JudgeChoice::Subdivision => Err(VerifyError::WrongJudge(
+            "the judge subdivision is for sets whose radius varies or that cover a shape; choose circles, delaunay or both",
+        )),
     }
 }
 

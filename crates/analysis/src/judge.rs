@@ -1,5 +1,5 @@
-//! The names of the two judges, and which of them are asked. Their code is in `pairs` and `cover` (Delaunay
-//! triangulation) and in `circles` (covered circles); `verify` asks them.
+//! The names of the judges, and which of them are asked. Their code is in `pairs` and `cover` (Delaunay
+//! triangulation), in `circles` (covered circles), which `verify` asks, and in `squares` (subdivision).
 
 use std::fmt;
 
@@ -13,6 +13,8 @@ pub enum Judge {
     Delaunay,
     /// Covered circles: the disks cover the region when they cover each other's circles.
     Circles,
+    /// Subdivision: squares, cut until each is seen to be covered. It judges what [`VaryingRegion`](crate::VaryingRegion) describes.
+    Subdivision,
 }
 
 impl Judge {
@@ -29,6 +31,7 @@ impl fmt::Display for Judge {
         f.write_str(match self {
             Self::Delaunay => "Delaunay triangulation",
             Self::Circles => "covered circles",
+            Self::Subdivision => "subdivision",
         })
     }
 }
@@ -46,6 +49,8 @@ pub enum JudgeChoice {
     Circles,
     /// Both. They must agree.
     Both,
+    /// Subdivision, which only sets of a [`VaryingRegion`](crate::VaryingRegion) have.
+    Subdivision,
 }
 
 impl JudgeChoice {
@@ -59,6 +64,7 @@ impl JudgeChoice {
             Self::Delaunay => [true, false],
             Self::Circles => [false, true],
             Self::Both => [true, true],
+            Self::Subdivision => [false, false],
         }
     }
 

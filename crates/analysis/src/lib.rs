@@ -70,7 +70,7 @@ pub use region::{Boundary, Region};
 pub use report::Report;
 pub use squares::{
     LatticeRegion, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError, SquaresJudge,
-    SquaresReport, UncoveredPlace,
+    SquaresReport, UncoveredPlace, VaryingRegion,
 };
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;

@@ -36,7 +36,9 @@ pub struct Report {
     /// at most the shorter extent). Infinite for one sample in a bounded region.
     #[serde(with = "finite_or_null")]
     pub min_distance: f64,
-    /// Radius of the largest empty circle centred in the region.
+    /// Radius of the largest empty circle centred in the region. Infinite where it is not measured: subdivision only finds
+    /// out whether every place is covered.
+    #[serde(with = "finite_or_null")]
     pub covering_radius: f64,
     /// `N r^2 / area`.
     pub density: f64,
@@ -108,7 +110,7 @@ impl Report {
     /// Whether no pair is closer than the radius (equation 2 of the paper).
     #[must_use]
     pub fn conflict_free(&self) -> bool {
-        self.conflicts == 0 && self.min_distance >= self.radius
+        self.conflicts == 0 && (self.is_of_squares() || self.min_distance >= self.radius)
     }
 
     /// Whether no sample could be added: no empty circle centred in the region is larger than the
@@ -116,7 +118,12 @@ impl Report {
     #[must_use]
     pub fn maximal(&self) -> bool {
         let limit = covering_limit(self.covering_tolerance, self.radius);
-        self.gaps == 0 && self.covering_radius <= limit
+        self.gaps == 0 && (self.is_of_squares() || self.covering_radius <= limit)
+    }
+
+    /// Whether the counts alone decide: where the radius varies, no single distance says what is near or covered.
+    fn is_of_squares(&self) -> bool {
+        self.judges == [Judge::Subdivision]
     }
 
     /// Whether the set is both conflict-free and maximal.

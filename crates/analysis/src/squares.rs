@@ -21,6 +21,7 @@ mod radii;
 mod rule;
 mod search;
 mod shape;
+mod varying_region;
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,7 @@ use radii::RadiusTable;
 use shape::ShapeIndex;
 
 pub use error::SquaresError;
+pub use varying_region::VaryingRegion;
 
 /// The largest radius: squared distances and the products of the rule stay within 64 bits, and so do bilinear sums with a
 /// pitch of up to 2^[`MAX_PITCH_BITS`].

@@ -26,7 +26,7 @@ use crate::circles::CircleBands;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
-use crate::input::{all_are_in, check_point, check_tolerance};
+use crate::input::{all_are_in, check_judge, check_point, check_tolerance};
 use crate::judge::JudgeChoice;
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
@@ -107,12 +107,14 @@ impl StreamVerifier {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
         check_tolerance(options.covering_tolerance)?;
+        check_judge(options.judges)?;
 
         let mut search = StreamSearch::new(region, radius, options.clone(), domain, scaled_radius);
         let (by_delaunay, by_circles) = match options.judges {
             JudgeChoice::Delaunay => (true, false),
             JudgeChoice::Circles => (false, true),
-            JudgeChoice::Both => (true, true),
+            // Subdivision was refused above.
+            JudgeChoice::Both | JudgeChoice::Subdivision => (true, true),
             JudgeChoice::Automatic => {
                 // The most samples that a region holds without conflicts, and some more.
                 let most = 1.2 * region.area() / (radius * radius);

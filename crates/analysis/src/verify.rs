@@ -10,7 +10,7 @@ use crate::error::VerifyError;
 use crate::exact::covering_limit;
 use crate::findings::Findings;
 use crate::grid::Grid;
-use crate::input::{check_points, check_tolerance};
+use crate::input::{check_judge, check_points, check_tolerance};
 use crate::judge::{Judge, JudgeChoice};
 use crate::monitor::{Control, Monitor};
 use crate::pairs::{self, Pairs};
@@ -73,6 +73,7 @@ pub fn verify(
     let domain = Domain::new(region)?;
     let scaled_radius = domain.scale_radius(radius)?;
     check_tolerance(options.covering_tolerance)?;
+    check_judge(options.judges)?;
     check_points(points, region)?;
 
     let question = Question {

@@ -36,4 +36,6 @@ pub enum GapKind {
     Border,
     /// A corner of a bounded region.
     Corner,
+    /// A lattice point that no sample is near, where the radius varies or a shape is to be covered.
+    LatticePoint,
 }

@@ -323,6 +323,7 @@ fn short(judges: &[Judge]) -> String {
     let name = |judge: &Judge| match judge {
         Judge::Delaunay => "Delaunay",
         Judge::Circles => "circles",
+        Judge::Subdivision => "subdivision",
     };
     judges.iter().map(name).collect::<Vec<_>>().join(", ")
 }

@@ -1,0 +1,277 @@
+//! Sets in user units before the judge by squares, with the same report as other judges give.
+
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::Grid;
+use crate::input::check_points;
+use crate::judge::{Judge, JudgeChoice};
+use crate::monitor::{Control, Monitor};
+use crate::pairs::{self, cell_side};
+use crate::region::Region;
+use crate::report::Report;
+use crate::verify::VerifyOptions;
+use crate::witness::{Conflict, Gap, GapKind};
+
+use super::{LatticeRegion, Radii, Shape, SquaresError, SquaresJudge, SquaresReport};
+
+/// A region with the radius at each of its places, and the part of it that is to be covered.
+///
+/// A sample stands for the lattice point nearest to it. Positions that were made on the lattice and kept as `f64` are such
+/// points; others lie at most 0.71 units, 2^-15 of a radius, from theirs.
+#[derive(Clone, Debug)]
+pub struct VaryingRegion {
+    region: Region,
+    lattice: LatticeRegion,
+    radius: f64,
+    judge: SquaresJudge,
+}
+
+impl VaryingRegion {
+    /// Returns a region of `units` lattice units along x and y. `radius` is the one that reports state, in the region's own
+    /// length: the only one, or the least.
+    ///
+    /// # Errors
+    ///
+    /// [`VerifyError::Squares`] with the first number that is beyond its limit.
+    pub fn new(
+        region: Region,
+        units: [i32; 2],
+        radius: f64,
+        radii: Radii<'_>,
+        shape: &Shape,
+    ) -> Result<Self, VerifyError> {
+        let lattice = LatticeRegion {
+            width: units[0],
+            height: units[1],
+            boundary: region.boundary,
+        };
+        Ok(Self {
+            region,
+            lattice,
+            radius,
+            judge: SquaresJudge::new(lattice, radii, shape).map_err(VerifyError::Squares)?,
+        })
+    }
+
+    /// Returns the rectangle around the part that is to be covered.
+    #[must_use]
+    pub const fn region(&self) -> Region {
+        self.region
+    }
+
+    /// Returns the radius that reports state.
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Returns the radius at a place of the region, in its own length.
+    #[must_use]
+    pub fn radius_at(&self, place: [f64; 2]) -> f64 {
+        let [x, y] = self.units();
+        f64::from(self.judge.radius_at(self.lattice_point(place))) * x.min(y)
+    }
+
+    /// Judges whether `points` are conflict-free and cover the region, as [`verify`](crate::verify) does for a single radius.
+    ///
+    /// The report's gaps are squares of the search in which a place is uncovered, and its covering radius is not measured.
+    ///
+    /// # Errors
+    ///
+    /// [`VerifyError::WrongJudge`] where another judge than subdivision is chosen, [`VerifyError::OutOfShape`], and as
+    /// [`verify`](crate::verify).
+    pub fn verify(
+        &self,
+        points: &[[f64; 2]],
+        options: &VerifyOptions,
+        control: Control<'_>,
+    ) -> Result<Report, VerifyError> {
+        check_choice(options.judges)?;
+        check_points(points, self.region)?;
+        let samples: Vec<[i32; 2]> = points.iter().map(|&p| self.lattice_point(p)).collect();
+        let found = self.judge.judge(&samples, options.witnesses, control);
+        let found = found.map_err(|error| match error {
+            SquaresError::Cancelled => VerifyError::Cancelled,
+            SquaresError::Outside { index, .. } => VerifyError::OutOfShape {
+                index,
+                point: points[index],
+            },
+            other => VerifyError::Squares(other),
+        })?;
+
+        let min_distance = self.min_distance(points, control)?;
+        Ok(self.report(points, &found, min_distance, options.covering_tolerance))
+    }
+
+    fn report(
+        &self,
+        points: &[[f64; 2]],
+        found: &SquaresReport,
+        min_distance: f64,
+        covering_tolerance: f64,
+    ) -> Report {
+        let conflict = |&Conflict { first, second, .. }: &Conflict| Conflict {
+            first,
+            second,
+            distance: self.distance(points[first], points[second]),
+        };
+        let units = self.units();
+        let places = found.uncovered_places.iter().map(|uncovered| {
+            let center = [0, 1].map(|axis| f64::from(uncovered.place[axis]) * units[axis]);
+            let distances = points.iter().map(|&point| self.distance(point, center));
+            Gap {
+                center,
+                distance: distances.fold(f64::INFINITY, f64::min),
+                kind: GapKind::LatticePoint,
+            }
+        });
+
+        let (count, area) = (points.len(), self.region.area());
+        let r_max = (2.0 * area / (3f64.sqrt() * count as f64)).sqrt();
+        Report {
+            judges: vec![Judge::Subdivision],
+            count,
+            region: self.region,
+            radius: self.radius,
+            covering_tolerance,
+            conflicts: found.conflicts,
+            worst_conflicts: found.worst_conflicts.iter().map(conflict).collect(),
+            gaps: found.uncovered,
+            worst_gaps: places.collect(),
+            min_distance,
+            covering_radius: f64::INFINITY,
+            density: count as f64 * self.radius * self.radius / area,
+            relative_radius: min_distance / r_max,
+        }
+    }
+
+    /// Returns the smallest distance between two samples, as other judges measure it.
+    fn min_distance(&self, points: &[[f64; 2]], control: Control<'_>) -> Result<f64, VerifyError> {
+        let domain = Domain::new(self.region)?;
+        let radius = domain.scale_radius(self.radius)?;
+        let count = points.len() as u64;
+        // The search by squares made the whole of the progress.
+        let monitor = Monitor::resumed(control, count, count).uncounted();
+        let grid = Grid::new(points, domain, cell_side(&domain, points.len()));
+        let pairs = pairs::search(&grid, points, radius, 0, &monitor)?;
+        Ok(pairs.min_distance / domain.scale)
+    }
+
+    /// Returns the lengths of a lattice unit along x and y.
+    fn units(&self) -> [f64; 2] {
+        let LatticeRegion { width, height, .. } = self.lattice;
+        [
+            self.region.width / f64::from(width),
+            self.region.height / f64::from(height),
+        ]
+    }
+
+    /// Returns the lattice point nearest to a place of the region.
+    fn lattice_point(&self, place: [f64; 2]) -> [i32; 2] {
+        let (units, sides) = (self.units(), [self.lattice.width, self.lattice.height]);
+        [0, 1].map(|axis| {
+            let nearest = (place[axis] / units[axis]).round() as i32;
+            // The far border of a periodic region is its near one.
+            if self.region.is_periodic() && nearest >= sides[axis] {
+                return 0;
+            }
+            nearest.clamp(0, sides[axis])
+        })
+    }
+
+    /// Returns the distance of two places, around the torus if the region is periodic.
+    fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let size = self.region.size();
+        let [x, y] = [0, 1].map(|axis| {
+            let apart = (a[axis] - b[axis]).abs();
+            if self.region.is_periodic() {
+                apart.min(size[axis] - apart)
+            } else {
+                apart
+            }
+        });
+        x.hypot(y)
+    }
+}
+
+/// Refuses judges that know of one radius and of rectangles only.
+fn check_choice(choice: JudgeChoice) -> Result<(), VerifyError> {
+    match choice {
+        JudgeChoice::Automatic | JudgeChoice::Subdivision => Ok(()),
+        JudgeChoice::Delaunay => Err(VerifyError::WrongJudge(
+            "the judge delaunay knows of no radius that varies and of no shape: subdivision judges such sets",
+        )),
+        JudgeChoice::Circles => Err(VerifyError::WrongJudge(
+            "the judge circles knows of no radius that varies and of no shape: subdivision judges such sets",
+        )),
+        JudgeChoice::Both => Err(VerifyError::WrongJudge(
+            "the judges delaunay and circles know of no radius that varies and of no shape: subdivision judges such sets",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+
+    /// The example of [`SquaresJudge`], in user units of half a lattice unit each.
+    fn region() -> VaryingRegion {
+        let nodes = [4, 6, 8, 4, 6, 8];
+        let radii = Radii::Nodes {
+            pitch_bits: 3,
+            columns: 3,
+            nodes: &nodes,
+        };
+        let shape = Shape::Mask {
+            pitch_bits: 3,
+            columns: 3,
+            pixels: vec![true, false, true],
+        };
+        let region = Region::new([8.0, 4.0], false);
+        VaryingRegion::new(region, [16, 8], 2.0, radii, &shape).expect("a region")
+    }
+
+    fn verify(points: &[[f64; 2]], judges: JudgeChoice) -> Result<Report, VerifyError> {
+        let options = VerifyOptions {
+            judges,
+            ..VerifyOptions::default()
+        };
+        region().verify(points, &options, &|_| ControlFlow::Continue(()))
+    }
+
+    #[test]
+    fn a_report_is_in_the_units_of_the_region() {
+        let points = [[1.0, 1.0], [1.5, 3.5], [3.5, 1.5], [8.0, 1.5]];
+        let report = verify(&points, JudgeChoice::Automatic).expect("a report");
+        assert!(report.valid() && report.judges == [Judge::Subdivision]);
+        assert!((report.min_distance - 2.5_f64.hypot(0.5)).abs() < 1e-12);
+        assert!((region().radius_at([4.0, 1.0]) - 3.0).abs() < 1e-12);
+
+        let fewer = verify(&points[..3], JudgeChoice::Subdivision).expect("a report");
+        assert!(fewer.conflict_free() && !fewer.maximal());
+        let gap = fewer.worst_gaps[0];
+        assert!(gap.kind == GapKind::LatticePoint && gap.distance > 3.0);
+
+        let more = [points.as_slice(), &[[1.0, 1.5]]].concat();
+        let report = verify(&more, JudgeChoice::Subdivision).expect("a report");
+        assert!(!report.conflict_free() && report.maximal());
+        assert!((report.worst_conflicts[0].distance - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_cannot_be_judged_is_refused_by_name() {
+        let outside = verify(&[[1.0, 1.0], [5.0, 1.0]], JudgeChoice::Automatic);
+        let said = outside.expect_err("a sample beyond the mask").to_string();
+        assert!(said.contains("sample 1 at (5, 1) lies outside"), "{said}");
+        for (judges, name) in [
+            (JudgeChoice::Delaunay, "delaunay"),
+            (JudgeChoice::Circles, "circles"),
+            (JudgeChoice::Both, "delaunay and circles"),
+        ] {
+            let said = verify(&[[1.0, 1.0]], judges).expect_err(name).to_string();
+            assert!(said.contains(name), "{said}");
+        }
+    }
+}
