@@ -9,7 +9,7 @@ use tilescope_core::{Boundary, Key, Parameters, PatternSpec, stages};
 use tilescope_figures::{
     FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene, to_png_controlled,
 };
-use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
+use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, write_whole};
 use tilescope_sets::NOT_OF_EXACT;
 
 use crate::options::SetArguments;
@@ -76,7 +76,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         "--size is {}; it must be between 16 and 32768 pixels",
         arguments.size
     );
-    let read = (arguments.set).read(&arguments.file, arguments.set.set)?;
+    let read = arguments.set.read_varying(&arguments.file)?;
     ensure!(
         !read.set.is_empty(),
         "{}: the set is empty",
@@ -111,10 +111,15 @@ fn scene(
     region: Region,
 ) -> Result<Scene> {
     let given = &arguments.set;
-    let radius = given.radius.or(certificate.map(|c| c.radius));
+    // Disks of one radius would say nothing of a set whose radius varies.
+    let stated = certificate
+        .map(|c| &c.radius)
+        .filter(|radius| !radius.is_field());
+    let radius = given.radius.or(stated.map(CertifiedRadius::least));
     let origin = given.origin().or(certificate.and_then(|c| c.origin));
     // Blocks of other sides or another radius are not those of this set.
-    let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
+    let as_certified =
+        certificate.is_some_and(|c| c.region == region && Some(c.radius.least()) == radius);
     let sides = [("--width", region.width), ("--height", region.height)];
     let of_radius = radius.map(|radius| ("--radius", radius));
     for (name, length) in sides.into_iter().chain(of_radius) {

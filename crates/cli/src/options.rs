@@ -22,10 +22,14 @@ pub type Names<const N: usize> = [(&'static str, &'static str); N];
 pub const PRECISIONS: Names<2> = [("f32", ""), ("f64", "")];
 
 /// The names of judges.
-const JUDGES: Names<3> = [
+const JUDGES: Names<4> = [
     ("delaunay", "Delaunay triangulation"),
     ("circles", "Covered circles, several times faster"),
     ("both", "Both, which must agree"),
+    (
+        "subdivision",
+        "Squares, cut until each is covered: the only one for a radius that varies and for shapes",
+    ),
 ];
 
 /// The judges of a set.
@@ -212,12 +216,20 @@ impl SetArguments {
     /// Reads one set of the file, with the given format and columns. Fails if its certificate is false, unless that is left
     /// out.
     pub fn read(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
-        let certificate = if self.no_certificate {
+        self.read_hinted(path, set, self.checked(), false)
+    }
+
+    /// The same as [`Self::read`], also of sets whose radius varies or that cover a shape.
+    pub fn read_varying(&self, path: &Path) -> Result<ReadSet> {
+        self.read_hinted(path, self.set, self.checked(), true)
+    }
+
+    fn checked(&self) -> CertificateUse {
+        if self.no_certificate {
             CertificateUse::LeftOut
         } else {
             CertificateUse::Checked
-        };
-        self.read_as(path, set, certificate)
+        }
     }
 
     /// The same as [`Self::read`], with another use of the certificate.
@@ -227,14 +239,26 @@ impl SetArguments {
         set: Option<usize>,
         certificate: CertificateUse,
     ) -> Result<ReadSet> {
+        self.read_hinted(path, set, certificate, false)
+    }
+
+    fn read_hinted(
+        &self,
+        path: &Path,
+        set: Option<usize>,
+        certificate: CertificateUse,
+        varying: bool,
+    ) -> Result<ReadSet> {
         let columns = self.columns.as_deref();
         let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
+
         let hint = Hint {
             format: self.format,
             set,
             columns: columns.map(|columns| columns.each_ref().map(String::as_str)),
             origin: self.origin(),
             certificate,
+            varying,
             ..Hint::default()
         };
         let read = tilescope_formats::read(path, &hint);

@@ -103,7 +103,7 @@ fn pattern(path: &Path) -> Outcome<(Rows, Region, f64)> {
     let pattern = read(path, &Hint::default())?;
     let stated = pattern.certificate;
     let stated = stated.ok_or("the pattern has no certificate")?;
-    let (region, radius) = (stated.region, stated.radius);
+    let (region, radius) = (stated.region, stated.radius.least());
     let mut rows = vec![Vec::new(); (region.height / radius) as usize + 1];
     for point in pattern.set.points {
         rows[(point[1] / radius) as usize].push(point);

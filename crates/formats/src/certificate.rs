@@ -18,7 +18,9 @@ use self::parts::Part;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 
-pub use self::parts::{CertifiedPrefix, CertifiedShape, Depth, RadiusField, RadiusRule, Thinned};
+pub use self::parts::{
+    CertifiedPrefix, CertifiedRadius, CertifiedShape, Depth, RadiusField, RadiusRule, Thinned,
+};
 
 /// The highest version that this crate reads. It is written for sets with a part of it, such as an origin, which
 /// programs that read version 1 alone would take for other sets; version 1 is written for all others.
@@ -30,9 +32,9 @@ const WITH_PARTS: u32 = 2;
 /// The suffix that makes a certificate's file name from the data file's name.
 pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
 
-/// The largest certificate file read, 4 MiB. One is about 2 KiB; the rest is room for parameters, and a
-/// data file given in its place by mistake is refused before it is parsed.
-pub const MAX_CERTIFICATE_BYTES: usize = 4 << 20;
+/// The largest certificate file read, 16 MiB. One is about 2 KiB; the rest is room for parameters and for a polygon of 100,000
+/// corners, each of which takes about 100 bytes. A data file given in its place by mistake is refused before it is parsed.
+pub const MAX_CERTIFICATE_BYTES: usize = 16 << 20;
 
 /// How storing changed the positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,7 +110,8 @@ impl CertifiedLevel {
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
-/// Of these, this version judges sets with an origin, and refuses certificates with any of the others.
+/// Of these, this version judges sets with an origin, a shape and a radius that varies, and refuses certificates with any of
+/// the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
@@ -145,9 +148,9 @@ pub struct Certificate {
         skip_serializing_if = "Option::is_none"
     )]
     pub shape: Option<CertifiedShape>,
-    /// The sampling radius. Version 2 may state a [`RadiusField`] instead, which is refused.
+    /// The sampling radius, which in version 2 may vary.
     #[serde(deserialize_with = "parts::radius")]
-    pub radius: f64,
+    pub radius: CertifiedRadius,
     /// Relative tolerance of maximality used by the verifier.
     pub covering_tolerance: f64,
     /// The number of points in the file.
@@ -155,8 +158,9 @@ pub struct Certificate {
     /// Smallest distance between two points; null for a single point of a bounded region.
     #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
-    /// Radius of the largest empty circle centred in the region.
-    pub covering_radius: f64,
+    /// Radius of the largest empty circle centred in the region; null where subdivision judged, which does not measure it.
+    #[serde(deserialize_with = "stated")]
+    pub covering_radius: Option<f64>,
     /// Pairs closer than the radius; [`MAX_CONFLICTS`](tilescope_analysis::MAX_CONFLICTS) stand for that many or more.
     pub conflicts: u64,
     /// Places where a point could be added.
@@ -168,8 +172,7 @@ pub struct Certificate {
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
-    /// The judges that came to the verdict.
-    #[serde(deserialize_with = "parts::judges")]
+    /// Who verified.
     pub judges: Vec<Judge>,
     /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -260,7 +263,7 @@ impl Certificate {
         [
             ("width", "parameters.width", region.width.into()),
             ("height", "parameters.height", region.height.into()),
-            ("radius", "parameters.radius", self.radius.into()),
+            ("radius", "parameters.radius", self.radius.least().into()),
             (
                 "boundary",
                 "parameters.boundary",
@@ -302,6 +305,25 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
+    /// Whether the radius varies or a shape is to be covered, which a reader has to take into account.
+    #[must_use]
+    pub const fn is_varying(&self) -> bool {
+        self.shape.is_some() || self.radius.is_field()
+    }
+
+    /// Refuses such a certificate for a reader that knows of one radius and of rectangles only.
+    pub(crate) fn refuse_varying(&self, name: &str) -> Result<(), FormatError> {
+        if !self.is_varying() {
+            return Ok(());
+        }
+        Err(FormatError::Certificate {
+            name: name.to_owned(),
+            reason: "its radius varies or it has a shape, which is not taken into account here; \
+                `tilescope verify` and `tilescope draw` do"
+                .to_owned(),
+        })
+    }
+
     /// Returns the certificate with the version that its parts need. A set without any keeps the version that programs before
     /// there were parts read.
     pub(crate) fn with_version(self) -> Self {
@@ -318,6 +340,7 @@ impl Certificate {
             (<[f64; 2]>::NAME, self.origin.is_some()),
             (Depth::NAME, self.depth.is_some()),
             (CertifiedShape::NAME, self.shape.is_some()),
+            (parts::FIELD, self.radius.is_field()),
             (CertifiedPrefix::NAME, self.prefix.is_some()),
             (Thinned::NAME, self.thinned.is_some()),
         ];
@@ -336,6 +359,10 @@ impl Certificate {
             (Some(part), _) if version < WITH_PARTS => format!("version {version} has no {part}"),
             (None, _) if version >= WITH_PARTS => {
                 format!("version {version} needs an origin, or another part that version 1 lacks")
+            }
+            _ if self.covering_radius.is_none() && !self.is_varying() => {
+                "`covering_radius` is null, which it may be only where the radius varies or there is a shape"
+                    .to_owned()
             }
             // Passed over, the part would be lost from the next certificate of these points.
             (_, Some(part)) => parts::beyond_judging(part),

@@ -4,14 +4,15 @@
 //! the radius are used for that, and only if the caller gives none.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::DVec2;
 use tilescope_analysis::{
-    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
-    verify_levels,
+    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VaryingRegion, VerifyError, VerifyOptions,
+    verify, verify_levels,
 };
 
-use crate::certificate::{Certificate, CertifiedLevel, finite};
+use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, CertifiedShape, finite};
 use crate::codecs::{CertificateUse, Hint, decode, refuse_degrees};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
@@ -19,6 +20,7 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
+use crate::varying::VaryingDomain;
 
 /// Relative difference up to which two measured lengths count as equal, 1e-9. The verifier's arithmetic is correct to
 /// about 1e-15, and another version may round differently. Altered positions are found by the digest, not by this.
@@ -43,6 +45,8 @@ pub struct Overrides {
     pub planar: bool,
     /// The judges that verify the positions.
     pub judges: JudgeChoice,
+    /// What the set is judged in, if its radius varies or it covers a shape: in the place of region and radius.
+    pub varying: Option<Arc<VaryingDomain>>,
     /// Whether the certificate is left out, and with it the provenance of the points: the file is then checked as one
     /// that has none.
     pub without_certificate: bool,
@@ -143,7 +147,7 @@ impl Check {
         let is_other_region = stated.region != self.report.region;
         // In formats of the unit torus the scale follows from the region.
         let is_asked = |field| match field {
-            "region" | "radius" => true,
+            "region" | "radius" | "shape" => true,
             "scale" => is_other_region,
             _ => false,
         };
@@ -181,6 +185,9 @@ pub enum CheckError {
     /// There is no certificate, and the caller gave no radius.
     #[error("there is no certificate, so the radius to verify against must be given")]
     NoRadius,
+    /// The certificate states a radius that varies or a shape, and the caller did not give it.
+    #[error("its radius varies or it covers a shape: these must be given to judge it")]
+    NoField,
     /// There is no certificate, the format implies no region, and the caller gave none.
     #[error("there is no certificate and {0} implies no region, so the region must be given")]
     NoRegion(Format),
@@ -254,14 +261,16 @@ pub fn check_bytes(
     }
 
     let (region, radius) = (judged.region, judged.radius);
-    let report = verify(&set.points, region, radius, &judged.options, control)
-        .map_err(|error| judged.fault(error, detection.format))?;
+    let report = match &judged.varying {
+        Some(varying) => (varying.judged).verify(&set.points, &judged.options, control),
+        None => verify(&set.points, region, radius, &judged.options, control),
+    };
+    let report = report.map_err(|error| judged.fault(error, detection.format))?;
 
     // Of another region or radius the certificate's levels claim nothing.
-    // Of another region or radius the certificate's levels claim nothing.
-    // A claim about more points than there are has no verdict; the count is a difference by itself.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
     let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
+    // A claim about more points than there are has no verdict; the count is a difference by itself.
     claims.retain(|claim| claim.count <= set.len());
     let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
 
@@ -291,6 +300,7 @@ pub(crate) struct Judged {
     pub options: VerifyOptions,
     pub mapping: Mapping,
     pub origin: [f64; 2],
+    pub varying: Option<Arc<VaryingDomain>>,
 }
 
 impl Judged {
@@ -300,19 +310,21 @@ impl Judged {
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
-        // The caller's values take precedence, since the certificate's may be in doubt.
+        let varying = overrides.varying.clone();
+        if varying.is_none() && certificate.is_some_and(Certificate::is_varying) {
+            return Err(CheckError::NoField);
+        }
         let unit_torus = Region::UNIT_SQUARE;
-        let region = overrides
-            .region
+        let judged = varying.as_ref().map(|varying| &varying.judged);
+        let region = judged
+            .map(VaryingRegion::region)
+            .or(overrides.region)
             .or_else(|| certificate.map(|c| c.region))
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
-
-        let radius = overrides
-            .radius
-            .or_else(|| certificate.map(|c| c.radius))
-            .ok_or(CheckError::NoRadius)?;
-
+        let radius = judged.map(VaryingRegion::radius).or(overrides.radius);
+        let radius = radius.or_else(|| certificate.map(|c| c.radius.least()));
+        let radius = radius.ok_or(CheckError::NoRadius)?;
         let stated = || certificate.and_then(|c| c.origin);
         let origin = overrides.origin.or_else(stated).unwrap_or_default();
         check_origin(origin, region, radius, format, precision)?;
@@ -327,6 +339,7 @@ impl Judged {
                 ..VerifyOptions::default()
             },
             mapping: Mapping::new(format, Some(region), precision).with_origin(origin),
+            varying,
         })
     }
 
@@ -339,12 +352,26 @@ impl Judged {
         CheckError::Verify(source)
     }
 
-    /// Whether these are the region, its origin, the radius and the tolerance that a certificate states.
+    /// The radius as a certificate states it.
+    fn stated_radius(&self) -> CertifiedRadius {
+        let varying = self.varying.as_ref().map(|varying| varying.radius.clone());
+        varying.unwrap_or(CertifiedRadius::Constant(self.radius))
+    }
+
+    /// The shape as a certificate states it.
+    fn shape(&self) -> Option<CertifiedShape> {
+        self.varying
+            .as_ref()
+            .and_then(|varying| varying.shape.clone())
+    }
+
+    /// Whether these are the region, its origin, the radius, the shape and the tolerance that a certificate states.
     fn is_as(&self, stated: &Certificate) -> bool {
         let tolerance = self.options.covering_tolerance;
         stated.region == self.region
             && DVec2::from(stated.origin.unwrap_or_default()) == DVec2::from(self.origin)
-            && stated.radius.to_bits() == self.radius.to_bits()
+            && stated.radius == self.stated_radius()
+            && stated.shape == self.shape()
             && stated.covering_tolerance.to_bits() == tolerance.to_bits()
     }
 }
@@ -408,9 +435,7 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     // A certificate could hide any gap by stating a large tolerance, so that only the judges' own is true.
     let tolerance = VerifyOptions::default().covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
-
-    // Density and verdict follow from other statements; a change to one of them alone shows here.
-    let density = found.count as f64 * stated.radius.powi(2) / stated.region.area();
+    let density = found.count as f64 * stated.radius.least().powi(2) / stated.region.area();
     list.measure("density", Some(stated.density), Some(density));
 
     list.exact("valid", &stated.valid, &implied_verdict(stated));
@@ -419,11 +444,17 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
 
 /// Returns the verdict that follows from the numbers of a certificate, by the judges' rule.
 fn implied_verdict(stated: &Certificate) -> bool {
-    let limit = (1.0 + stated.covering_tolerance) * stated.radius;
+    let radius = stated.radius.least();
+    let limit = (1.0 + stated.covering_tolerance) * radius;
+    // Subdivision only counts.
+    let is_counted = stated.is_varying();
     stated.conflicts == 0
-        && stated.min_distance.unwrap_or(f64::INFINITY) >= stated.radius
+        && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)
         && stated.gaps == 0
-        && stated.covering_radius <= limit
+        && (is_counted
+            || stated
+                .covering_radius
+                .is_some_and(|covering| covering <= limit))
 }
 
 /// Compares the statements about the file's content.
@@ -457,7 +488,13 @@ fn differences(
         .map(|[x, y]| format!("{} {}", x + 0.0, y + 0.0));
 
     list.exact("origin", &origin, &used);
-    list.exact("radius", &stated.radius, &judged.radius);
+    list.exact("radius", &stated.radius, &judged.stated_radius());
+    list.unless(
+        stated.shape == judged.shape(),
+        "shape",
+        described(stated.shape.as_ref()),
+        described(judged.shape().as_ref()),
+    );
     let tolerance = report.covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     list.exact("scale", &stated.scale, &judged.mapping.scale());
@@ -473,6 +510,20 @@ fn differences(
     list.0
 }
 
+/// Names a shape in a few words.
+fn described(shape: Option<&CertifiedShape>) -> String {
+    match shape {
+        None => "no shape".to_owned(),
+        Some(CertifiedShape::Polygon { rings }) => {
+            let corners: usize = rings.iter().map(Vec::len).sum();
+            format!("a polygon of {} rings with {corners} corners", rings.len())
+        }
+        Some(CertifiedShape::Mask { digest, pitch }) => {
+            format!("a mask with pixels of {pitch} and the digest {digest}")
+        }
+    }
+}
+
 /// Compares the stated levels with those found, which end with `last`. Levels that state less than nested levels promise
 /// would let any set pass.
 fn compare_levels(
@@ -486,10 +537,7 @@ fn compare_levels(
         let covering = level.covering.unwrap_or(f64::INFINITY);
         covering <= MAX_COVERING * level.distance
     };
-
-    // Valid levels count in place of the verdict on the whole set (`is_valid`), so they must end with all points and at the
-    // radius.
-    let is_whole = last.count == stated.count && last.distance >= stated.radius;
+    let is_whole = last.count == stated.count && last.distance >= stated.radius.least();
     list.unless(
         is_whole && found.iter().all(covers),
         "levels",
@@ -526,7 +574,7 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
         ("min_distance", stated.min_distance, report.min_distance),
         (
             "covering_radius",
-            Some(stated.covering_radius),
+            stated.covering_radius,
             report.covering_radius,
         ),
         ("density", Some(stated.density), report.density),

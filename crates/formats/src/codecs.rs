@@ -46,6 +46,9 @@ pub struct Hint<'a> {
     pub columns: Option<[&'a str; 2]>,
     /// What to do with the certificate beside or inside the file.
     pub certificate: CertificateUse,
+    /// Whether the caller takes a radius that varies, and a shape, into account. Otherwise a certificate with one is refused
+    /// when it is checked.
+    pub varying: bool,
 }
 
 /// What a reader does with the certificate of a file.
@@ -270,16 +273,30 @@ fn detected(bytes: &[u8], hint: &Hint<'_>) -> Result<Detection, FormatError> {
 /// [`FormatError::Empty`], [`FormatError::NotFinite`] for NaN, infinity or what f32 cannot hold,
 /// [`FormatError::Provenance`], [`FormatError::Parameter`], [`FormatError::TooMany`].
 pub fn encode(set: &PointSet, target: &Target) -> Result<Vec<u8>, FormatError> {
-    encode_certified(set, target, None, &[])
+    encode_certified(set, target, None, &Columns::default())
 }
 
-/// [`encode`], with the certificate to put into formats that hold one, and the number of points to the end of each level,
-/// if there are levels, for formats with columns.
+/// What formats with columns hold of each point besides its position and its provenance.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Columns {
+    /// Its level, from 0; nothing if there are no levels.
+    pub levels: Vec<u32>,
+    /// Its radius; nothing if all have the same.
+    pub radii: Vec<f64>,
+}
+
+impl Columns {
+    pub fn is_empty(&self) -> bool {
+        self.levels.is_empty() && self.radii.is_empty()
+    }
+}
+
+/// [`encode`], with the certificate to put into formats that hold one, and more columns for formats with columns.
 pub(crate) fn encode_certified(
     set: &PointSet,
     target: &Target,
     certificate: Option<&Certificate>,
-    level_ends: &[usize],
+    columns: &Columns,
 ) -> Result<Vec<u8>, FormatError> {
     let format = target.format;
     if set.is_empty() {
@@ -291,17 +308,15 @@ pub(crate) fn encode_certified(
     let points = target.stored(&set.points, 0)?;
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();
-    let levels = level_column(level_ends, points.len());
-
     match format {
-        Format::Csv => Ok(csv::write(&points, &levels)),
+        Format::Csv => Ok(csv::write(&points, columns)),
         Format::PsaText => Ok(psa::write_text(&points)),
         Format::PsaRps => Ok(psa::write_rps(&points)),
         Format::UtkText => Ok(utk::write_text(&points)),
         Format::UtkBinary => utk::write_binary(&points, precision),
         Format::Npy => Ok(npy::write(&points, precision)),
-        Format::PlyAscii => Ok(ply::write_ascii(&points, provenance, &levels)),
-        Format::PlyBinary => Ok(ply::write_binary(&points, provenance, &levels, precision)),
+        Format::PlyAscii => Ok(ply::write_ascii(&points, provenance, columns)),
+        Format::PlyBinary => Ok(ply::write_binary(&points, provenance, columns, precision)),
         Format::Xyz => Ok(xyz::write(&points)),
         Format::Json => json::write(&points, provenance, certificate),
         Format::Svg => Ok(svg::write(&points, target)),
@@ -309,7 +324,7 @@ pub(crate) fn encode_certified(
 }
 
 /// Returns the level of each of `count` points, from 0; nothing if there are no levels.
-fn level_column(ends: &[usize], count: usize) -> Vec<u32> {
+pub(crate) fn level_column(ends: &[usize], count: usize) -> Vec<u32> {
     let indices = 0..if ends.is_empty() { 0 } else { count };
     let level = |index| ends.partition_point(|&end| end <= index) as u32;
     indices.map(level).collect()

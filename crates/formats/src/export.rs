@@ -7,17 +7,19 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use tilescope_analysis::{
     Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
-use crate::certificate::{Certificate, CertifiedLevel, NoOther, Rounding, finite};
-use crate::codecs::{Hint, ReadSet, Target, decode, encode_certified};
+use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, NoOther, Rounding, finite};
+use crate::codecs::{Columns, Hint, ReadSet, Target, decode, encode_certified, level_column};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::point_set::PointSet;
+use crate::varying::VaryingDomain;
 
 /// What an export needs besides the points.
 #[derive(Clone, Debug)]
@@ -47,6 +49,9 @@ pub struct ExportContext {
     /// The claims about the points to the end of each level, if the set has nested levels. Formats with columns then
     /// have one that is named level. Streams leave it out.
     pub levels: Vec<PrefixClaim>,
+    /// What the set is judged in, if its radius varies or it covers a shape: in the place of `region`, `radius` and other
+    /// judges. Formats with columns then have one that is named radius. Streams leave it out.
+    pub varying: Option<Arc<VaryingDomain>>,
 }
 
 impl ExportContext {
@@ -66,12 +71,18 @@ impl ExportContext {
             parameters: BTreeMap::new(),
             verify: VerifyOptions::default(),
             levels: Vec::new(),
+            varying: None,
         }
     }
 
-    /// Returns how many points there are to the end of each level.
-    pub(crate) fn level_ends(&self) -> Vec<usize> {
-        self.levels.iter().map(|claim| claim.count).collect()
+    /// Returns what formats with columns hold besides these points.
+    pub(crate) fn columns(&self, points: &[[f64; 2]]) -> Columns {
+        let ends: Vec<usize> = self.levels.iter().map(|claim| claim.count).collect();
+        let varying = self.varying.as_ref();
+        Columns {
+            levels: level_column(&ends, points.len()),
+            radii: varying.map_or_else(Vec::new, |varying| varying.column(points)),
+        }
     }
 }
 
@@ -244,15 +255,14 @@ pub(crate) fn export_through(
     }
 
     let set = ordered(set, context);
-    let ends = context.level_ends();
-    let encoded = encode_certified(&set, &target, None, &ends)?;
-    // Readers skip the column of levels, so that it is compared as bytes.
-    let expected = (!ends.is_empty()).then(|| bytes_digest(&encoded));
-
+    let columns = context.columns(&set.points);
+    let encoded = encode_certified(&set, &target, None, &columns)?;
+    // Readers skip these columns.
+    let expected = (!columns.is_empty()).then(|| bytes_digest(&encoded));
     let mut data = store(encoded)?;
     if expected.is_some_and(|expected| expected != bytes_digest(&data)) {
         return Err(ExportError::ReadBack {
-            written: "points with their levels".to_owned(),
+            written: "points with their levels or radii".to_owned(),
             found: "other bytes".to_owned(),
         });
     }
@@ -274,7 +284,12 @@ pub(crate) fn export_through(
 
     // JSON holds its certificate, so that it is written again, with the same positions. It is read back again, too.
     if target.format == Format::Json {
-        data = store(encode_certified(&set, &target, Some(&certificate), &ends)?)?;
+        data = store(encode_certified(
+            &set,
+            &target,
+            Some(&certificate),
+            &columns,
+        )?)?;
         let again = decode_own(&data, target.format)?;
         compare(&set, &again, &target)?;
         if again.certificate.as_ref() != Some(&certificate) {
@@ -353,14 +368,12 @@ fn judge(
     control: Control<'_>,
 ) -> Result<Report, ExportError> {
     let precision = target.format.precision(target.precision);
-    verify(
-        points,
-        context.region,
-        context.radius,
-        &context.verify,
-        control,
-    )
-    .map_err(|source| ExportError::Verify { precision, source })
+    let (region, radius, options) = (context.region, context.radius, &context.verify);
+    let report = match &context.varying {
+        Some(varying) => varying.judged.verify(points, options, control),
+        None => verify(points, region, radius, options, control),
+    };
+    report.map_err(|source| ExportError::Verify { precision, source })
 }
 
 /// Judges the points to the end of each level.
@@ -447,6 +460,7 @@ pub(crate) fn certificate(
     rounding: Option<Rounding>,
     positions_digest: String,
 ) -> Certificate {
+    let varying = context.varying.as_ref();
     Certificate {
         format_version: 1,
         program: context.program.clone(),
@@ -458,13 +472,15 @@ pub(crate) fn certificate(
         // Positions that are stored as they are need no part, and keep the version that older programs read.
         origin: Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
         depth: None,
-        shape: None,
-        radius: report.radius,
+        shape: varying.and_then(|varying| varying.shape.clone()),
+        radius: varying.map_or(CertifiedRadius::Constant(report.radius), |varying| {
+            varying.radius.clone()
+        }),
         covering_tolerance: report.covering_tolerance,
 
         count: report.count as u64,
         min_distance: finite(report.min_distance),
-        covering_radius: report.covering_radius,
+        covering_radius: finite(report.covering_radius),
         conflicts: report.conflicts,
         gaps: report.gaps,
         density: report.density,
@@ -505,7 +521,7 @@ pub(crate) fn warnings(
 
     // Of nested levels that were cut to a count of samples, no maximal set is claimed.
     let last = certificate.levels.last();
-    let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius));
+    let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius.least()));
     let made_gaps = rounding.is_some_and(|r| r.made_gaps);
     if certificate.gaps > 0 && (is_claimed || made_gaps) {
         warnings.push(Warning::Gaps {

@@ -144,7 +144,7 @@ pub fn export_unverified(
 ) -> Result<Vec<Warning>, FormatError> {
     let target = target(&file_name(path)?, context)?;
     let set = ordered(set, context);
-    let bytes = encode_certified(&set, &target, None, &context.level_ends())?;
+    let bytes = encode_certified(&set, &target, None, &context.columns(&set.points))?;
     let temporary = Temporary::of(path)?;
     temporary.write(&bytes).map_err(|e| io_error(path, e))?;
     temporary.put(None)?;

@@ -37,10 +37,12 @@ mod read;
 #[cfg(not(target_arch = "wasm32"))]
 mod stream;
 mod text;
+mod varying;
 
 pub use certificate::{
     CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, CertifiedLevel, CertifiedPrefix,
-    CertifiedShape, Depth, MAX_CERTIFICATE_BYTES, RadiusField, RadiusRule, Rounding, Thinned,
+    CertifiedRadius, CertifiedShape, Depth, MAX_CERTIFICATE_BYTES, RadiusField, RadiusRule,
+    Rounding, Thinned,
 };
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
@@ -66,3 +68,4 @@ pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,
     checkpoint_token, finish_interrupted, partial_path, resume_path,
 };
+pub use varying::VaryingDomain;

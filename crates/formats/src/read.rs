@@ -55,6 +55,9 @@ pub fn read_bytes(
     if hint.certificate == CertificateUse::Checked
         && let Some(stated) = &read.certificate
     {
+        if !hint.varying {
+            stated.refuse_varying(name)?;
+        }
         let found = Contents {
             format: read.detection.format,
             precision: read.precision,

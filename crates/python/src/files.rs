@@ -59,10 +59,11 @@ pub fn read<'py>(
     })?;
     let stated = found.certificate.as_ref();
     let region = given.region_over(stated.map(|stated| stated.region))?;
-    let radius = given.radius.or(stated.map(|stated| stated.radius));
+    let radius = given.radius.or(stated.map(|stated| stated.radius.least()));
 
     // What a certificate says of another domain or radius is not true of this set.
-    let stated = stated.filter(|stated| stated.region == region && Some(stated.radius) == radius);
+    let stated =
+        stated.filter(|stated| stated.region == region && Some(stated.radius.least()) == radius);
     let facts = json!({
         "method": stated.map_or("unknown", |stated| &stated.method),
         "parameters": stated.map_or(&BTreeMap::new(), |stated| &stated.parameters),

@@ -50,7 +50,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
     (!claims.is_empty()).then(|| {
         let region = certificate.region;
         let boundary = Boundary::of(region.is_periodic());
-        let radius = certificate.radius;
+        let radius = certificate.radius.least();
         let domain = Domain::from_size([region.width, region.height], radius, boundary)
             .map_err(|error| format!("{name}: {error}"))?;
         if !fit(&claims, set.set.points.len(), radius) {

@@ -32,7 +32,7 @@ impl From<&Certificate> for KnownDomain {
     fn from(stated: &Certificate) -> Self {
         Self {
             region: stated.region,
-            radius: stated.radius,
+            radius: stated.radius.least(),
         }
     }
 }

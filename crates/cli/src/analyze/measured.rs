@@ -109,7 +109,7 @@ impl<'a> Request<'a> {
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
         let stated = |path: &&Path| match arguments.radius {
             Some(radius) => Some(Some(radius)),
-            None => (arguments.certificate(path).ok()).map(|found| found.map(|c| c.radius)),
+            None => (arguments.certificate(path).ok()).map(|found| found.map(|c| c.radius.least())),
         };
         let radii: Option<Vec<f64>> = paths.iter().filter_map(stated).collect();
         let radii = radii.unwrap_or_default();

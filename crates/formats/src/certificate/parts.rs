@@ -4,14 +4,13 @@
 //! Readers refuse what they do not know, and what they know but cannot judge, each by its name: a statement that is passed
 //! over would be lost from the next certificate of the same points.
 
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, Error, IntoDeserializer};
+use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
-use tilescope_analysis::{Judge, Region};
+use tilescope_analysis::Region;
 
 use super::Distinct;
 
@@ -45,7 +44,8 @@ impl Part for Depth {
     }
 }
 
-/// The part of the region that is to be covered, and that all points lie in. Coordinates are in domain units.
+/// The part of the region that is to be covered, and that all points lie in. Coordinates are in domain units, as positions in
+/// the file: with the origin added, if there is one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum CertifiedShape {
@@ -80,8 +80,48 @@ impl Part for CertifiedShape {
     }
 }
 
-/// A radius that depends on the place: numbers at the nodes of a grid, and between them bilinear. Lengths that are measured
-/// against a radius, such as the covering radius, are then shares of what the rule says of the two places.
+/// The radius that the verdict is about.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum CertifiedRadius {
+    /// The same everywhere.
+    Constant(f64),
+    /// Another one at each place.
+    Field(RadiusField),
+}
+
+impl CertifiedRadius {
+    /// The only radius, or the least.
+    #[must_use]
+    pub const fn least(&self) -> f64 {
+        match self {
+            Self::Constant(radius) => *radius,
+            Self::Field(field) => field.least,
+        }
+    }
+
+    /// Whether it depends on the place.
+    #[must_use]
+    pub const fn is_field(&self) -> bool {
+        matches!(self, Self::Field(_))
+    }
+}
+
+impl fmt::Display for CertifiedRadius {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Constant(radius) => radius.fmt(f),
+            Self::Field(field) => write!(
+                f,
+                "{} to {}, a field with nodes {} apart and the digest {}",
+                field.least, field.greatest, field.pitch, field.digest
+            ),
+        }
+    }
+}
+
+/// A radius that depends on the place: numbers at the nodes of a grid, and between them bilinear. Density and relative radius
+/// are then those of the least radius, and the covering radius is not measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RadiusField {
@@ -91,12 +131,20 @@ pub struct RadiusField {
     pub digest: String,
     /// The distance between nodes, in domain units.
     pub pitch: f64,
+    /// The least radius at a node.
+    pub least: f64,
+    /// The greatest radius at a node.
+    pub greatest: f64,
 }
 
 impl Part for RadiusField {
     const NAME: &'static str = "radius";
 
     fn broken_limit(&self) -> Option<&'static str> {
+        let are_ordered = 0.0 < self.least && self.least <= self.greatest;
+        if !(are_ordered && self.greatest.is_finite()) {
+            return Some("the least radius must be above 0, and no more than the greatest");
+        }
         broken_raster(&self.digest, self.pitch)
     }
 }
@@ -175,7 +223,10 @@ fn broken_raster(digest: &str, pitch: f64) -> Option<&'static str> {
 }
 
 /// The parts that judges take into account.
-pub(super) const JUDGED: [&str; 1] = [<[f64; 2]>::NAME];
+pub(super) const JUDGED: [&str; 3] = [<[f64; 2]>::NAME, CertifiedShape::NAME, FIELD];
+
+/// What a field is called beside other parts: the radius itself is none.
+pub(super) const FIELD: &str = "radius that varies";
 
 /// Says of a part that it is understood, but that nothing here could bear it out.
 pub(super) fn beyond_judging(part: &str) -> String {
@@ -208,30 +259,16 @@ fn abridged(text: &str) -> String {
     }
 }
 
-/// Reads the radius, which must be a number as long as no judge knows of fields.
-pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+/// Reads the radius: a number or a field.
+pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<CertifiedRadius, D::Error> {
     let Distinct(value) = Distinct::deserialize(from)?;
-    if value.is_object() {
-        part::<_, RadiusField>(value).map_err(D::Error::custom)?;
-        return Err(D::Error::custom(beyond_judging("radius: a field")));
+    if !value.is_object() {
+        let radius = f64::deserialize(value).map_err(D::Error::custom)?;
+        return Ok(CertifiedRadius::Constant(radius));
     }
-    f64::deserialize(value).map_err(D::Error::custom)
-}
-
-/// Reads the judges, who must be of this program.
-pub(super) fn judges<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Judge>, D::Error> {
-    let names = Vec::<String>::deserialize(from)?;
-
-    let judge = |name: &String| {
-        // Version 2 has this judge's name, so a message that it is unknown would be wrong.
-        if name == "subdivision" {
-            return Err(D::Error::custom(beyond_judging("judges: subdivision")));
-        }
-        let name: StrDeserializer<'_, D::Error> = name.as_str().into_deserializer();
-        Judge::deserialize(name)
-    };
-
-    names.iter().map(judge).collect()
+    let field: Option<RadiusField> = part(value).map_err(D::Error::custom)?;
+    let missing = || D::Error::custom("`radius` is missing");
+    field.map(CertifiedRadius::Field).ok_or_else(missing)
 }
 
 /// The fields that a certificate has besides those it may have: none, as any is refused by its name.

@@ -72,7 +72,7 @@ fn each_falsified_statement_is_named() {
     assert_eq!(falsify(&|c| c.min_distance = Some(1.001)), ["min_distance"]);
     assert_eq!(falsify(&|c| c.min_distance = None), ["min_distance"]);
     assert_eq!(
-        falsify(&|c| c.covering_radius *= 1.001),
+        falsify(&|c| c.covering_radius = c.covering_radius.map(|radius| radius * 1.001)),
         ["covering_radius"]
     );
     assert_eq!(falsify(&|c| c.density *= 1.001), ["density"]);

@@ -1,22 +1,38 @@
 //! Comma-separated values with the header `x,y`, as they are written. `table` reads them and their dialects.
 
+use super::Columns;
 use crate::text::{push, push_line};
 
 /// The header of a table that has positions alone.
 pub(super) const HEAD: &[u8] = b"x,y\n";
 
-/// Writes the points, and their levels if there are any.
-pub(super) fn write(points: &[[f64; 2]], levels: &[u32]) -> Vec<u8> {
+/// Writes the points with their columns.
+pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
     let mut out = HEAD.to_vec();
-    if levels.is_empty() {
+    if columns.is_empty() {
         push_rows(&mut out, points);
         return out;
     }
-    out = b"x,y,level\n".to_vec();
-    for (point, level) in points.iter().zip(levels) {
+
+    out.pop();
+    let names = [
+        ("level", columns.levels.len()),
+        ("radius", columns.radii.len()),
+    ];
+    for (name, _) in names.into_iter().filter(|&(_, count)| count > 0) {
+        push(&mut out, format_args!(",{name}"));
+    }
+    out.push(b'\n');
+    for (index, point) in points.iter().enumerate() {
         push_line(&mut out, point, ",");
         out.pop();
-        push(&mut out, format_args!(",{level}\n"));
+        if let Some(level) = columns.levels.get(index) {
+            push(&mut out, format_args!(",{level}"));
+        }
+        if let Some(radius) = columns.radii.get(index) {
+            push(&mut out, format_args!(",{radius}"));
+        }
+        out.push(b'\n');
     }
     out
 }

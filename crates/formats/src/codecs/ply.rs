@@ -3,9 +3,9 @@
 //! Writes ASCII and binary little-endian; reads big-endian too, skips other scalar properties and other elements.
 //! A vertex with z other than 0 is refused.
 
-use super::Raw;
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::xyz::planar;
+use super::{Columns, Raw};
 use crate::binary::{self, Cursor, Endian};
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
@@ -17,6 +17,9 @@ const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
 
 /// Name of the property of type uint that nested levels have.
 const LEVEL: &str = "level";
+
+/// Name of the property of type double that sets of varying radius have.
+const RADIUS: &str = "radius";
 
 /// The columns of the vertex table.
 #[derive(Clone, Copy, Debug)]
@@ -279,7 +282,13 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
 }
 
 /// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
-fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels: bool) -> Vec<u8> {
+fn header(
+    encoding: &str,
+    count: u64,
+    coordinate: &str,
+    provenance: bool,
+    columns: &Columns,
+) -> Vec<u8> {
     let mut out = Vec::new();
     // The longest count, 2^64 - 1, has 20 digits. Heads of one length let a writer put the count in once it is known.
     let dots = ".".repeat(20 - count.to_string().len());
@@ -294,10 +303,13 @@ fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels
     }
 
     let provenance = PROVENANCE.into_iter().filter(|_| provenance);
-    for name in provenance.chain(levels.then_some(LEVEL)) {
+    let level = Some(LEVEL).filter(|_| !columns.levels.is_empty());
+    for name in provenance.chain(level) {
         push(&mut out, format_args!("property uint {name}\n"));
     }
-
+    if !columns.radii.is_empty() {
+        push(&mut out, format_args!("property double {RADIUS}\n"));
+    }
     out.extend_from_slice(b"end_header\n");
     out
 }
@@ -305,11 +317,10 @@ fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels
 pub(super) fn write_ascii(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
-    levels: &[u32],
+    columns: &Columns,
 ) -> Vec<u8> {
-    let (count, has_levels) = (points.len() as u64, !levels.is_empty());
-
-    let mut out = header("ascii", count, "double", provenance.is_some(), has_levels);
+    let count = points.len() as u64;
+    let mut out = header("ascii", count, "double", provenance.is_some(), columns);
     for (index, [x, y]) in points.iter().enumerate() {
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
@@ -317,8 +328,11 @@ pub(super) fn write_ascii(
                 push(&mut out, format_args!(" {word}"));
             }
         }
-        if let Some(level) = levels.get(index) {
+        if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!(" {level}"));
+        }
+        if let Some(radius) = columns.radii.get(index) {
+            push(&mut out, format_args!(" {radius}"));
         }
         out.push(b'\n');
     }
@@ -328,12 +342,12 @@ pub(super) fn write_ascii(
 pub(super) fn write_binary(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
-    levels: &[u32],
+    columns: &Columns,
     precision: Precision,
 ) -> Vec<u8> {
-    let (count, has_levels) = (points.len() as u64, !levels.is_empty());
-    let mut out = binary_head(count, precision, provenance.is_some(), has_levels);
-    push_rows(&mut out, points, provenance, levels, precision);
+    let count = points.len() as u64;
+    let mut out = binary_head(count, precision, provenance.is_some(), columns);
+    push_rows(&mut out, points, provenance, columns, precision);
     out
 }
 
@@ -342,21 +356,21 @@ pub(super) fn binary_head(
     count: u64,
     precision: Precision,
     provenance: bool,
-    levels: bool,
+    columns: &Columns,
 ) -> Vec<u8> {
     let coordinate = match precision {
         Precision::Single => "float",
         Precision::Double => "double",
     };
     let encoding = "binary_little_endian";
-    header(encoding, count, coordinate, provenance, levels)
+    header(encoding, count, coordinate, provenance, columns)
 }
 
 pub(super) fn push_rows(
     out: &mut Vec<u8>,
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
-    levels: &[u32],
+    columns: &Columns,
     precision: Precision,
 ) {
     // Three words of provenance and one of the level have 16 bytes.
@@ -369,8 +383,11 @@ pub(super) fn push_rows(
                 out.extend_from_slice(&word.to_le_bytes());
             }
         }
-        if let Some(level) = levels.get(index) {
+        if let Some(level) = columns.levels.get(index) {
             out.extend_from_slice(&level.to_le_bytes());
+        }
+        if let Some(radius) = columns.radii.get(index) {
+            out.extend_from_slice(&radius.to_le_bytes());
         }
     }
 }

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 use super::table::TextTable;
-use super::{csv, npy, ply, utk};
+use super::{Columns, csv, npy, ply, utk};
 use crate::binary::{self, Endian};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
@@ -25,7 +25,7 @@ pub(crate) fn head(
         Format::Csv => csv::HEAD.to_vec(),
         Format::UtkBinary => utk::head(count, precision)?,
         Format::Npy => npy::head(count, precision),
-        Format::PlyBinary => ply::binary_head(count, precision, provenance, false),
+        Format::PlyBinary => ply::binary_head(count, precision, provenance, &Columns::default()),
         _ => Vec::new(),
     })
 }
@@ -40,7 +40,9 @@ pub(crate) fn push_rows(
 ) {
     match format {
         Format::Csv => csv::push_rows(out, points),
-        Format::PlyBinary => ply::push_rows(out, points, provenance, &[], precision),
+        Format::PlyBinary => {
+            ply::push_rows(out, points, provenance, &Columns::default(), precision);
+        }
         _ => binary::push_pairs(out, points, precision),
     }
 }

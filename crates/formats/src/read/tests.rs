@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use tilescope_analysis::{Boundary, PrefixClaim, Progress, Region};
 
 use super::*;
+use crate::certificate::CertifiedRadius;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
@@ -88,7 +89,7 @@ fn numbers_that_contradict_each_other_are_refused_without_a_judge() {
     type Change = fn(&mut Certificate);
     let file = exported("set.csv", 1, 0.0);
     let changes: [(&str, Change); 4] = [
-        ("density", |c| c.radius = 0.8),
+        ("density", |c| c.radius = CertifiedRadius::Constant(0.8)),
         ("valid", |c| c.valid = false),
         ("valid", |c| c.conflicts = 3),
         ("count", |c| c.count = 17),

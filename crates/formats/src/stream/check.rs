@@ -41,12 +41,10 @@ pub(super) fn check_from(
     control: Control<'_>,
 ) -> Result<Check, CheckError> {
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
-    let length = Input::open(path)
-        .and_then(|input| input.length())
-        .map_err(|e| io_error(path, e))?;
-
-    // Which of several sets is meant, only reading in memory can choose.
-    if length <= whole || overrides.set.is_some() {
+    let length = Input::open(path).and_then(|input| input.length());
+    let length = length.map_err(|e| io_error(path, e))?;
+    // Subdivision needs all samples at once.
+    if length <= whole || overrides.set.is_some() || overrides.varying.is_some() {
         return in_memory();
     }
 

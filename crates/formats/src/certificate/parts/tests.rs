@@ -35,12 +35,19 @@ fn refusal(certificate: &Value) -> String {
     read.expect_err(&bytes).to_string()
 }
 
+/// A radius that varies, as it is written.
+fn field() -> Value {
+    json!({
+        "rule": "harmonic-mean", "digest": digest(), "pitch": 0.25, "least": 0.5, "greatest": 2.0
+    })
+}
+
 fn digest() -> String {
     crate::bytes_digest(b"a field")
 }
 
 /// A value of each part that has a field of its own, as it is written.
-fn parts() -> [(&'static str, Value); 6] {
+fn parts() -> [(&'static str, Value); 7] {
     let ring = [[0.5, 0.0], [3.5, 0.25], [2.0, 4.0]];
     [
         ("origin", json!([5e5, -8.0])),
@@ -55,6 +62,7 @@ fn parts() -> [(&'static str, Value); 6] {
             "thinned",
             json!({ "source": digest(), "priority": "height" }),
         ),
+        ("radius", field()),
     ]
 }
 
@@ -85,10 +93,10 @@ fn a_part_that_no_judge_takes_into_account_is_refused_by_name() {
         older["format_version"] = 1.into();
         assert!(refusal(&older).contains(&format!("version 1 has no {name}")));
 
-        // The control: a part that is judged.
-        if name == "origin" {
+        // The control: parts that are judged.
+        if ["origin", "shape", "radius"].contains(&name) {
             let text = stated.to_string();
-            Certificate::from_bytes(text.as_bytes(), "c").expect("an origin is judged");
+            Certificate::from_bytes(text.as_bytes(), "c").expect("a part that is judged");
             continue;
         }
         let said = refusal(&stated);
@@ -96,18 +104,6 @@ fn a_part_that_no_judge_takes_into_account_is_refused_by_name() {
         assert!(said.contains(&expected), "{said}");
     }
 
-    let field = json!({ "rule": "harmonic-mean", "digest": digest(), "pitch": 0.25 });
-    let said = refusal(&with("radius", &field));
-    assert!(
-        said.contains("has the part `radius: a field`, which"),
-        "{said}"
-    );
-    let judges = json!(["circles", "subdivision"]);
-    let said = refusal(&with("judges", &judges));
-    assert!(
-        said.contains("the part `judges: subdivision`, which"),
-        "{said}"
-    );
     let said = refusal(&with("judges", &json!(["oracle"])));
     assert!(said.contains("unknown variant `oracle`"), "{said}");
 }
@@ -193,6 +189,13 @@ fn a_malformed_part_is_named_with_its_value_and_the_limit() {
         }
     }
 
+    let mut reversed = field();
+    reversed["least"] = 3.0.into();
+    let said = refusal(&with("radius", &reversed));
+    assert!(
+        said.contains("`radius` is {") && said.contains("no more than the greatest"),
+        "{said}"
+    );
     let ring = vec![[0.125, 0.5]; 1000];
     let many = json!({ "kind": "polygon", "rings": [ring, []] });
     let said = refusal(&with("shape", &many));
