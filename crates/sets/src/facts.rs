@@ -1,12 +1,13 @@
 //! How a set was made, as output and certificates state it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_analysis::{PrefixClaim, Region};
 use tilescope_core::{Domain, Summary};
-use tilescope_formats::ExportContext;
+use tilescope_formats::{ExportContext, VaryingDomain};
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{FormatError, bytes_digest, read_whole};
 
@@ -36,6 +37,10 @@ pub struct Facts {
     pub radius: f64,
     /// What is to hold for the samples to the end of each level, if it has nested levels.
     pub levels: Vec<PrefixClaim>,
+    /// Where the lower corner of the region lies, for a shape or an expression in coordinates of their own.
+    pub origin: [f64; 2],
+    /// What the set is judged in, if its radius varies or it covers a shape.
+    pub varying: Option<Arc<VaryingDomain>>,
     /// The counts of the run, once it is made and if its method has them.
     pub summary: Option<Summary>,
 }
@@ -50,6 +55,8 @@ impl Facts {
             region: region(domain),
             radius: domain.radius(),
             levels: Vec::new(),
+            origin: [0.0; 2],
+            varying: None,
             summary: None,
         }
     }
@@ -61,6 +68,8 @@ impl Facts {
             method: self.method.to_owned(),
             parameters: self.parameters.clone(),
             levels: self.levels.clone(),
+            origin: self.origin,
+            varying: self.varying.clone(),
             ..ExportContext::new(self.region, self.radius)
         }
     }

@@ -4,6 +4,8 @@
 //! set with its [`Facts`]: how it was made, and the domain and radius that a verdict on it is about. [`Facts::context`] is what
 //! an export certifies.
 //!
+//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`].
+//!
 //! The sampler and the verifier share nothing, so that they cannot be wrong together. Their types meet here: [`region()`] is
 //! the sampler's domain as the verifier has it.
 //!
@@ -30,6 +32,7 @@ mod made;
 mod recipe;
 #[cfg(test)]
 mod tests;
+mod varying;
 
 pub use domain::{GivenDomain, KnownDomain, check_or_unit_square, region, region_in_radii};
 #[cfg(not(target_arch = "wasm32"))]
@@ -39,4 +42,8 @@ pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{
     EXACT_PAYS_FROM, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern, facts_of_exact,
+};
+pub use varying::{
+    Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION,
+    MAX_PIXELS, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
 };

@@ -56,6 +56,9 @@ impl Made {
         options: &VerifyOptions,
         control: Control<'_>,
     ) -> Result<Report, VerifyError> {
+        if let Some(varying) = &self.facts.varying {
+            return varying.judged.verify(&self.set.points, options, control);
+        }
         let (region, radius) = (self.facts.region, self.facts.radius);
         verify(&self.set.points, region, radius, options, control)
     }

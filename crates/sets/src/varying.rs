@@ -1,0 +1,223 @@
+//! Sets whose radius varies, and sets that cover a shape: from what is asked to a made set, and from a certificate back to
+//! what its set is judged in.
+//!
+//! Begin with [`VaryingRecipe`]. Its [`VaryingRecipe::ground`] is the field and the shape in lattice units, for the sampler and
+//! for the judge. A field is integers at nodes: all that is computed in `f64` is done once for each node.
+
+mod error;
+mod expression;
+mod ground;
+mod image;
+mod polygon;
+mod source;
+#[cfg(test)]
+mod tests;
+
+use serde_json::{Value, json};
+use tilescope_core::memory::{Making, ask_for};
+use tilescope_core::{Boundary, MAXIMAL_DENSITY, Observer, SampleError, varying_sample};
+use tilescope_formats::{Certificate, CertifiedShape, PointSet};
+
+use crate::facts::{Facts, Stated};
+use crate::made::Made;
+
+pub use error::VaryingError;
+pub use expression::{Expression, MAX_EXPRESSION};
+pub use ground::Ground;
+pub use image::{GrayImage, MAX_PIXELS};
+pub use polygon::{MAX_CORNERS, PlanarPolygon};
+pub use source::{RadiusSource, ShapeSource};
+
+/// Sets of a count are within a hundredth of it.
+const TOLERANCE: u64 = 100;
+
+/// Radii are scaled at most so often for a count; on images of text it took three times.
+const MAX_TRIES: usize = 12;
+
+/// What a set is made from whose radius varies, or that covers a shape.
+#[derive(Clone, Debug)]
+pub struct VaryingRecipe {
+    /// Where the radius comes from; with a count, its scale is free.
+    pub radius: RadiusSource,
+    /// What is to be covered; without a shape, the whole domain.
+    pub shape: Option<ShapeSource>,
+    /// Width and height of the domain. Those that are not given follow from the polygon or from the pixels, or are 1.
+    pub size: [Option<f64>; 2],
+    /// Where the lower corner of the domain lies in the coordinates of polygons and expressions. If neither it nor a side is
+    /// given, the domain is the rectangle around the polygon.
+    pub origin: Option<[f64; 2]>,
+    /// How the domain ends.
+    pub boundary: Boundary,
+    /// The seed.
+    pub seed: u64,
+    /// How many samples there are to be, to within a hundredth.
+    pub count: Option<u64>,
+}
+
+impl VaryingRecipe {
+    /// Returns what the set of a certificate was made from. Images are taken from `given`, and what else is given is taken in
+    /// the place of what is stated.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Needed`] when a file is not given, [`VaryingError::Unstated`] when the certificate does not say, and
+    /// those of an expression.
+    pub fn of_certificate(stated: &Certificate, given: GivenGround) -> Result<Self, VaryingError> {
+        let shape = match (given.shape, &stated.shape) {
+            (Some(shape), _) => Some(shape),
+            (None, Some(CertifiedShape::Polygon { rings })) => {
+                let polygon = PlanarPolygon::of_rings(rings.clone());
+                Some(ShapeSource::Polygon(polygon))
+            }
+            (None, Some(CertifiedShape::Mask { .. })) => {
+                return Err(needed("a mask", &stated.parameters, "mask", "--mask"));
+            }
+            (None, None) => None,
+        };
+        // Both sides and the corner are stated, so that nothing follows from the shape.
+        let region = stated.region;
+        Ok(Self {
+            radius: RadiusSource::of_certificate(stated, given.radius)?,
+            shape,
+            size: region.size().map(Some),
+            origin: Some(stated.origin.unwrap_or_default()),
+            boundary: Boundary::of(region.is_periodic()),
+            seed: 0,
+            count: None,
+        })
+    }
+
+    /// Makes the set.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when field, shape or domain are refused, when the set would be too large, when no scale of the radii
+    /// gives the count, and when it is cancelled.
+    pub fn make(&self, observer: &mut dyn Observer) -> Result<Made, VaryingError> {
+        let Some(count) = self.count else {
+            return self.attempt(&self.radius, observer);
+        };
+        // A set of no sample has no scale.
+        let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
+        self.radius.check()?;
+        let expected = self.expected(&self.radius)?;
+        let mut radius = self.radius.scaled(scale_for(expected));
+        let mut nearest = 0;
+        for _ in 0..MAX_TRIES {
+            let made = self.attempt(&radius, observer)?;
+            let found = made.set.len() as u64;
+            if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
+                return Ok(made);
+            }
+            if found.abs_diff(count) < count.abs_diff(nearest) {
+                nearest = found;
+            }
+            // The count goes with the square of the scale, but for borders and steep places.
+            radius = radius.scaled(scale_for(found as f64));
+        }
+        Err(VaryingError::Count { count, nearest })
+    }
+
+    /// Makes the set with these radii.
+    fn attempt(
+        &self,
+        radius: &RadiusSource,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, VaryingError> {
+        let ground = self.ground_of(radius)?;
+        // A program ends at once when an allocation fails.
+        let bytes = Making::Reference.bytes_a_sample();
+        ask_for(self.expected(radius)?, bytes).map_err(SampleError::from)?;
+        let points = varying_sample(&ground.field, &ground.shape, self.seed, observer)?;
+        // Every place of the shape is covered, so that only an empty shape has no sample.
+        if points.is_empty() {
+            return Err(VaryingError::Nothing);
+        }
+
+        let domain = *ground.field.domain();
+        let parameters = self.stated(radius, &ground);
+        Ok(Made {
+            set: PointSet::from_points(domain.users_from_lattice(&points)),
+            facts: Facts {
+                radius: ground.varying.judged.radius(),
+                origin: ground.origin,
+                varying: Some(ground.varying),
+                ..Facts::new("reference", parameters, &domain)
+            },
+        })
+    }
+
+    /// Returns field and shape in lattice units.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when field, shape or domain are refused.
+    pub fn ground(&self) -> Result<Ground, VaryingError> {
+        self.ground_of(&self.radius)
+    }
+
+    /// Returns what certificates state of the way in which the set was made.
+    fn stated(&self, radius: &RadiusSource, ground: &Ground) -> Stated {
+        let [width, height] = ground.field.domain().size();
+        let mut stated = Stated::from([
+            ("width".to_owned(), width.into()),
+            ("height".to_owned(), height.into()),
+            ("boundary".to_owned(), json!(self.boundary)),
+            ("seed".to_owned(), self.seed.into()),
+        ]);
+        let (name, value) = radius.stated();
+        stated.insert(name.to_owned(), value);
+        if let Some((name, value)) = self.shape.as_ref().and_then(ShapeSource::stated) {
+            stated.insert(name.to_owned(), value);
+        }
+        stated
+    }
+}
+
+/// What is given to judge a set, besides its certificate.
+#[derive(Clone, Debug, Default)]
+pub struct GivenGround {
+    /// An expression, or an image as the grey values of a field.
+    pub radius: GivenRadius,
+    /// What is to be covered.
+    pub shape: Option<ShapeSource>,
+}
+
+/// A field that is given without its radii, which a certificate states.
+#[derive(Clone, Debug, Default)]
+pub enum GivenRadius {
+    /// None.
+    #[default]
+    Nothing,
+    /// An expression.
+    Expression(Expression),
+    /// An image, whose grey is the radius or the density.
+    Image(GrayImage),
+    /// Radii at the nodes of a grid, row by row.
+    Grid {
+        /// Nodes of a row.
+        columns: usize,
+        /// The radii.
+        radii: Vec<f64>,
+    },
+}
+
+/// The error of a file that a certificate states and that is not given.
+fn needed(what: &'static str, stated: &Stated, name: &str, option: &'static str) -> VaryingError {
+    let file = stated.get(name).and_then(|value| value["file"].as_str());
+    VaryingError::Needed {
+        what,
+        file: file.unwrap_or("FILE").to_owned(),
+        option,
+    }
+}
+
+/// Returns a file by its name and its digest, as certificates state it.
+fn stated_file(name: &str, digest: &str) -> Value {
+    json!({ "file": name, "digest": digest })
+}
+
+/// Returns about how many samples there are in an area of some radius.
+fn samples_in(area: f64, radius: f64) -> f64 {
+    MAXIMAL_DENSITY * area / (radius * radius)
+}

@@ -1,0 +1,192 @@
+//! Why a field or a shape is refused: each names the value, the limit and what helps.
+
+use thiserror::Error;
+use tilescope_analysis::{Number, VerifyError};
+use tilescope_core::{FieldError, ParameterError, SampleError, ShapeError};
+
+use super::image::MAX_PIXELS;
+use super::polygon::MAX_CORNERS;
+
+/// Why a set of varying radius, or in a shape, is not made or not judged.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum VaryingError {
+    /// An expression is not understood.
+    #[error("the expression cannot be read at character {at}: {reason}")]
+    Expression {
+        /// The place, from 1.
+        at: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A radius is not a positive number.
+    #[error(
+        "the radius is {} at ({}, {}); it must be above 0 everywhere in the domain",
+        Number(*.radius), Number(.place[0]), Number(.place[1])
+    )]
+    Radius {
+        /// The value.
+        radius: f64,
+        /// The first place that has it.
+        place: [f64; 2],
+    },
+    /// Radii differ too much.
+    #[error(
+        "the radius goes from {} to {}, {:.1} times as much; at most {limit:.1} times is possible",
+        Number(*.least), Number(*.greatest), .greatest / .least
+    )]
+    Contrast {
+        /// The least radius.
+        least: f64,
+        /// The greatest radius.
+        greatest: f64,
+        /// The largest possible quotient.
+        limit: f64,
+    },
+    /// Two radii are in the wrong order.
+    #[error("the radii are {} to {}; the first must be above 0 and no more than the second", Number(.radii[0]), Number(.radii[1]))]
+    Reversed {
+        /// The radii of black and of white.
+        radii: [f64; 2],
+    },
+    /// The radius is too small for the pitch of the field.
+    #[error(
+        "the least radius is {}, and nodes are {} apart; at least {} is needed, 1/32 of that",
+        Number(*.least), Number(*.pitch), Number(.pitch / 32.0)
+    )]
+    Fine {
+        /// The least radius.
+        least: f64,
+        /// The distance between nodes.
+        pitch: f64,
+    },
+    /// An image cannot be used.
+    #[error("{name}: {reason}")]
+    Image {
+        /// Its file.
+        name: String,
+        /// What is wrong, and what helps.
+        reason: String,
+    },
+    /// An image has too many pixels.
+    #[error(
+        "{name}: the image has {columns} x {rows} pixels; from 1 to {MAX_PIXELS} in all are possible"
+    )]
+    Pixels {
+        /// Its file.
+        name: String,
+        /// Its width.
+        columns: u32,
+        /// Its height.
+        rows: u32,
+    },
+    /// Pixels would not be squares.
+    #[error(
+        "{} x {} pixels do not fit a domain of {} x {}: pixels must be squares; leave out a side, and it follows",
+        .pixels[0], .pixels[1], Number(.size[0]), Number(.size[1])
+    )]
+    Aspect {
+        /// The pixels of a row and of a column.
+        pixels: [usize; 2],
+        /// The domain.
+        size: [f64; 2],
+    },
+    /// The radii of a grid are no whole rows.
+    #[error("{count} radii are no rows of {columns}")]
+    Grid {
+        /// How many there are.
+        count: usize,
+        /// How many a row has.
+        columns: usize,
+    },
+    /// Two images differ in size.
+    #[error(
+        "one image has {} x {} pixels and the other {} x {}: they must be equal",
+        .first[0], .first[1], .second[0], .second[1]
+    )]
+    Sizes {
+        /// The pixels of one.
+        first: [usize; 2],
+        /// The pixels of the other.
+        second: [usize; 2],
+    },
+    /// A side of a periodic domain is no multiple of a distance between nodes.
+    #[error(
+        "a periodic domain of {} x {} has no common pitch for a field: the ratio of its sides must be that of whole numbers up to {limit}; a bounded one may have any",
+        Number(.size[0]), Number(.size[1])
+    )]
+    Ratio {
+        /// The domain.
+        size: [f64; 2],
+        /// The largest number of nodes of a side.
+        limit: usize,
+    },
+    /// A polygon cannot be used.
+    #[error("{name}: {reason}")]
+    Polygon {
+        /// Its file.
+        name: String,
+        /// What is wrong, and what helps.
+        reason: String,
+    },
+    /// A polygon has too many corners.
+    #[error("{name}: the polygons have {corners} corners; at most {MAX_CORNERS} are possible")]
+    Corners {
+        /// Its file.
+        name: String,
+        /// Corners of all rings.
+        corners: usize,
+    },
+    /// Coordinates are perhaps longitudes and latitudes.
+    #[error(
+        "{name}: all corners lie within 180 and 90, such as ({}, {}), as longitudes and latitudes do; lengths in degrees are no distances: project them to a plane, for example to UTM",
+        Number(.corner[0]), Number(.corner[1])
+    )]
+    Degrees {
+        /// Its file.
+        name: String,
+        /// A corner beyond the unit square.
+        corner: [f64; 2],
+    },
+    /// No place of the domain belongs to the shape.
+    #[error("the shape has no place in the domain, so that there is nothing to cover")]
+    Nothing,
+    /// A certificate needs a file that is not given.
+    #[error(
+        "the certificate states {what} from {file}, which must be given to judge the set: {option} {file}"
+    )]
+    Needed {
+        /// A field or a mask.
+        what: &'static str,
+        /// The name of the file as it is stated.
+        file: String,
+        /// The option that gives it.
+        option: &'static str,
+    },
+    /// A certificate does not say from what the field was made.
+    #[error("the certificate does not say how its field or its shape was made: {0}")]
+    Unstated(String),
+    /// No scale of the radii gives the count.
+    #[error("no radii give {count} samples to within a hundredth; the nearest were {nearest}")]
+    Count {
+        /// How many were asked for.
+        count: u64,
+        /// How many were made.
+        nearest: u64,
+    },
+    /// The domain is refused.
+    #[error(transparent)]
+    Domain(#[from] ParameterError),
+    /// The field is refused.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The shape is refused.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// The judge refuses field or shape.
+    #[error(transparent)]
+    Judge(#[from] VerifyError),
+    /// The sampler stopped.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}

@@ -1,0 +1,422 @@
+//! Field and shape in lattice units, for the sampler and for the judge.
+
+use std::sync::Arc;
+
+use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion};
+use tilescope_core::{
+    Boundary, Domain, MAX_FIELD_RADIUS, MAX_PITCH_BITS, Point, R, RadiusField, Shape,
+};
+use tilescope_formats::{
+    CertifiedRadius, CertifiedShape, RadiusField as CertifiedField, RadiusRule, VaryingDomain,
+    bytes_digest,
+};
+
+use super::error::VaryingError;
+use super::source::{RadiusSource, ShapeSource, radius_of_darkness, radius_of_grey};
+use super::{VaryingRecipe, samples_in};
+use crate::domain::region;
+
+/// The nodes along the longer side of an expression's domain: a radius that changes on a thousandth of it is followed.
+const EXPRESSION_NODES: usize = 1024;
+
+/// The largest radius is at most so many times the least.
+const MAX_CONTRAST: f64 = 64.0;
+
+/// A radius is made this much smaller when it stands for a lattice unit, so that a side of whole units is not rounded down to
+/// one less. It is less than a unit of the largest domain.
+const HAIR: f64 = 1.0 / (1_u64 << 38) as f64;
+
+/// Ratios of sides that differ by less are equal: each side is rounded.
+const SAME_RATIO: f64 = 2e-12;
+
+/// What a set is made on and judged in.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// The radius at each lattice point.
+    pub field: RadiusField,
+    /// The lattice points that are to be covered.
+    pub shape: Shape,
+    /// What sets are judged in.
+    pub varying: Arc<VaryingDomain>,
+    /// Where the lower corner of the domain lies.
+    pub origin: [f64; 2],
+}
+
+/// The domain in user units, and the squares at whose corners its field has nodes.
+struct Frame {
+    size: [f64; 2],
+    origin: [f64; 2],
+    /// Squares of a row and of a column, and their side; none where the radius is the same everywhere.
+    squares: Option<([usize; 2], f64)>,
+}
+
+/// The radii of nodes, and the lattice that follows from the least.
+struct Nodes {
+    domain: Domain,
+    bits: u32,
+    units: Vec<i32>,
+}
+
+impl VaryingRecipe {
+    pub(super) fn ground_of(&self, radius: &RadiusSource) -> Result<Ground, VaryingError> {
+        radius.check()?;
+        let frame = self.frame(radius)?;
+        let nodes = match (frame.squares, radius) {
+            (None, RadiusSource::Constant(radius)) => self.single(&frame, *radius)?,
+            _ => self.nodes(&frame, radius)?,
+        };
+        let Nodes { domain, bits, .. } = nodes;
+        let field = if nodes.units.len() == 1 {
+            RadiusField::constant(domain, nodes.units[0])?
+        } else {
+            RadiusField::from_nodes(domain, bits, &nodes.units)?
+        };
+
+        let (shape, judged_shape, stated_shape) = self.shapes(&frame, &domain, bits)?;
+        let radius = stated_radius(radius, &nodes);
+        // The judge gets the same integers, and makes its own tables of them.
+        let columns = RadiusField::node_counts(&domain, bits)?[0];
+        let radii = if nodes.units.len() == 1 {
+            Radii::Constant(nodes.units[0])
+        } else {
+            Radii::Nodes {
+                pitch_bits: bits,
+                columns,
+                nodes: &nodes.units,
+            }
+        };
+
+        let sides = [domain.width(), domain.height()];
+        let judged =
+            VaryingRegion::new(region(&domain), sides, radius.least(), radii, &judged_shape)?;
+        Ok(Ground {
+            field,
+            shape,
+            varying: Arc::new(VaryingDomain {
+                judged,
+                radius,
+                shape: stated_shape,
+            }),
+            origin: frame.origin,
+        })
+    }
+
+    /// Returns about how many samples there are with these radii, if all of the domain is covered.
+    pub(super) fn expected(&self, radius: &RadiusSource) -> Result<f64, VaryingError> {
+        let frame = self.frame(radius)?;
+        match (frame.squares, radius) {
+            (Some((squares, pitch)), _) => {
+                let radii = self.requests(radius, &frame, squares, pitch)?;
+                let square = |&radius: &f64| samples_in(pitch * pitch, radius);
+                Ok(radii.iter().map(square).sum())
+            }
+            (None, RadiusSource::Constant(radius)) => {
+                Ok(samples_in(frame.size[0] * frame.size[1], *radius))
+            }
+            (None, _) => Ok(0.0),
+        }
+    }
+
+    /// Returns the radius that is asked for at each node, in user units, row by row.
+    fn requests(
+        &self,
+        radius: &RadiusSource,
+        frame: &Frame,
+        squares: [usize; 2],
+        pitch: f64,
+    ) -> Result<Vec<f64>, VaryingError> {
+        let wraps = self.boundary == Boundary::Periodic;
+        let [columns, rows] = squares.map(|count| count + usize::from(!wraps));
+        let place = |row: usize, column: usize| {
+            let [x, y] = frame.origin;
+            [x + column as f64 * pitch, y + row as f64 * pitch]
+        };
+        // Nodes of a field are many, and each would ask for memory.
+        let mut stack = Vec::new();
+        let mut value = |row: usize, column: usize| match radius {
+            RadiusSource::Constant(radius) => *radius,
+            RadiusSource::Expression { expression, scale } => {
+                let [x, y] = place(row, column);
+                scale * expression.on(&mut stack, x, y)
+            }
+            RadiusSource::Image { image, radii } => {
+                let (sum, count) = grey_around(&image.grey, squares, wraps, [column, row]);
+                radius_of_grey(*radii, sum, count)
+            }
+            RadiusSource::Density { image, black } => {
+                let (sum, count) = grey_around(&image.grey, squares, wraps, [column, row]);
+                radius_of_darkness(*black, sum, count)
+            }
+            RadiusSource::Grid { radii, scale, .. } => {
+                // The last nodes lie on the far border, where there are no more values.
+                let [column, row] = [column.min(squares[0] - 1), row.min(squares[1] - 1)];
+                scale * radii[row * squares[0] + column]
+            }
+        };
+
+        let mut asked = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                let radius = value(row, column);
+                if !(radius > 0.0 && radius.is_finite()) {
+                    let place = place(row, column);
+                    return Err(VaryingError::Radius { radius, place });
+                }
+                asked.push(radius);
+            }
+        }
+        Ok(asked)
+    }
+
+    /// Returns the domain, and the squares of its field.
+    fn frame(&self, radius: &RadiusSource) -> Result<Frame, VaryingError> {
+        let of_shape = self.shape.as_ref().and_then(ShapeSource::pixels);
+        let pixels = match (radius.pixels(), of_shape) {
+            (Some(first), Some(second)) if first != second => {
+                return Err(VaryingError::Sizes { first, second });
+            }
+            (first, second) => first.or(second),
+        };
+
+        let mut origin = self.origin.unwrap_or_default();
+        let mut size = self.size;
+        if let Some(ShapeSource::Polygon(polygon)) = &self.shape {
+            // Whoever gives a side or the corner has a frame in mind, of which the polygon is a part.
+            let [low, high] = polygon.bounds();
+            if self.origin.is_none() && size == [None; 2] {
+                origin = low;
+            }
+            size = [0, 1].map(|axis| size[axis].or(Some(high[axis] - origin[axis])));
+        }
+        // Pixels are squares, so that one side gives the other.
+        let size = match (size, pixels.map(|pixels| pixels.map(|count| count as f64))) {
+            ([Some(width), Some(height)], _) => [width, height],
+            ([Some(width), None], Some([columns, rows])) => [width, width * rows / columns],
+            ([None, Some(height)], Some([columns, rows])) => [height * columns / rows, height],
+            ([None, None], Some([columns, rows])) => [1.0, rows / columns],
+            (size, None) => size.map(|side| side.unwrap_or(1.0)),
+        };
+
+        // A mask alone has a field of one radius, so that its pixels are whole in lattice units.
+        let squares = match (pixels, radius) {
+            (Some(pixels), _) => Some((pixels, pitch_of_pixels(pixels, size)?)),
+            (None, RadiusSource::Expression { .. }) => Some(squares_of(size, self.boundary)?),
+            (None, _) => None,
+        };
+        Ok(Frame {
+            size,
+            origin,
+            squares,
+        })
+    }
+
+    /// Returns the one node of a radius that is the same everywhere.
+    fn single(&self, frame: &Frame, radius: f64) -> Result<Nodes, VaryingError> {
+        let domain = Domain::from_size(frame.size, radius, self.boundary)?;
+        Ok(Nodes {
+            domain,
+            bits: 0,
+            units: vec![R],
+        })
+    }
+
+    /// Returns the nodes of a field, and the lattice in which the least radius is from 2^15 to 2^16 units and the pitch a
+    /// power of two.
+    fn nodes(&self, frame: &Frame, radius: &RadiusSource) -> Result<Nodes, VaryingError> {
+        let Some((squares, pitch)) = frame.squares else {
+            return Err(VaryingError::Nothing);
+        };
+        let asked = self.requests(radius, frame, squares, pitch)?;
+        let least = asked.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = asked.iter().copied().fold(0.0, f64::max);
+
+        // The finest lattice that is needed and no finer, as sides have at most 2^31 units.
+        let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
+        let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits, least) >= f64::from(R));
+        let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
+        // A density has no largest radius: where it is too thin, it is as thin as possible.
+        let is_capped = matches!(radius, RadiusSource::Density { .. });
+        // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
+        let most = f64::from(MAX_FIELD_RADIUS);
+        let limit = MAX_CONTRAST.min(most / in_units(bits, least));
+        if greatest > limit * least && !is_capped {
+            return Err(VaryingError::Contrast {
+                least,
+                greatest,
+                limit,
+            });
+        }
+
+        let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
+        let domain = Domain::from_size(frame.size, unit_radius * (1.0 - HAIR), self.boundary)?;
+        let unit = |&length: &f64| {
+            in_units(bits, length)
+                .min(limit * in_units(bits, least))
+                .floor() as i32
+        };
+        Ok(Nodes {
+            domain,
+            bits,
+            units: asked.iter().map(unit).collect(),
+        })
+    }
+
+    /// Returns the shape for the sampler, for the judge and for the certificate.
+    fn shapes(
+        &self,
+        frame: &Frame,
+        domain: &Domain,
+        bits: u32,
+    ) -> Result<(Shape, JudgedShape, Option<CertifiedShape>), VaryingError> {
+        match &self.shape {
+            None => Ok((Shape::rectangle(), JudgedShape::Rectangle, None)),
+            Some(ShapeSource::Polygon(polygon)) => {
+                // Both sides get the corners in whole units, and the certificate the coordinates that these are rounded from.
+                let corner = |corner: &[f64; 2]| lattice_corner(*corner, frame.origin, domain);
+                let of_ring = |ring: &Vec<[f64; 2]>| ring.iter().map(corner).collect();
+                let rings: Vec<Vec<[i32; 2]>> = polygon.rings.iter().map(of_ring).collect();
+                let points = rings
+                    .iter()
+                    .map(|ring| ring.iter().map(|&[x, y]| Point::new(x, y)).collect());
+
+                let shape = Shape::polygon(&points.collect::<Vec<_>>())?;
+                let stated = CertifiedShape::Polygon {
+                    rings: polygon.rings.clone(),
+                };
+                Ok((shape, JudgedShape::Polygon { rings }, Some(stated)))
+            }
+            Some(ShapeSource::Mask(image)) => {
+                // Its pixels are the squares of the field, 2^bits units wide.
+                let (pixels, columns) = (image.inside(), image.columns);
+                let shape = Shape::mask(bits, columns, &pixels)?;
+                let stated = CertifiedShape::Mask {
+                    digest: mask_digest(columns, &pixels),
+                    pitch: frame.squares.map_or(1.0, |(_, pitch)| pitch),
+                };
+                let judged = JudgedShape::Mask {
+                    pitch_bits: bits,
+                    columns,
+                    pixels,
+                };
+                Ok((shape, judged, Some(stated)))
+            }
+        }
+    }
+}
+
+/// Returns the side of the pixels of a domain; fails unless they are squares.
+fn pitch_of_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<f64, VaryingError> {
+    let [columns, rows] = pixels.map(|count| count as f64);
+    let (pitch, other) = (size[0] / columns, size[1] / rows);
+    if (pitch / other - 1.0).abs() < SAME_RATIO {
+        return Ok(pitch);
+    }
+    Err(VaryingError::Aspect { pixels, size })
+}
+
+/// Returns the squares at whose corners an expression is evaluated. Of a periodic domain they fill both sides.
+fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<([usize; 2], f64), VaryingError> {
+    let longer = size[0].max(size[1]);
+    let counts = |along: usize| {
+        let pitch = longer / along as f64;
+        (size.map(|side| side / pitch), pitch)
+    };
+    if boundary == Boundary::Bounded {
+        let (counts, pitch) = counts(EXPRESSION_NODES);
+        // The last squares may reach beyond the border. What is whole but for rounding is whole.
+        let counts = counts.map(|count| (count - SAME_RATIO).ceil().max(1.0) as usize);
+        return Ok((counts, pitch));
+    }
+
+    // The largest number of squares for which both sides are whole: nodes go around without a step between them.
+    let whole = |along: &usize| {
+        let (counts, _) = counts(*along);
+        counts
+            .iter()
+            .all(|count| *count >= 0.5 && (count / count.round() - 1.0).abs() < SAME_RATIO)
+    };
+    let along = (1..=EXPRESSION_NODES).rev().find(whole);
+    let limit = EXPRESSION_NODES;
+    let (counts, pitch) = counts(along.ok_or(VaryingError::Ratio { size, limit })?);
+    Ok((counts.map(|count| count.round() as usize), pitch))
+}
+
+/// Returns the sum of the grey values of the pixels around a node, and how many there are: four, or fewer at a border.
+fn grey_around(
+    grey: &[u16],
+    [columns, rows]: [usize; 2],
+    wraps: bool,
+    node: [usize; 2],
+) -> (u32, u32) {
+    // A node lies between two pixels on each axis; at a border there is one, unless the domain goes on at the other side.
+    let beside = |at: usize, count: usize| {
+        let before = if at == 0 {
+            wraps.then(|| count - 1)
+        } else {
+            Some(at - 1)
+        };
+        [before, Some(at).filter(|&at| at < count)]
+    };
+
+    // A sum of integers, and no mean yet: it has the same bits in every order.
+    let (mut sum, mut count) = (0, 0);
+    for row in beside(node[1], rows).into_iter().flatten() {
+        for column in beside(node[0], columns).into_iter().flatten() {
+            sum += u32::from(grey[row * columns + column]);
+            count += 1;
+        }
+    }
+    (sum, count)
+}
+
+/// Returns the lattice point nearest to a corner, which may lie outside of the domain.
+fn lattice_corner(corner: [f64; 2], origin: [f64; 2], domain: &Domain) -> [i32; 2] {
+    let unit = domain.unit();
+    // Corners that are farther than the lattice reaches end at its limit.
+    let limit = f64::from(i32::MAX);
+    [0, 1].map(|axis| {
+        ((corner[axis] - origin[axis]) / unit[axis])
+            .round()
+            .clamp(-limit, limit) as i32
+    })
+}
+
+/// Returns the radius as a certificate states it.
+fn stated_radius(source: &RadiusSource, nodes: &Nodes) -> CertifiedRadius {
+    if let RadiusSource::Constant(radius) = source {
+        return CertifiedRadius::Constant(*radius);
+    }
+    let unit = nodes.domain.unit().min_element();
+    let extreme = |unit_radius: Option<&i32>| f64::from(unit_radius.copied().unwrap_or(R)) * unit;
+    CertifiedRadius::Field(CertifiedField {
+        rule: RadiusRule::HarmonicMean,
+        digest: field_digest(nodes),
+        pitch: f64::from(1_u32 << nodes.bits) * unit,
+        least: extreme(nodes.units.iter().min()),
+        greatest: extreme(nodes.units.iter().max()),
+    })
+}
+
+/// Returns the digest of a field: of a line with its lattice, and the radii of its nodes in units.
+fn field_digest(
+    Nodes {
+        domain,
+        bits,
+        units,
+        ..
+    }: &Nodes,
+) -> String {
+    let (width, height) = (domain.width(), domain.height());
+    let mut bytes =
+        format!("tilescope field: {width} x {height} units, nodes every 2^{bits}\n").into_bytes();
+    bytes.extend(units.iter().flat_map(|unit| unit.to_le_bytes()));
+    bytes_digest(&bytes)
+}
+
+/// Returns the digest of a mask: of a line with its size, and a byte for each pixel.
+fn mask_digest(columns: usize, pixels: &[bool]) -> String {
+    let rows = pixels.len() / columns;
+    let mut bytes = format!("tilescope mask: {columns} x {rows} pixels\n").into_bytes();
+    bytes.extend(pixels.iter().map(|&inside| u8::from(inside)));
+    bytes_digest(&bytes)
+}

@@ -1,0 +1,233 @@
+//! Where the radius and the shape of a set come from.
+
+use serde_json::{Value, json};
+use tilescope_formats::Certificate;
+
+use super::error::VaryingError;
+use super::expression::Expression;
+use super::image::{GrayImage, WHITE};
+use super::polygon::PlanarPolygon;
+use super::{GivenRadius, needed, stated_file};
+
+/// The largest radius of a density, in the least: the density of white, which is none, cannot be reached.
+const DENSITY_CAP: f64 = 64.0;
+
+/// Where the radius at each place comes from.
+#[derive(Clone, Debug)]
+pub enum RadiusSource {
+    /// It is the same everywhere.
+    Constant(f64),
+    /// It is the value of an expression, multiplied by a scale.
+    Expression {
+        /// The expression.
+        expression: Expression,
+        /// The scale.
+        scale: f64,
+    },
+    /// Grey is the radius: from that of black to that of white, in proportion.
+    Image {
+        /// The image.
+        image: GrayImage,
+        /// The radii of black and of white.
+        radii: [f64; 2],
+    },
+    /// Darkness is the density: the radius is that of black, divided by the root of the darkness, and at most 64 times as much.
+    Density {
+        /// The image.
+        image: GrayImage,
+        /// The radius of black.
+        black: f64,
+    },
+    /// Radii at the nodes of a grid.
+    Grid {
+        /// Nodes of a row.
+        columns: usize,
+        /// The radii, row by row from the lowest one up.
+        radii: Vec<f64>,
+        /// They are multiplied by this.
+        scale: f64,
+    },
+}
+
+impl RadiusSource {
+    /// Returns the source of radii that are `by` times as large.
+    #[must_use]
+    pub fn scaled(&self, by: f64) -> Self {
+        let mut scaled = self.clone();
+        // These numbers are what certificates state, so that the same ones make the field again.
+        match &mut scaled {
+            Self::Constant(length) | Self::Density { black: length, .. } => *length *= by,
+            Self::Expression { scale, .. } | Self::Grid { scale, .. } => *scale *= by,
+            Self::Image { radii, .. } => *radii = radii.map(|radius| radius * by),
+        }
+        scaled
+    }
+
+    /// Refuses what no field can be made of.
+    pub(super) fn check(&self) -> Result<(), VaryingError> {
+        match self {
+            Self::Image { radii, .. } if !(0.0 < radii[0] && radii[0] <= radii[1]) => {
+                Err(VaryingError::Reversed { radii: *radii })
+            }
+            Self::Grid { columns, radii, .. }
+                if *columns == 0 || radii.is_empty() || radii.len() % columns != 0 =>
+            {
+                let count = radii.len();
+                Err(VaryingError::Grid {
+                    count,
+                    columns: *columns,
+                })
+            }
+            Self::Constant(_)
+            | Self::Expression { .. }
+            | Self::Image { .. }
+            | Self::Density { .. }
+            | Self::Grid { .. } => Ok(()),
+        }
+    }
+
+    /// Returns the pixels of a row and of a column, if there are pixels.
+    pub(super) fn pixels(&self) -> Option<[usize; 2]> {
+        match self {
+            Self::Constant(_) | Self::Expression { .. } => None,
+            Self::Image { image, .. } | Self::Density { image, .. } => Some(image.pixels()),
+            Self::Grid { columns, radii, .. } => Some([*columns, radii.len() / (*columns).max(1)]),
+        }
+    }
+
+    /// Returns the source that a certificate states, with the image or the expression that is given.
+    pub(super) fn of_certificate(
+        stated: &Certificate,
+        given: GivenRadius,
+    ) -> Result<Self, VaryingError> {
+        let parameters = &stated.parameters;
+        // A shape may stand alone.
+        if !stated.radius.is_field() {
+            return Ok(Self::Constant(stated.radius.least()));
+        }
+        // A certificate may say anything: what is no number is refused by its name.
+        let number = |value: &Value, what: &str| {
+            let unstated = || VaryingError::Unstated(format!("`{what}` is {value}"));
+            value.as_f64().ok_or_else(unstated)
+        };
+
+        if let Some(field) = parameters.get("radius-expression") {
+            let expression = match given {
+                GivenRadius::Expression(expression) => expression,
+                GivenRadius::Nothing | GivenRadius::Image(_) | GivenRadius::Grid { .. } => {
+                    Expression::parse(field["expression"].as_str().unwrap_or_default())?
+                }
+            };
+            let scale = number(&field["scale"], "radius-expression.scale")?;
+            return Ok(Self::Expression { expression, scale });
+        }
+        // Neither images nor arrays are in the certificate.
+        let (image, grid) = match given {
+            GivenRadius::Image(image) => (Some(image), None),
+            GivenRadius::Grid { columns, radii } => (None, Some((columns, radii))),
+            GivenRadius::Nothing | GivenRadius::Expression(_) => (None, None),
+        };
+        if let (Some(field), Some((columns, radii))) = (parameters.get("radius-grid"), grid) {
+            let scale = number(&field["scale"], "radius-grid.scale")?;
+            return Ok(Self::Grid {
+                columns,
+                radii,
+                scale,
+            });
+        }
+        if let Some(field) = parameters.get("radius-image") {
+            let option = "--radius-image";
+            let image =
+                image.ok_or_else(|| needed("a field", parameters, "radius-image", option))?;
+            let [black, white] = [0, 1].map(|at| number(&field["radii"][at], "radius-image.radii"));
+            let radii = [black?, white?];
+            return Ok(Self::Image { image, radii });
+        }
+        if let Some(field) = parameters.get("density-image") {
+            let option = "--density-image";
+            let image =
+                image.ok_or_else(|| needed("a field", parameters, "density-image", option))?;
+            let black = number(&field["black"], "density-image.black")?;
+            return Ok(Self::Density { image, black });
+        }
+        Err(VaryingError::Unstated(
+            "of the parameters radius-expression, radius-image and density-image it has none"
+                .to_owned(),
+        ))
+    }
+
+    /// Returns the parameter that states this source.
+    pub(super) fn stated(&self) -> (&'static str, Value) {
+        match self {
+            Self::Constant(radius) => ("radius", json!(radius)),
+            Self::Expression { expression, scale } => {
+                let value = json!({ "expression": expression.text(), "scale": scale });
+                ("radius-expression", value)
+            }
+
+            // Images are named by their content.
+            Self::Image { image, radii } => {
+                let mut value = stated_file(&image.name, &image.digest);
+                value["radii"] = json!(radii);
+                ("radius-image", value)
+            }
+            Self::Density { image, black } => {
+                let mut value = stated_file(&image.name, &image.digest);
+                value["black"] = json!(black);
+                ("density-image", value)
+            }
+            Self::Grid {
+                columns,
+                radii,
+                scale,
+            } => {
+                let value =
+                    json!({ "columns": columns, "rows": radii.len() / columns, "scale": scale });
+                ("radius-grid", value)
+            }
+        }
+    }
+}
+
+/// Returns the radius of the mean of so many grey values, of which the sum is given.
+pub(super) fn radius_of_grey([black, white]: [f64; 2], sum: u32, count: u32) -> f64 {
+    let share = f64::from(sum) / f64::from(count * WHITE);
+    black + (white - black) * share
+}
+
+/// Returns the radius at which samples are as dense as the mean of so many grey values is dark.
+pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
+    let darkness = f64::from(count * WHITE - sum) / f64::from(count * WHITE);
+    // White has no density, and an infinite radius.
+    (black / darkness.sqrt()).min(DENSITY_CAP * black)
+}
+
+/// What is to be covered.
+#[derive(Clone, Debug)]
+pub enum ShapeSource {
+    /// The inside of polygons.
+    Polygon(PlanarPolygon),
+    /// The chosen pixels of an image.
+    Mask(GrayImage),
+}
+
+impl ShapeSource {
+    /// Returns the pixels of a row and of a column, if there are pixels.
+    pub(super) fn pixels(&self) -> Option<[usize; 2]> {
+        match self {
+            Self::Polygon(_) => None,
+            Self::Mask(image) => Some(image.pixels()),
+        }
+    }
+
+    /// Returns the parameter that states the file of this shape, if it is from one.
+    pub(super) fn stated(&self) -> Option<(&'static str, Value)> {
+        match self {
+            Self::Polygon(polygon) => {
+                let [name, digest] = polygon.file.as_ref()?;
+                Some(("shape", stated_file(name, digest)))
+            }
+            Self::Mask(image) => Some(("mask", stated_file(&image.name, &image.digest))),
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Sets from a request to a certificate and back, and requests that are refused.
+
+use std::ops::ControlFlow;
+
+use png::{BitDepth, ColorType};
+use serde_json::json;
+use tilescope_analysis::{JudgeChoice, Report, VerifyOptions};
+use tilescope_core::{Domain, Unobserved, reference_sample};
+use tilescope_formats::{Check, Overrides, check_bytes, export_bytes, positions_digest};
+
+use super::image::tests::png;
+use super::*;
+
+fn expression(text: &str) -> RadiusSource {
+    RadiusSource::Expression {
+        expression: Expression::parse(text).expect(text),
+        scale: 1.0,
+    }
+}
+
+fn recipe(radius: RadiusSource) -> VaryingRecipe {
+    VaryingRecipe {
+        radius,
+        shape: None,
+        size: [None; 2],
+        origin: None,
+        boundary: Boundary::Bounded,
+        seed: 3,
+        count: None,
+    }
+}
+
+/// An image whose grey of 16 bits follows from a place of the unit square, which is counted from the top left corner.
+fn image(size: [u32; 2], grey: impl Fn(f64, f64) -> f64) -> GrayImage {
+    let mut data = Vec::new();
+    for row in 0..size[1] {
+        for column in 0..size[0] {
+            let at = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
+            let grey = grey(at(column, size[0]), at(row, size[1]));
+            data.extend(((grey * 65_535.0) as u16).to_be_bytes());
+        }
+    }
+    let bytes = png(size, ColorType::Grayscale, BitDepth::Sixteen, &data);
+    GrayImage::from_png("grey.png", &bytes).expect("an image")
+}
+
+fn disk(radius: f64) -> ShapeSource {
+    let grey = |x: f64, y: f64| {
+        f64::from(u8::from(
+            (x - 0.5).powi(2) + (y - 0.5).powi(2) < radius * radius,
+        ))
+    };
+    ShapeSource::Mask(image([40, 40], grey))
+}
+
+/// A park of 60 x 40 with a pond, at map coordinates.
+fn park() -> ShapeSource {
+    let ring = |corners: &[[f64; 2]]| {
+        let corners = corners
+            .iter()
+            .map(|[x, y]| [500_000.0 + x, 5_400_000.0 + y]);
+        corners.collect::<Vec<[f64; 2]>>()
+    };
+    let outer = ring(&[[0.0, 0.0], [60.0, 5.0], [45.0, 40.0], [5.0, 30.0]]);
+    let pond = ring(&[[20.0, 10.0], [35.0, 12.0], [30.0, 25.0]]);
+    let park = json!({ "type": "Polygon", "coordinates": [outer, pond] }).to_string();
+    ShapeSource::Polygon(
+        PlanarPolygon::from_geojson("park.geojson", park.as_bytes(), false).expect("a park"),
+    )
+}
+
+fn made(recipe: &VaryingRecipe) -> Made {
+    recipe.make(&mut Unobserved).expect("a set")
+}
+
+fn judged(made: &Made, judges: JudgeChoice) -> Report {
+    let options = VerifyOptions {
+        judges,
+        ..VerifyOptions::default()
+    };
+    made.judge(&options, &|_| ControlFlow::Continue(()))
+        .expect("a report")
+}
+
+/// Exports a set, makes its ground again from its certificate and what is given, and checks the data by that after a change.
+fn checked(
+    made: &Made,
+    given: GivenGround,
+    change: impl FnOnce(String) -> String,
+) -> Result<Check, String> {
+    let go_on = |_| ControlFlow::Continue(());
+    let exported =
+        export_bytes("set.csv", &made.set, &made.facts.context(), &go_on).expect("a file");
+    let recipe = VaryingRecipe::of_certificate(&exported.certificate, given);
+    let ground = recipe
+        .and_then(|recipe| recipe.ground())
+        .map_err(|error| error.to_string())?;
+    let overrides = Overrides {
+        varying: Some(ground.varying),
+        ..Overrides::default()
+    };
+
+    let data = change(String::from_utf8(exported.data).expect("text"));
+    let certificate = Some(exported.certificate_bytes.as_slice());
+    let found = check_bytes(data.as_bytes(), "set.csv", certificate, &overrides, &go_on);
+    found
+        .map(|(_, check)| check)
+        .map_err(|error| error.to_string())
+}
+
+fn message(recipe: &VaryingRecipe) -> String {
+    recipe
+        .make(&mut Unobserved)
+        .expect_err("refused")
+        .to_string()
+}
+
+#[test]
+fn the_same_requests_give_the_same_sets_everywhere() {
+    let ramp = recipe(expression("0.01 + 0.04*x + 0.005*sin(9*y)*exp(-x)"));
+    let field = VaryingRecipe {
+        boundary: Boundary::Periodic,
+        ..recipe(RadiusSource::Image {
+            image: image([48, 32], |x, y| x * (1.0 - y)),
+            radii: [0.01, 0.08],
+        })
+    };
+    let trees = VaryingRecipe {
+        shape: Some(park()),
+        ..recipe(RadiusSource::Constant(1.5))
+    };
+    let digest = |recipe: &VaryingRecipe| positions_digest(&made(recipe).set.points);
+    let found = [ramp, field, trees].map(|recipe| digest(&recipe));
+    let pinned = [
+        "blake3:1b870c046551dddab8a8efac4ce416d2e5d559f91d46a3af9a918bbd0497e0b8",
+        "blake3:e5f6b03059d41f056e9d936b3af68c5585fb3225885bdb4b3629ec0cd9f47783",
+        "blake3:ccf19eaf52f0514826a5431d5f4efdc425c4d40dfee3f18cca2a31871f80d5dd",
+    ];
+    assert_eq!(found, pinned);
+}
+
+#[test]
+fn one_radius_everywhere_is_the_reference_sampler() {
+    let made = made(&recipe(RadiusSource::Constant(0.03)));
+    let domain = Domain::from_size([1.0, 1.0], 0.03, Boundary::Bounded).expect("a domain");
+    let points = reference_sample(domain, 3, &mut Unobserved).expect("samples");
+    let mut own = made.set.points.clone();
+    let mut reference = domain.users_from_lattice(&points);
+    let sort =
+        |points: &mut Vec<[f64; 2]>| points.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    sort(&mut own);
+    sort(&mut reference);
+    assert_eq!(own, reference);
+}
+
+#[test]
+fn certificates_say_how_to_judge_a_set_again() {
+    let ramp = VaryingRecipe {
+        shape: Some(park()),
+        ..recipe(expression("1 + 0.05 * (x - 500000)"))
+    };
+    let made = made(&ramp);
+    assert!(judged(&made, JudgeChoice::Automatic).valid());
+    let check = checked(&made, GivenGround::default(), |data| data).expect("a check");
+    assert!(check.passed(), "{:?}", check.differences);
+    let stated = check.certificate.expect("a certificate");
+    assert_eq!((stated.format_version, stated.covering_radius), (2, None));
+    assert_eq!(stated.origin, Some([500_000.0, 5_400_000.0]));
+    assert!(stated.radius.is_field() && (0.99..1.01).contains(&stated.radius.least()));
+
+    // One sample less, and another field.
+    let fewer = |data: String| {
+        let mut lines: Vec<&str> = data.lines().collect();
+        assert_eq!(lines[0], "x,y,radius");
+        lines.remove(5);
+        lines.join("\n") + "\n"
+    };
+    let check = checked(&made, GivenGround::default(), fewer).expect("a check");
+    assert!(!check.passed() && check.report.gaps > 0 && check.report.conflicts == 0);
+    let given = GivenGround {
+        radius: GivenRadius::Expression(
+            Expression::parse("1 + 0.04 * (x - 500000)").expect("a ramp"),
+        ),
+        shape: None,
+    };
+    let check = checked(&made, given, |data| data).expect("a check");
+    assert_eq!(check.differences[0].field, "radius");
+}
+
+#[test]
+fn images_must_be_given_again() {
+    let photo = || image([60, 40], |x, y| 0.2 + 0.7 * x * y);
+    let stipple = VaryingRecipe {
+        count: Some(2_000),
+        ..recipe(RadiusSource::Density {
+            image: photo(),
+            black: 1.0,
+        })
+    };
+    let made = made(&stipple);
+    assert!(
+        (1_980..=2_020).contains(&made.set.len())
+            && judged(&made, JudgeChoice::Subdivision).valid()
+    );
+
+    let said = checked(&made, GivenGround::default(), |data| data).expect_err("no image");
+    assert!(said.contains("--density-image grey.png"), "{said}");
+    let check = |image: GrayImage| {
+        let radius = GivenRadius::Image(image);
+        let given = GivenGround {
+            radius,
+            shape: None,
+        };
+        checked(&made, given, |data| data).expect("a check")
+    };
+    assert!(check(photo()).passed());
+    // A single pixel of the 2,400, by a thousandth.
+    let other = image([60, 40], |x, y| {
+        if x < 0.01 && y < 0.02 {
+            0.201
+        } else {
+            0.2 + 0.7 * x * y
+        }
+    });
+    assert_eq!(check(other).differences[0].field, "radius");
+
+    let island = VaryingRecipe {
+        shape: Some(disk(0.45)),
+        ..recipe(expression("0.02 + 0.03*y"))
+    };
+    let made = self::made(&island);
+    let given = |shape| GivenGround {
+        radius: GivenRadius::Nothing,
+        shape: Some(shape),
+    };
+    let check = checked(&made, given(disk(0.45)), |data| data).expect("a check");
+    assert!(check.passed(), "{:?}", check.differences);
+    let check = checked(&made, given(disk(0.47)), |data| data).expect("a check");
+    assert!(check.differences.iter().any(|one| one.field == "shape") && check.report.gaps > 0);
+    let said = checked(&made, given(disk(0.4)), |data| data).expect_err("samples outside");
+    assert!(said.contains("lies outside the shape"), "{said}");
+}
+
+#[test]
+fn white_is_the_larger_radius_and_dark_is_dense() {
+    let halves = || image([40, 20], |x, _| f64::from(u8::from(x > 0.5)));
+    let counts = |radius: RadiusSource| {
+        let points = made(&recipe(radius)).set.points;
+        let left = points.iter().filter(|point| point[0] < 0.45).count();
+        let right = points.iter().filter(|point| point[0] > 0.55).count();
+        [left, right]
+    };
+    let radii = [0.01, 0.04];
+    let image = halves();
+    let [left, right] = counts(RadiusSource::Image { image, radii });
+    assert!(left > 10 * right && right > 50, "{left} {right}");
+    let image = halves();
+    let [left, right] = counts(RadiusSource::Density { image, black: 0.01 });
+    assert!(left > 1000 && right < 20, "{left} {right}");
+}
+
+#[test]
+fn rows_of_images_begin_at_the_top() {
+    let image = image([20, 20], |_, y| y);
+    let points = made(&recipe(RadiusSource::Image {
+        image,
+        radii: [0.01, 0.1],
+    }))
+    .set
+    .points;
+    let high = points.iter().filter(|point| point[1] > 0.5).count();
+    assert!(high > 3 * (points.len() - high));
+}
+
+#[test]
+fn what_cannot_be_made_is_refused_with_value_and_limit() {
+    assert!(message(&recipe(expression("0.3*x"))).contains("the radius is 0 at (0, 0)"));
+    assert!(message(&recipe(expression("0.001 + x"))).contains("1001.0 times as much; at most"));
+    let fine = message(&recipe(expression("1e-8")));
+    assert!(
+        fine.contains("and nodes are 0.0009765625 apart; at least"),
+        "{fine}"
+    );
+    let of_image = |size: [u32; 2], radii: [f64; 2]| {
+        let image = image(size, |x, _| x);
+        recipe(RadiusSource::Image { image, radii })
+    };
+    assert!(
+        message(&of_image([20, 20], [0.2, 0.1])).contains("the radii are 0.2 to 0.1; the first")
+    );
+    assert!(message(&of_image([20, 20], [0.0, 0.1])).contains("the radii are 0 to 0.1; the first"));
+    assert!(message(&of_image([200, 20], [0.01, 0.9])).contains("times as much; at most"));
+    let stretched = VaryingRecipe {
+        size: [Some(2.0), Some(1.0)],
+        ..of_image([20, 20], [0.01, 0.02])
+    };
+    assert!(message(&stretched).contains("20 x 20 pixels do not fit a domain of 2 x 1"));
+    let two = VaryingRecipe {
+        shape: Some(disk(0.4)),
+        ..of_image([20, 20], [0.01, 0.02])
+    };
+    assert!(message(&two).contains("20 x 20 pixels and the other 40 x 40"));
+    let odd = VaryingRecipe {
+        size: [Some(1.0), Some(0.123_456_789)],
+        boundary: Boundary::Periodic,
+        ..recipe(expression("0.01"))
+    };
+    assert!(message(&odd).contains("no common pitch"));
+    let nothing = VaryingRecipe {
+        shape: Some(disk(0.0)),
+        ..recipe(RadiusSource::Constant(0.1))
+    };
+    assert!(message(&nothing).contains("the shape has no place"));
+
+    let made = made(&recipe(expression("0.1")));
+    let options = VerifyOptions {
+        judges: JudgeChoice::Circles,
+        ..VerifyOptions::default()
+    };
+    let refused = made.judge(&options, &|_| ControlFlow::Continue(()));
+    assert!(
+        refused
+            .expect_err("another judge")
+            .to_string()
+            .contains("circles knows of no radius")
+    );
+}
+
+#[test]
+fn periodic_fields_of_sides_in_whole_ratios_go_around() {
+    for size in [[1.0, 1.0], [3.0, 1.0], [0.7, 0.3], [1.0, 0.75]] {
+        let periodic = VaryingRecipe {
+            size: size.map(Some),
+            boundary: Boundary::Periodic,
+            ..recipe(expression("0.02 + 0.01*sin(2*pi*x)"))
+        };
+        assert!(
+            judged(&made(&periodic), JudgeChoice::Automatic).valid(),
+            "{size:?}"
+        );
+    }
+}
