@@ -9,6 +9,7 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
+use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, formats, hinted};
 use crate::paths::{InFile, check_inputs_stay, check_target, named};
 use crate::progress::verifying;
@@ -26,6 +27,8 @@ pub struct ConvertArguments {
     set: SetArguments,
     #[command(flatten)]
     judge: JudgeArguments,
+    #[command(flatten)]
+    ground: GroundArguments,
     /// Format of the output, if its extension does not name one
     #[arg(long, value_name = "FORMAT", value_parser = formats())]
     to: Option<Format>,
@@ -66,18 +69,29 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
 /// Returns the set, and the statements of the new file's certificate.
 fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let path = &arguments.input;
-    let overrides = Overrides {
+    let mut overrides = Overrides {
         judges: arguments.judge.choice(),
         ..arguments.set.overrides(path)?
     };
-    let check = verifying(|control| tilescope_formats::check(path, &overrides, control));
-    let (set, mut context) = match check {
+    let check =
+        |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
+    let mut checked = check(&overrides);
+    if let Err(CheckError::NoField) = checked {
+        let stated = arguments.set.certificate(path)?;
+        overrides.varying = arguments
+            .ground
+            .judged(path, &arguments.set, stated.as_ref())?;
+        checked = check(&overrides);
+    }
+
+    let (set, mut context) = match checked {
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         check => certified(check.map_err(hinted).in_file(path)?, path)?,
     };
     if let Some(origin) = arguments.set.origin() {
         context.origin = origin;
     }
+    context.varying = overrides.varying;
     leave_out_origin(arguments, &mut context)?;
     context.format = arguments.to;
     context.verify = arguments.judge.options();
@@ -89,6 +103,10 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
     let format = Format::to_write(&arguments.output, arguments.to)?;
     let [x, y] = context.origin;
     if format.is_unit_torus() && (x != 0.0 || y != 0.0) {
+        ensure!(
+            context.varying.is_none(),
+            "{format} holds positions of the unit torus, without the origin {x} {y} at which the shape or the field lies"
+        );
         context.origin = [0.0; 2];
         output::note(&format!(
             "note: {format} holds positions of the unit torus: the origin {x} {y} is left out"

@@ -22,6 +22,7 @@ mod curve;
 mod draw;
 mod engine;
 mod gpu;
+mod ground;
 mod headless;
 mod interrupt;
 pub mod lesson;

@@ -15,7 +15,7 @@ pub const NEEDS_KDRT: &str =
 
 /// Makes a set of nested levels.
 pub fn make(arguments: &SampleArguments, nested: NestedRequest) -> Result<Worked> {
-    ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
+    ensure!(arguments.method() == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
     ensure!(
         !arguments.engine.wants_gpu(),
         "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report, shown};
 use tilescope_core::{Stage, Summary};
-use tilescope_formats::{CertifiedLevel, Warning, is_valid};
+use tilescope_formats::{CertifiedLevel, CertifiedRadius, Warning, is_valid};
 use tilescope_gpu::Backend;
 use tilescope_sets::Facts;
 
@@ -164,7 +164,12 @@ impl Outcome {
     /// Returns the facts and the verdict as text: stages, verdict, file.
     pub fn text(&self) -> String {
         let (facts, judged) = (&self.facts, &self.judged);
-        let (region, radius) = (region_text(&facts.region), Number(facts.radius));
+        let region = region_text(&facts.region);
+        let varying = facts
+            .varying
+            .as_ref()
+            .map(|varying| radius_text(&varying.radius));
+        let radius = varying.unwrap_or_else(|| Number(facts.radius).to_string());
         let mut out = format!("{} on {region}, r = {radius}\n", facts.method);
         if let Some(Backend { engine, reason, .. }) = &self.work.backend {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
@@ -216,6 +221,20 @@ pub fn verdict_json(report: &Report) -> Value {
 pub fn warning_line(warning: &str) -> String {
     let is_note = warning.starts_with("note: ");
     format!("{}{warning}\n", if is_note { "" } else { "warning: " })
+}
+
+/// Returns "0.01", or "0.01 to 0.2, a field".
+pub fn radius_text(radius: &CertifiedRadius) -> String {
+    match radius {
+        CertifiedRadius::Constant(radius) => Number(*radius).to_string(),
+        CertifiedRadius::Field(field) => {
+            format!(
+                "{} to {}, a field",
+                Number(field.least),
+                Number(field.greatest)
+            )
+        }
+    }
 }
 
 /// Returns "1 x 1, periodic".
@@ -296,6 +315,9 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
             "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
         );
     }
+    if report.judges == [Judge::Subdivision] {
+        return subdivision_text(report);
+    }
     let (r, count, density) = (report.radius, report.count, report.density);
     let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
     let conflict_free = conflicts_answer(report.conflicts);
@@ -324,6 +346,31 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
         let ([x, y], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
         let place = format!("({x}, {y}) is {far} r from the nearest sample");
         let _ = writeln!(out, "  gap: {place}");
+    }
+    let _ = writeln!(out, "verdict        {}", validity(report.valid()));
+    out
+}
+
+/// Returns the verdict on a set whose radius varies or that covers a shape. No length of it is a radius.
+fn subdivision_text(report: &Report) -> String {
+    let mut out = format!(
+        "samples        {}\n\
+         conflict-free  {}   min distance {}\n\
+         maximal        {}\n\
+         verified by    {}\n",
+        report.count,
+        conflicts_answer(report.conflicts),
+        Number(report.min_distance),
+        answer(report.maximal(), report.gaps),
+        Judge::joined(&report.judges),
+    );
+    for conflict in report.worst_conflicts.iter().take(3) {
+        let (a, b, apart) = (conflict.first, conflict.second, Number(conflict.distance));
+        let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} apart");
+    }
+    for gap in report.worst_gaps.iter().take(3) {
+        let ([x, y], far) = (gap.center, Number(gap.distance));
+        let _ = writeln!(out, "  gap: ({x}, {y}) is {far} from the nearest sample");
     }
     let _ = writeln!(out, "verdict        {}", validity(report.valid()));
     out

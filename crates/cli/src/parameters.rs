@@ -28,6 +28,8 @@ pub struct RunArguments {
     /// The parameters; the radius is 0 if a count is given in its place.
     pub asked: Parameters,
     pub count: Option<u64>,
+    /// The second of two radii.
+    pub greatest: Option<f64>,
     pub pattern: Option<PathBuf>,
     pattern_radius: Option<f64>,
     /// The parameters that were typed, by their options.
@@ -41,7 +43,11 @@ impl Args for RunArguments {
     fn augment_args(command: Command) -> Command {
         // In the order in which `--help` lists them: what must be given first, and what stands in for a generated pattern
         // behind the options of that.
-        let size = ArgGroup::new("size").args(SIZE).required(true);
+        // Both are given where two radii are scaled to a count.
+        let size = ArgGroup::new("size")
+            .args(SIZE)
+            .required(true)
+            .multiple(true);
         let mut command = command
             .group(size)
             .arg(option(Parameter::Radius))
@@ -66,17 +72,24 @@ impl FromArgMatches for RunArguments {
             radius: 0.0,
             ..Parameters::default()
         };
-        for parameter in Parameter::all() {
+        let span: Option<&RadiusSpan> = matches.get_one(Parameter::Radius.key());
+        let span = span.copied().unwrap_or_default();
+        asked.radius = span.least;
+        let count = matches.get_one("count").copied();
+        refuse_sizes(matches, span.greatest, count.is_some())?;
+        for parameter in Parameter::all().filter(|it| *it != Parameter::Radius) {
             let taken = take(&mut asked, parameter, matches);
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
         }
+
         let is_typed = |parameter: &Parameter| {
             matches.value_source(parameter.key()) == Some(ValueSource::CommandLine)
         };
         Ok(Self {
             asked,
             typed: Parameter::all().filter(is_typed).collect(),
-            count: matches.get_one("count").copied(),
+            count,
+            greatest: span.greatest,
             pattern: matches.get_one("pattern").cloned(),
             pattern_radius: matches.get_one("pattern-radius").copied(),
         })
@@ -88,11 +101,52 @@ impl FromArgMatches for RunArguments {
     }
 }
 
+/// A radius, or the radii of black and of white.
+#[derive(Clone, Copy, Debug, Default)]
+struct RadiusSpan {
+    least: f64,
+    greatest: Option<f64>,
+}
+
+impl RadiusSpan {
+    fn parse(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.parse().map_err(|_| format!("{text:?} is no number"));
+        let (least, greatest) = match text.split_once("..") {
+            Some((least, greatest)) => (number(least)?, Some(number(greatest)?)),
+            None => (number(text)?, None),
+        };
+        Ok(Self { least, greatest })
+    }
+}
+
+/// Refuses two radii without an image to go with, and a radius beside a count or an expression.
+fn refuse_sizes(
+    matches: &ArgMatches,
+    greatest: Option<f64>,
+    has_count: bool,
+) -> Result<(), clap::Error> {
+    let is_given = |id: &str| matches.try_get_raw(id).is_ok_and(|values| values.is_some());
+    let has_image = is_given("radius_image");
+    let why = if greatest.is_some() && !has_image {
+        "--radius takes two radii, MIN..MAX, with --radius-image only\n"
+    } else if has_count && is_given("radius") && !has_image {
+        "the argument '--radius <R>' cannot be used with '--count <N>'\n"
+    } else if is_given("radius") && is_given("radius_expression") {
+        "the argument '--radius <R>' cannot be used with '--radius-expression <FORMULA>'\n"
+    } else {
+        return Ok(());
+    };
+    Err(clap::Error::raw(ErrorKind::ArgumentConflict, why))
+}
+
 /// Returns the option of a parameter, with the default that the core has.
 fn option(parameter: Parameter) -> Arg {
     let row = parameter.row();
     let arg = Arg::new(row.key).long(row.key).help(row.help);
     let arg = match row.kind {
+        ParameterKind::Real { .. } if parameter == Parameter::Radius => {
+            arg.value_parser(RadiusSpan::parse)
+        }
         ParameterKind::Real { .. } => arg.value_parser(value_parser!(f64)),
         ParameterKind::Whole(_) => arg.value_parser(value_parser!(u64)),
         ParameterKind::Choice { options, .. } => arg.value_parser(words(options)),

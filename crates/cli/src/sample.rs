@@ -10,14 +10,20 @@ use crate::output::{self, Judged, Outcome};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
-use crate::{interrupt, nested, stream, window};
+use crate::{ground, interrupt, nested, stream, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.engine.threads.set()?;
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
-        check_inputs_stay(path, arguments.run.pattern.as_deref())?;
+        let inputs = arguments.run.pattern.as_deref().into_iter();
+        check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
+    }
+    if arguments.ground.is_given() {
+        let outcome = finish(arguments, ground::make(arguments)?)?;
+        output::report(arguments.json, || outcome.json(), || outcome.text())?;
+        return Ok(outcome.code());
     }
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
@@ -36,7 +42,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let expected = arguments.run.expected(&recipe.parameters)?;
     let streams = arguments.streams(expected)?;
 
-    let worked = match arguments.method {
+    let worked = match arguments.method() {
         SamplingMethod::Reference => {
             arguments.engine.check_on_cpu("the reference sampler")?;
             make::reference(&recipe)?
@@ -94,7 +100,7 @@ fn with_remarks(
     parameters: &Parameters,
     mut outcome: Outcome,
 ) -> Outcome {
-    let has_own_pattern = match arguments.method {
+    let has_own_pattern = match arguments.method() {
         SamplingMethod::Kdrt => arguments.run.pattern.is_none(),
         SamplingMethod::Exact => true,
         SamplingMethod::Reference => false,
@@ -107,7 +113,7 @@ fn with_remarks(
         outcome.warnings.insert(0, remark);
     }
 
-    if arguments.method == SamplingMethod::Exact && (outcome.count as f64) < EXACT_PAYS_FROM {
+    if arguments.method() == SamplingMethod::Exact && (outcome.count as f64) < EXACT_PAYS_FROM {
         let remark = format!(
             "note: below about {} samples --method reference takes less time: it has the same law and makes no pattern",
             grouped(EXACT_PAYS_FROM as u64)

@@ -10,6 +10,7 @@ use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
 use tilescope_sets::Facts;
 
 use crate::engine::EngineArguments;
+use crate::ground::{CoordinateArguments, GroundArguments};
 use crate::options::{JudgeArguments, Names, PRECISIONS, formats, named, pair};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
@@ -27,6 +28,10 @@ pub struct SampleArguments {
     pub engine: EngineArguments,
     #[command(flatten)]
     pub nested: NestedArguments,
+    #[command(flatten)]
+    pub ground: GroundArguments,
+    #[command(flatten)]
+    pub coordinates: CoordinateArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
     /// that reaches the upper border includes it
@@ -34,9 +39,10 @@ pub struct SampleArguments {
         conflicts_with_all = ["shuffle", "resume", "no_verify", "levels"])]
     pub window: Option<Vec<f64>>,
     /// KDRT; exact tiling, which has no bias at seams; or the reference sampler, which makes a maximal set from scratch and,
-    /// of the arguments above, uses only radius or count, sides, boundary and seed
-    #[arg(long, value_enum, default_value = "kdrt")]
-    pub method: SamplingMethod,
+    /// of the arguments above, uses only radius or count, sides, boundary and seed. If not given KDRT, and the reference sampler
+    /// for a radius that varies and for shapes
+    #[arg(long, value_enum)]
+    pub method: Option<SamplingMethod>,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
     /// Sets of more than a million samples are written band by band: to npy, bin, rps, csv and ply of any size
     #[arg(long, value_name = "FILE")]
@@ -48,8 +54,8 @@ pub struct SampleArguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 30, requires = "out")]
     pub checkpoint: u64,
     /// Store positions with this added, for a domain at map coordinates: its lower corner. The certificate states it, and
-    /// programs before it refuse such a set
-    #[arg(long, num_args = 2, value_names = ["X", "Y"], requires = "out", conflicts_with = "window")]
+    /// programs before it refuse such a set. Polygons and expressions are in these coordinates
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], conflicts_with = "window")]
     pub origin: Option<Vec<f64>>,
     #[command(flatten)]
     pub judge: JudgeArguments,
@@ -85,7 +91,11 @@ Examples:
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 100000 --method exact --out exact.npy
-  tilescope sample --count 5000 --method reference --json";
+  tilescope sample --count 5000 --method reference --json
+  tilescope sample --radius-expression '0.006 + 0.024*x' --out ramp.csv
+  tilescope sample --density-image photo.png --count 20000 --out stipple.csv
+  tilescope sample --radius-image grey.png --radius 0.002..0.02 --out field.ply
+  tilescope sample --shape park.geojson --radius 2 --out trees.csv";
 
 /// How to make the set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -110,7 +120,7 @@ pub struct NestedArguments {
     pub levels: Option<u32>,
     /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
     /// set of exactly so many samples in general: of these, every place is within 1.42 radii
-    #[arg(long, value_name = "N", group = "size", requires = "levels")]
+    #[arg(long, value_name = "N", group = "size", requires = "levels", conflicts_with_all = ["radius", "count"])]
     pub exactly: Option<usize>,
     /// How the samples that a level adds follow each other
     #[arg(long, value_name = "ORDER", value_parser = named::<WithinLevel>(&ORDERS_WITHIN), default_value = "random",
@@ -138,6 +148,11 @@ impl NestedArguments {
 }
 
 impl SampleArguments {
+    /// Returns the method, which is KDRT unless another one is chosen.
+    pub fn method(&self) -> SamplingMethod {
+        self.method.unwrap_or(SamplingMethod::Kdrt)
+    }
+
     /// Returns the file's format, if there is a file.
     fn format(&self) -> Option<Format> {
         let named = || self.out.as_deref().and_then(Format::from_path);
@@ -146,7 +161,7 @@ impl SampleArguments {
 
     /// Returns whether the set is made band by band: if it is large, if it is resumed, and if it is not verified.
     pub fn streams(&self, expected: f64) -> Result<bool> {
-        let is_kdrt = self.method == SamplingMethod::Kdrt;
+        let is_kdrt = self.method() == SamplingMethod::Kdrt;
         let engine = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
         if self.resume {
@@ -171,7 +186,7 @@ impl SampleArguments {
             format: self.format(),
             shuffle_seed: self.shuffle,
             precision: self.precision,
-            origin: pair(self.origin.as_ref()).unwrap_or_default(),
+            origin: pair(self.origin.as_ref()).unwrap_or(facts.origin),
             verify: self.judge.options(),
             ..facts.context()
         }

@@ -12,6 +12,7 @@ use tilescope_formats::{
 };
 use tilescope_sets::check_or_unit_square;
 
+use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
@@ -27,6 +28,8 @@ pub struct VerifyArguments {
     set: SetArguments,
     #[command(flatten)]
     judge: JudgeArguments,
+    #[command(flatten)]
+    ground: GroundArguments,
     /// Judge only the first N samples of a set with nested levels: whether they hold what its certificate states
     #[arg(long, value_name = "N", conflicts_with_all = ["radius"])]
     prefix: Option<usize>,
@@ -38,7 +41,8 @@ pub struct VerifyArguments {
 const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
 the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
-always 2^-15. A file does not show how its set was made: to check the fields listed as stated
+always 2^-15. Of a set whose radius varies, or that covers a shape, the certificate states an expression
+and polygons; images must be given. A file does not show how its set was made: to check the fields listed as stated
 only, make the set again. A set of nested levels is verified level by level.
 
 Examples:
@@ -47,6 +51,7 @@ Examples:
   tilescope verify survey.csv --radius 2 --width 90 --height 60 --columns easting northing
   tilescope verify levels.npy --prefix 1000
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
+  tilescope verify field.ply --radius-image grey.png
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
@@ -93,12 +98,24 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
 /// Reads and verifies a file.
 fn checked(arguments: &VerifyArguments) -> Result<Check> {
     let file = &arguments.file;
-    let overrides = Overrides {
+    let mut overrides = Overrides {
         judges: arguments.judge.choice(),
         ..arguments.set.overrides(file)?
     };
+    let (ground, set) = (&arguments.ground, &arguments.set);
+    if ground.is_given() {
+        let stated = set.certificate(file)?;
+        overrides.varying = ground.judged(file, set, stated.as_ref())?;
+    }
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
-    match check_or_unit_square(&overrides, check) {
+    let mut checked = check_or_unit_square(&overrides, check);
+    // Only then is the certificate read a second time, as few sets have such parts.
+    if let Err(CheckError::NoField) = checked {
+        let stated = set.certificate(file)?;
+        overrides.varying = ground.judged(file, set, stated.as_ref())?;
+        checked = check_or_unit_square(&overrides, check);
+    }
+    match checked {
         Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
         outcome => outcome.map_err(hinted).in_file(file),
     }
@@ -138,12 +155,16 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
         gap.center = [gap.center[0] + x, gap.center[1] + y];
     }
     let verdict = output::verdict_text(&report, &check.levels);
+    let stated = check.certificate.as_ref().map(|stated| &stated.radius);
+    let radius = stated.filter(|radius| radius.is_field()).cloned();
     let at = origin.map_or_else(String::new, |[x, y]| format!(" at {x} {y}"));
     let mut out = format!(
         "{}: {}{at}, r = {}\n\n{verdict}",
         check.detection,
         output::region_text(&report.region),
-        report.radius,
+        radius
+            .as_ref()
+            .map_or_else(|| report.radius.to_string(), output::radius_text),
     );
     match &check.certificate {
         None => out.push_str("certificate    none\n"),

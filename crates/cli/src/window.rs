@@ -29,7 +29,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let mut watch = Stopwatch::start();
     let mut recipe = arguments.run.recipe()?;
 
-    match arguments.method {
+    match arguments.method() {
         SamplingMethod::Kdrt => {
             ensure!(
                 arguments.engine.makes_windows(arguments.run.asked.variant),

@@ -15,5 +15,6 @@ mod reproduce;
 mod script;
 mod support;
 mod text_tables;
+mod varying;
 mod web;
 mod words;

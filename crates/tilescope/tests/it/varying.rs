@@ -1,0 +1,355 @@
+//! Sets whose radius varies, and sets that cover shapes, end to end: made, saved, verified, drawn, and refused.
+
+use std::fs;
+
+use png::{BitDepth, ColorType};
+use predicates::str::contains;
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+use crate::support::tilescope;
+
+/// Runs the program and returns its one JSON object.
+fn run(folder: &TempDir, line: &str, code: i32) -> Value {
+    let assert = tilescope(folder).args(words(line)).assert().code(code);
+    serde_json::from_slice(&assert.get_output().stdout).expect("one JSON object")
+}
+
+/// Fails unless the program refuses a line with these words.
+fn refused(folder: &TempDir, line: &str, wanted: &str) {
+    let run = tilescope(folder).args(words(line)).assert().code(2);
+    run.stderr(contains(wanted));
+}
+
+/// Splits a line at blanks; a tilde stands for a blank in a word.
+fn words(line: &str) -> Vec<String> {
+    line.split_whitespace()
+        .map(|word| word.replace('~', " "))
+        .collect()
+}
+
+/// Writes an image whose grey, of 16 bits, is that of a place of the unit square, counted from the top left corner.
+fn image(folder: &TempDir, name: &str, size: [u32; 2], grey: impl Fn(f64, f64) -> f64) {
+    let mut data = Vec::new();
+    for row in 0..size[1] {
+        for column in 0..size[0] {
+            let place = [column, row].map(|at| f64::from(at) + 0.5);
+            let grey = grey(place[0] / f64::from(size[0]), place[1] / f64::from(size[1]));
+            data.extend(((grey * 65_535.0) as u16).to_be_bytes());
+        }
+    }
+    let file = fs::File::create(folder.path().join(name)).unwrap();
+    let mut encoder = png::Encoder::new(file, size[0], size[1]);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Sixteen);
+    encoder
+        .write_header()
+        .unwrap()
+        .write_image_data(&data)
+        .unwrap();
+}
+
+/// Writes a park with a pond, 60 x 40 at map coordinates, the pond's ring in the wrong direction.
+fn park(folder: &TempDir) {
+    let ring = |corners: &[[f64; 2]]| {
+        let corners = corners
+            .iter()
+            .map(|[x, y]| [500_000.0 + x, 5_400_000.0 + y]);
+        corners.collect::<Vec<[f64; 2]>>()
+    };
+    let outer = ring(&[
+        [0.0, 0.0],
+        [60.0, 5.0],
+        [45.0, 40.0],
+        [5.0, 30.0],
+        [0.0, 0.0],
+    ]);
+    let pond = ring(&[[20.0, 10.0], [35.0, 12.0], [30.0, 25.0], [20.0, 10.0]]);
+    let geometry = json!({ "type": "Polygon", "coordinates": [outer, pond] });
+    let feature = json!({ "type": "Feature", "geometry": geometry, "properties": {} });
+    let all = json!({ "type": "FeatureCollection", "features": [feature] });
+    fs::write(folder.path().join("park.geojson"), all.to_string()).unwrap();
+}
+
+/// Makes a set, verifies it, and returns what was said of both.
+fn made_and_verified(folder: &TempDir, sample: &str, verify: &str) -> [Value; 2] {
+    let made = run(folder, &format!("sample {sample} --json"), 0);
+    assert_eq!(
+        (&made["valid"], &made["judges"]),
+        (&json!(true), &json!(["subdivision"]))
+    );
+    let verified = run(folder, &format!("verify {verify} --json"), 0);
+    assert_eq!(verified["differences"], json!([]), "{verified}");
+    assert_eq!(
+        (&verified["count"], &verified["passed"]),
+        (&made["count"], &json!(true))
+    );
+    [made, verified]
+}
+
+/// Replaces a line of a table by another one, and by none.
+fn tamper(folder: &TempDir, name: &str, line: usize, other: Option<&str>) {
+    let path = folder.path().join(name);
+    let text = fs::read_to_string(&path).unwrap();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.remove(line);
+    if let Some(other) = other {
+        lines.insert(line, other);
+    }
+    fs::write(path, lines.join("\n") + "\n").unwrap();
+}
+
+#[test]
+fn sets_of_expressions_images_and_polygons_verify() {
+    let folder = tempdir().unwrap();
+    let expression =
+        "--radius-expression 0.01+0.04*x+0.005*sin(9*y)*exp(-x) --seed 3 --out ramp.csv";
+    made_and_verified(&folder, expression, "ramp.csv");
+    image(&folder, "grey.png", [48, 32], |x, y| x * (1.0 - y));
+    let field = "--radius-image grey.png --radius 0.01..0.08 --boundary periodic --out field.ply";
+    made_and_verified(&folder, field, "field.ply --radius-image grey.png");
+    park(&folder);
+    let trees = "--shape park.geojson --radius 1.5 --out trees.csv";
+    let [_, verified] = made_and_verified(&folder, trees, "trees.csv");
+    assert_eq!(verified["origin"], json!([500_000.0, 5_400_000.0]));
+    assert_eq!(verified["radius"], json!(1.5));
+}
+
+#[test]
+fn tables_have_the_radius_of_each_sample() {
+    let folder = tempdir().unwrap();
+    made_and_verified(
+        &folder,
+        "--radius-expression 0.02+0.05*x --out ramp.csv",
+        "ramp.csv",
+    );
+    let text = fs::read_to_string(folder.path().join("ramp.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("x,y,radius"));
+    for line in lines {
+        let row: Vec<f64> = line
+            .split(',')
+            .map(|number| number.parse().unwrap())
+            .collect();
+        assert!((0.02 + 0.05 * row[0] - row[2]).abs() < 1e-4, "{line}");
+    }
+
+    // Other commands take such a set, or say why not.
+    tilescope(&folder)
+        .args(["draw", "ramp.csv", "ramp.png"])
+        .assert()
+        .success();
+    let converted = tilescope(&folder)
+        .args(["convert", "ramp.csv", "ramp.ply"])
+        .assert()
+        .success();
+    converted.stdout(contains("verified by    subdivision"));
+    run(&folder, "verify ramp.ply --json", 0);
+    let head = fs::read(folder.path().join("ramp.ply")).unwrap();
+    assert!(String::from_utf8_lossy(&head[..300]).contains("property double radius"));
+    refused(
+        &folder,
+        "analyze ramp.csv",
+        "its radius varies or it has a shape",
+    );
+}
+
+#[test]
+fn counts_are_met_to_within_a_hundredth() {
+    let folder = tempdir().unwrap();
+    image(&folder, "photo.png", [60, 40], |x, y| {
+        0.2 + 0.7 * (x - 0.5).hypot(y - 0.5)
+    });
+    let near =
+        |made: &Value, count: i64| (made["count"].as_i64().unwrap() - count).abs() * 100 <= count;
+    let stipple = "--density-image photo.png --count 2000 --out stipple.csv";
+    let verify = "stipple.csv --density-image photo.png";
+    let [made, _] = made_and_verified(&folder, stipple, verify);
+    assert!(near(&made, 2000), "{made}");
+    let scaled = "--radius-image photo.png --radius 1..4 --count 900 --out scaled.csv";
+    let [made, _] = made_and_verified(&folder, scaled, "scaled.csv --radius-image photo.png");
+    assert!(near(&made, 900), "{made}");
+    park(&folder);
+    let trees = "--shape park.geojson --count 700 --out trees.npy";
+    let [made, _] = made_and_verified(&folder, trees, "trees.npy");
+    assert!(near(&made, 700), "{made}");
+}
+
+#[test]
+fn what_was_tampered_with_is_found() {
+    let folder = tempdir().unwrap();
+    image(&folder, "island.png", [40, 40], |x, y| {
+        f64::from(u8::from((x - 0.5).hypot(y - 0.5) < 0.45))
+    });
+    image(&folder, "other.png", [40, 40], |x, y| {
+        f64::from(u8::from((x - 0.5).hypot(y - 0.5) < 0.4))
+    });
+    let make = || {
+        let island = "--mask island.png --radius-expression 0.02+0.03*y --out island.csv";
+        made_and_verified(&folder, island, "island.csv --mask island.png");
+    };
+    let verify = |code: i32| run(&folder, "verify island.csv --mask island.png --json", code);
+
+    make();
+    tamper(&folder, "island.csv", 5, None);
+    let found = verify(1);
+    assert!(
+        found["gaps"].as_u64().unwrap() > 0 && found["conflicts"] == 0,
+        "{found}"
+    );
+
+    make();
+    let text = fs::read_to_string(folder.path().join("island.csv")).unwrap();
+    let row: Vec<f64> = text
+        .lines()
+        .nth(9)
+        .unwrap()
+        .split(',')
+        .map(|one| one.parse().unwrap())
+        .collect();
+    let beside = format!(
+        "{},{},0.02",
+        row[0] + (0.5 - row[0]) * 0.01,
+        row[1] + (0.5 - row[1]) * 0.01
+    );
+    tamper(&folder, "island.csv", 5, Some(&beside));
+    let found = verify(1);
+    assert!(found["conflicts"].as_u64().unwrap() > 0, "{found}");
+
+    // Outside of the mask there is no verdict.
+    make();
+    tamper(&folder, "island.csv", 5, Some("0.01,0.01,0.02"));
+    let line = "verify island.csv --mask island.png";
+    refused(&folder, line, "lies outside the shape");
+    // Another mask, and another field.
+    make();
+    let found = run(
+        &folder,
+        "verify island.csv --mask island.png --radius-expression 0.02+0.02*y --json",
+        1,
+    );
+    assert_eq!(found["differences"][0]["field"], "radius", "{found}");
+    refused(
+        &folder,
+        "verify island.csv --mask other.png",
+        "lies outside the shape",
+    );
+    refused(&folder, "verify island.csv", "--mask island.png");
+
+    let path = folder.path().join("island.csv.certificate.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("0.02+0.03*y", "0.02+0.031*y")).unwrap();
+    let found = verify(1);
+    assert_eq!(found["differences"][0]["field"], "radius", "{found}");
+}
+
+#[test]
+fn what_cannot_be_made_is_refused_by_name_and_nothing_is_written() {
+    let folder = tempdir().unwrap();
+    park(&folder);
+    image(&folder, "grey.png", [20, 20], |x, _| x);
+    fs::write(folder.path().join("text.png"), "no image").unwrap();
+    let town = r#"{"type": "Polygon", "coordinates": [[[8.5, 47.25], [8.6, 47.25], [8.5, 47.5]]]}"#;
+    fs::write(folder.path().join("town.geojson"), town).unwrap();
+    let bow = r#"{"type": "Polygon", "coordinates": [[[0, 0], [1, 1], [1, 0], [0, 1]]]}"#;
+    fs::write(folder.path().join("bow.geojson"), bow).unwrap();
+
+    let cases = [
+        (
+            "--radius-expression 0.02 --method kdrt",
+            "--method kdrt: --radius-expression needs",
+        ),
+        (
+            "--radius-expression 0.02 --method exact",
+            "--method exact: --radius-expression needs",
+        ),
+        (
+            "--radius-expression 0.02 --levels 3",
+            "--levels: --radius-expression needs",
+        ),
+        ("--radius-expression 0.02 --engine gpu", "--engine gpu"),
+        (
+            "--radius-expression 0.02 --leaf 20",
+            "--leaf: --radius-expression needs",
+        ),
+        (
+            "--radius-expression 0.02 --pattern-seed 2",
+            "--pattern-seed: --radius-expression",
+        ),
+        (
+            "--shape park.geojson --radius 1 --dihedral",
+            "--dihedral: --shape needs",
+        ),
+        (
+            "--shape park.geojson --radius 1 --search 2",
+            "--search: --shape needs",
+        ),
+        (
+            "--radius-expression 0.02 --radius 0.1",
+            "cannot be used with",
+        ),
+        (
+            "--radius-expression 0.02+*x",
+            "at character 6: `*` stands where",
+        ),
+        (
+            "--radius-expression 0.3*x",
+            "the radius is 0 at (0, 0); it must be above 0",
+        ),
+        (
+            "--radius-expression 0.001+x",
+            "1001.0 times as much; at most",
+        ),
+        (
+            "--radius-expression 0.00000001",
+            "and nodes are 0.0009765625 apart; at least",
+        ),
+        (
+            "--radius-expression 0.02 --judge circles",
+            "the judge circles knows of no radius",
+        ),
+        (
+            "--radius-image grey.png --radius 0.01",
+            "needs --radius MIN..MAX",
+        ),
+        (
+            "--radius-image grey.png --radius 0.2..0.01",
+            "the radii are 0.2 to 0.01; the first must",
+        ),
+        (
+            "--radius-image grey.png --radius 0.01..0.9",
+            "90.0 times as much; at most",
+        ),
+        (
+            "--radius-image text.png --radius 0.01..0.1",
+            "text.png: it is no PNG image",
+        ),
+        (
+            "--radius-image grey.png --radius 0.02..0.1 --width 2 --height 1",
+            "pixels must be squares",
+        ),
+        ("--radius 0.01..0.1", "with --radius-image only"),
+        ("--radius 0.01 --count 5", "cannot be used with"),
+        (
+            "--shape town.geojson --radius 0.01",
+            "project them to a plane",
+        ),
+        (
+            "--shape bow.geojson --radius 0.01",
+            "cross; edges may only touch",
+        ),
+        (
+            "--radius 0.01 --judge subdivision",
+            "the judge subdivision is for sets whose radius",
+        ),
+    ];
+    for (line, wanted) in cases {
+        refused(&folder, &format!("sample {line} --out set.csv"), wanted);
+    }
+    assert!(!folder.path().join("set.csv").exists());
+    run(
+        &folder,
+        "sample --shape town.geojson --planar --radius 0.01 --json",
+        0,
+    );
+}
