@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs, lossy};
-use tilescope_core::{Boundary, Key, Parameters, PatternSpec, stages};
+use tilescope_core::{Boundary, Key, NOT_OF_EXACT, Parameters, PatternSpec, stages};
 use tilescope_figures::{
     FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene, to_png_controlled,
 };
 use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, write_whole};
-use tilescope_sets::NOT_OF_EXACT;
 
 use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
@@ -201,7 +200,8 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
         // It states only what it uses, and blocks do not depend on the rest.
         "exact" => {
             let defaults = serde_json::to_value(Parameters::default()).ok()?;
-            for name in NOT_OF_EXACT {
+            for parameter in NOT_OF_EXACT {
+                let name = parameter.key();
                 value[name] = defaults[name].clone();
             }
         }

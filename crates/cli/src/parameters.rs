@@ -11,12 +11,11 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, 
 use serde_json::json;
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    MAXIMAL_DENSITY, Parameter, ParameterKind, Parameters, PatternSpec, radius_estimate,
+    MAXIMAL_DENSITY, NOT_OF_EXACT, Parameter, ParameterKind, Parameters, PatternSpec,
+    radius_estimate,
 };
 use tilescope_formats::Hint;
-use tilescope_sets::{
-    GivenDomain, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern, named_by_content,
-};
+use tilescope_sets::{GivenDomain, GivenPattern, Recipe, Settled, exact_pattern, named_by_content};
 
 use crate::options::words;
 use crate::paths::InFile;
@@ -52,7 +51,7 @@ impl Args for RunArguments {
             .group(size)
             .arg(option(Parameter::Radius))
             .arg(count());
-        for parameter in Parameter::all().filter(|it| *it != Parameter::Radius) {
+        for parameter in options().filter(|it| *it != Parameter::Radius) {
             command = command.arg(option(parameter));
             if parameter == Parameter::PatternSeed {
                 command = command.args(pattern_file());
@@ -77,7 +76,7 @@ impl FromArgMatches for RunArguments {
         asked.radius = span.least;
         let count = matches.get_one("count").copied();
         refuse_sizes(matches, span.greatest, count.is_some())?;
-        for parameter in Parameter::all().filter(|it| *it != Parameter::Radius) {
+        for parameter in options().filter(|it| *it != Parameter::Radius) {
             let taken = take(&mut asked, parameter, matches);
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
         }
@@ -87,7 +86,7 @@ impl FromArgMatches for RunArguments {
         };
         Ok(Self {
             asked,
-            typed: Parameter::all().filter(is_typed).collect(),
+            typed: options().filter(is_typed).collect(),
             count,
             greatest: span.greatest,
             pattern: matches.get_one("pattern").cloned(),
@@ -137,6 +136,12 @@ fn refuse_sizes(
         return Ok(());
     };
     Err(clap::Error::raw(ErrorKind::ArgumentConflict, why))
+}
+
+/// Returns the parameters that are options. The method is an option of the commands that have one, with the reference
+/// sampler among its values.
+fn options() -> impl Iterator<Item = Parameter> {
+    Parameter::all().filter(|parameter| *parameter != Parameter::Method)
 }
 
 /// Returns the option of a parameter, with the default that the core has.
@@ -234,7 +239,7 @@ impl RunArguments {
 
     /// Returns the pattern of exact tiling, and refuses by their names the options that it has no use for.
     pub fn exact_pattern(&self, parameters: &Parameters) -> Result<PatternSpec> {
-        let unused = |parameter: &&Parameter| NOT_OF_EXACT.contains(&parameter.key());
+        let unused = |parameter: &&Parameter| NOT_OF_EXACT.contains(parameter);
         if let Some(parameter) = self.typed.iter().find(unused) {
             bail!(
                 "--{} is for KDRT: exact tiling keeps whatever arrived first; leave it out",

@@ -50,7 +50,12 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             let plane = ExactPlane::new(&recipe.parameters, &history)?;
 
             let samples = arguments.run.expected(&recipe.parameters)?;
-            let facts = facts_of_exact(&recipe.parameters, plane.domain(), &history, samples);
+            let facts = facts_of_exact(
+                &recipe.parameters,
+                plane.domain(),
+                history.pattern(),
+                samples,
+            );
             show(arguments, corners, &plane, &facts)
         }
         SamplingMethod::Reference => {

@@ -30,6 +30,7 @@ pub mod json;
 mod lattice;
 mod levels;
 pub mod memory;
+mod method;
 mod parameters;
 mod pattern;
 mod pattern_making;
@@ -65,10 +66,10 @@ pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::parallel::widened::WidenedWindow;
 pub use engine::parallel::window_maker::WindowMaker;
-pub use engine::sequential::{Sequential, sample, sample_recorded};
+pub use engine::sequential::Sequential;
 pub use error::{ParameterError, PatternError, SampleError};
 pub use exact::{
-    Arrival, ExactPlane, PatternDarts, PatternHistory, PlacedDart, exact_sample,
+    Arrival, ExactPlane, PatternDarts, PatternHistory, PlacedDart, exact_recorded, exact_sample,
     exact_sample_parallel,
 };
 pub use grid::{NearSample, SampleGrid};
@@ -79,10 +80,12 @@ pub use lattice::{
 pub use levels::{
     MAX_LEVELS, Nested, NestedPattern, NestedPlane, NestedRequest, PrefixGuarantee, WithinLevel,
 };
+pub use method::{sample, sample_recorded};
 pub use parameters::{
     Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
-    MIN_PATTERN_SIDE_RADII, Order, PARAMETERS, Parameter, ParameterGroup, ParameterKind,
-    ParameterOption, ParameterRow, Parameters, PatternSpec, Search, Variant,
+    MIN_PATTERN_SIDE_RADII, NOT_OF_EXACT, Order, PARAMETERS, Parameter, ParameterGroup,
+    ParameterKind, ParameterOption, ParameterRow, Parameters, PatternSpec, Search, TilingMethod,
+    Variant,
 };
 pub use pattern::{Pattern, PatternVariant, Symmetry};
 pub use progress::{Observer, Progress, Unobserved};

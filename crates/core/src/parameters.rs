@@ -46,6 +46,14 @@ pub enum Order {
     PhaseGroup,
 }
 
+/// The parameters that exact tiling has no use for: it neither eliminates in an order of choice nor looks for gaps.
+pub const NOT_OF_EXACT: [Parameter; 4] = [
+    Parameter::Order,
+    Parameter::Insertion,
+    Parameter::Search,
+    Parameter::Variant,
+];
+
 /// How gaps are filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -79,6 +87,17 @@ pub enum Variant {
     Staged,
     /// Algorithm 4 as printed: the first insertion is interleaved with elimination.
     AsPrinted,
+}
+
+/// What blocks clip from the pattern, and what becomes of it at their seams.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TilingMethod {
+    /// The paper's: samples, of which conflicting ones are eliminated, and others inserted into gaps.
+    #[default]
+    Kdrt,
+    /// Darts in their order of arrival ([`crate::exact_sample`]).
+    Exact,
 }
 
 /// A pattern to generate: a small maximal set that blocks clip from.
@@ -116,6 +135,9 @@ pub struct Parameters {
     pub boundary: Boundary,
     /// Seed of every draw.
     pub seed: u64,
+    /// What blocks clip.
+    #[serde(default)]
+    pub method: TilingMethod,
     /// Shortest edge of a building block, in radii.
     pub leaf: f64,
     /// The pattern that blocks clip from; ignored when an engine is given another one.
@@ -141,6 +163,7 @@ impl Default for Parameters {
             radius: 0.008_36,
             boundary: Boundary::Periodic,
             seed: 1,
+            method: TilingMethod::default(),
             leaf: 30.0,
             pattern: PatternSpec::default(),
             dihedral: false,
@@ -168,6 +191,19 @@ impl Parameters {
         Ok(domain)
     }
 
+    /// Returns these parameters for exact tiling. Where a parameter has no meaning there it has its default.
+    #[must_use]
+    pub fn as_exact(&self) -> Self {
+        Self {
+            method: TilingMethod::Exact,
+            order: Order::default(),
+            insertion: Insertion::default(),
+            search: Search::default(),
+            variant: Variant::default(),
+            ..*self
+        }
+    }
+
     /// Returns the first error in these parameters that does not depend on the radius.
     pub(crate) fn validate_but_radius(&self) -> Result<(), ParameterError> {
         for (name, side) in [("width", self.width), ("height", self.height)] {
@@ -175,10 +211,60 @@ impl Parameters {
         }
         self.leaf_units()?;
         self.pattern.side_units()?;
+        if self.method == TilingMethod::Exact {
+            return self.check_exact();
+        }
         if self.variant == Variant::AsPrinted && self.insertion == Insertion::Uniform {
             return Err(ParameterError::UniformAsPrinted);
         }
         Ok(())
+    }
+
+    /// Returns the pattern that these parameters have if they ask for no other; its boundary is theirs.
+    #[must_use]
+    pub fn usual_pattern(&self) -> PatternSpec {
+        let usual = match self.method {
+            TilingMethod::Kdrt => PatternSpec::default(),
+            TilingMethod::Exact => {
+                let domain =
+                    Domain::from_size([self.width, self.height], self.radius, self.boundary);
+                let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
+                PatternSpec::for_exact(samples, self.seed)
+            }
+        };
+        PatternSpec {
+            boundary: self.pattern.boundary,
+            ..usual
+        }
+    }
+
+    /// Refuses what has no meaning in exact tiling.
+    fn check_exact(&self) -> Result<(), ParameterError> {
+        let plain = self.as_exact();
+        let differs = |parameter: &Parameter| parameter.value(self) != parameter.value(&plain);
+        match NOT_OF_EXACT.into_iter().find(differs) {
+            Some(parameter) => Err(ParameterError::NotOfExact {
+                name: parameter.key(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses runs of other methods than KDRT.
+    pub(crate) const fn check_kdrt(&self) -> Result<(), ParameterError> {
+        match self.method {
+            TilingMethod::Kdrt => Ok(()),
+            TilingMethod::Exact => Err(ParameterError::ExactByKdrt),
+        }
+    }
+
+    /// Refuses runs that the engines on all threads and on GPUs do not make.
+    pub fn check_parallel(&self) -> Result<(), ParameterError> {
+        self.check_kdrt()?;
+        match self.variant {
+            Variant::Staged => Ok(()),
+            Variant::AsPrinted => Err(ParameterError::AsPrintedParallel),
+        }
     }
 
     /// Returns the shortest edge of a block in lattice units.

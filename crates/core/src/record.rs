@@ -166,6 +166,13 @@ pub enum RunEvent {
         /// The number of the iteration, from 1.
         iteration: u32,
     },
+    /// A dart that the pattern refused is to be asked again, since the sample that refused it first is missing.
+    Wake {
+        /// Where it lies.
+        point: Point,
+        /// That sample's id if it was eliminated; `u32::MAX` if the block lacks it from the beginning.
+        behind: u32,
+    },
     /// A dart is thrown.
     Dart {
         /// The place where it lands.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
-use crate::parameters::{Parameters, Variant};
+use crate::parameters::{Parameters, TilingMethod, Variant};
 use crate::pattern::Pattern;
 use crate::random::Key;
 use crate::samples::{Fate, Origin, Sampled, Samples, Sites, Source};
@@ -214,7 +214,9 @@ impl Run {
             stages.push(Stage::Tile);
             // Dropped samples were decided by tiling.
             let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
-            if self.samples.fates.iter().any(decided) {
+            // In exact tiling samples are lost when they arrive, in iterations.
+            let eliminates = self.parameters.method == TilingMethod::Kdrt;
+            if eliminates && self.samples.fates.iter().any(decided) {
                 stages.push(Stage::Eliminate);
             }
         }

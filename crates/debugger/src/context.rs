@@ -74,6 +74,7 @@ impl Context {
                 (self.sample, self.search, self.examined) = (None, None, None);
             }
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
+            RunEvent::Wake { point, .. } => self.dart = Some((point, Verdict::Accepted)),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
             RunEvent::Search {
                 centre,

@@ -10,7 +10,8 @@ use crate::listing::{LineId, Listings};
 use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
-    PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest,
+    PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_KDRT,
+    digest,
 };
 use crate::state::State;
 
@@ -352,7 +353,11 @@ impl Debugger {
     #[must_use]
     pub fn session(&self) -> Session {
         Session {
-            version: VERSION,
+            version: if self.recording.is_exact() {
+                VERSION
+            } else {
+                VERSION_OF_KDRT
+            },
             parameters: self.recording.run().parameters,
             budget: self.budget,
             digest: digest(self.recording.run()),

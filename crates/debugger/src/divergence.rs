@@ -161,6 +161,7 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
         | RunEvent::Call { pivot: sample, .. }
         | RunEvent::Pairs { pivot: sample, .. }
         | RunEvent::Pass { by: sample, .. }
+        | RunEvent::Wake { behind: sample, .. }
         | RunEvent::Insert { sample, .. } => take(sample),
         RunEvent::Test {
             pivot: a, other: b, ..

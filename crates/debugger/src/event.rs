@@ -97,7 +97,7 @@ impl Event {
             | EventKind::Pairs
             | EventKind::Insert => [a, NONE, NONE, NONE],
             EventKind::Test | EventKind::Eliminate | EventKind::Mark => [a, b, NONE, NONE],
-            EventKind::Pass | EventKind::Dart => [c, NONE, NONE, NONE],
+            EventKind::Pass | EventKind::Wake | EventKind::Dart => [c, NONE, NONE, NONE],
             EventKind::Candidate if matches!(self.tags & 7, 3 | 4) => [a, b, c, d],
             EventKind::Candidate => [a, b, c, NONE],
             _ => [NONE; 4],

@@ -59,6 +59,7 @@ kinds! {
     Rank "rank" 2 "Candidates are put in order.",
     Pass "pass" 4 "A candidate is passed over.",
     Insert "insert" 4 "A sample is inserted.",
+    Wake "wake" 4 "A refused dart is to be asked again.",
     Dart "dart" 4 "A dart is thrown.",
     Cut "cut" 4 "An active cell is cut in four.",
     IterationEnd "iteration-end" 1 "An iteration ends.",

@@ -2,8 +2,9 @@
 //! line of the listings is reached by some run.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Insertion, Parameters, RunEvent, Stage, Variant, Verdict};
+use tilescope_core::{Insertion, Parameters, RunEvent, Stage, TilingMethod, Variant, Verdict};
 
+use crate::event::NONE;
 use crate::listing::{LineId, Listings};
 
 /// Finds the lines of a run's events.
@@ -15,16 +16,19 @@ pub enum Lines {
     Darts,
     /// Algorithm 4 as printed.
     Printed,
+    /// Exact tiling.
+    Exact,
 }
 
 impl Lines {
     /// Returns the lines of runs of `parameters`.
     #[must_use]
     pub const fn new(parameters: &Parameters) -> Self {
-        match (parameters.variant, parameters.insertion) {
-            (Variant::AsPrinted, _) => Self::Printed,
-            (Variant::Staged, Insertion::Circumcentre) => Self::Staged,
-            (Variant::Staged, Insertion::Uniform) => Self::Darts,
+        match (parameters.method, parameters.variant, parameters.insertion) {
+            (TilingMethod::Exact, _, _) => Self::Exact,
+            (TilingMethod::Kdrt, Variant::AsPrinted, _) => Self::Printed,
+            (TilingMethod::Kdrt, Variant::Staged, Insertion::Circumcentre) => Self::Staged,
+            (TilingMethod::Kdrt, Variant::Staged, Insertion::Uniform) => Self::Darts,
         }
     }
 
@@ -40,11 +44,12 @@ impl Lines {
     fn name(self, run_event: &RunEvent) -> (&'static str, u8) {
         match *run_event {
             RunEvent::Begin(stage) => self.begin(stage),
-            RunEvent::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
-            RunEvent::Leaf { .. } => ("blocks", 4),
+            _ if self == Self::Exact => exact(run_event),
+            RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Finish { .. } => {
+                shared(run_event)
+            }
             RunEvent::Clip { .. } => ("tile", 2),
             RunEvent::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
-            RunEvent::Finish { .. } => ("finish", 2),
             RunEvent::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
             RunEvent::Rank { .. } => ("insert", 1),
             RunEvent::Pass { .. } => ("insert", 2),
@@ -65,6 +70,7 @@ impl Lines {
     const fn begin(self, stage: Stage) -> (&'static str, u8) {
         match (stage, self) {
             (Stage::Blocks | Stage::Pattern, _) => ("blocks", 1),
+            (Stage::Tile, Self::Exact) => ("exact", 1),
             (Stage::Tile, _) => ("tile", 1),
             (Stage::Eliminate, Self::Printed) => ("printed", 1),
             (Stage::Eliminate, _) => ("eliminate", 1),
@@ -101,6 +107,36 @@ impl Lines {
             RunEvent::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
             _ => ("detect", 3),
         }
+    }
+}
+
+/// Returns the line of an event that all runs have.
+const fn shared(run_event: &RunEvent) -> (&'static str, u8) {
+    match *run_event {
+        RunEvent::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
+        RunEvent::Leaf { .. } => ("blocks", 4),
+        _ => ("finish", 2),
+    }
+}
+
+const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
+    match *run_event {
+        RunEvent::Clip { .. } => ("exact", 2),
+        RunEvent::Tiled { .. } => ("exact", 3),
+        RunEvent::Wake { behind, .. } => ("exact", if behind == NONE { 4 } else { 9 }),
+        RunEvent::Iteration { .. } => ("exact", 5),
+        RunEvent::Dart { ranked: false, .. } => ("exact", 6),
+        RunEvent::Keep { .. } => ("exact", 7),
+        RunEvent::Eliminate { .. } => ("exact", 8),
+        RunEvent::Dart {
+            verdict: Verdict::Accepted,
+            ..
+        } => ("exact", 11),
+        RunEvent::Dart { .. } => ("exact", 10),
+        RunEvent::Insert { .. } => ("exact", 12),
+        RunEvent::Cut { .. } => ("exact", 13),
+        RunEvent::IterationEnd { .. } => ("exact", 14),
+        _ => shared(run_event),
     }
 }
 

@@ -119,7 +119,7 @@ macro_rules! listing {
     };
 }
 
-const TEXTS: [(&str, &str); 9] = [
+const TEXTS: [(&str, &str); 10] = [
     listing!("blocks"),
     listing!("tile"),
     listing!("printed"),
@@ -128,6 +128,7 @@ const TEXTS: [(&str, &str); 9] = [
     listing!("detect"),
     listing!("insert"),
     listing!("darts"),
+    listing!("exact"),
     listing!("finish"),
 ];
 

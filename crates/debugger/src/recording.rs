@@ -1,17 +1,18 @@
 //! A recorded run: the finished run, its tape, and when each sample was born, decided and lost, so that a sample's
 //! status at any cursor takes two comparisons. A recording never changes.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use glam::I64Vec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
     Domain, Fate, Observer, Parameters, Pattern, Point, Run, RunEvent, SampleError, SampleGrid,
-    Sequential, Verdict, sample_recorded,
+    Sequential, TilingMethod, Verdict, sample_recorded,
 };
 
 use crate::context::{Context, NeighbourSearch};
-use crate::event::Event;
+use crate::event::{Event, NONE};
 use crate::index::{BySample, Classes, Direction};
 use crate::kind::EventKind;
 use crate::life::{Life, Status, UNBORN, note_change};
@@ -48,6 +49,16 @@ pub struct MomentNumbers {
     pub follow: fn(&Recording) -> NumberAt,
 }
 
+/// A dart of an exact tiling that is to arrive: it was woken, or thrown where nothing covered it.
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+struct ExpectedDart {
+    point: Point,
+    /// The event that said so.
+    said: u32,
+    /// The event of its arrival.
+    arrival: u32,
+}
+
 /// A recorded run.
 ///
 /// It can be serialised, with its indices, for web workers that share no memory. That is not a file format: only the
@@ -67,6 +78,8 @@ pub struct Recording {
     pub(crate) clips: Vec<u32>,
     /// The first event that accepted each set of sites, sorted.
     gaps: Vec<(Sites, u32)>,
+    /// Of exact tiling, the darts that are to arrive, by place and then by event.
+    expected: Vec<ExpectedDart>,
     /// The first events of phases and iterations.
     pub(crate) begins: Vec<u32>,
     /// The counts of all events before every 1024th.
@@ -80,7 +93,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Runs the sequential engine and records it with about `budget` events at most.
+    /// Runs the sequential engine of the parameters' method and records it with about `budget` events at most.
     pub fn new(
         parameters: &Parameters,
         budget: usize,
@@ -123,6 +136,7 @@ impl Recording {
             leaves: Vec::new(),
             clips: Vec::new(),
             gaps: Vec::new(),
+            expected: Vec::new(),
             begins: Vec::new(),
             tallies: Vec::with_capacity(tape.len() / STRIDE + 1),
             classes: OnceLock::new(),
@@ -152,6 +166,52 @@ impl Recording {
         }
         self.tape = tape;
         self.gaps.sort_unstable();
+        if self.is_exact() {
+            self.expect_darts();
+        }
+    }
+
+    /// Fills the list of the darts that are to arrive.
+    fn expect_darts(&mut self) {
+        let mut arrived = Vec::new();
+        for (index, event) in (0..).zip(self.tape.iter()) {
+            match event.run_event() {
+                Some(
+                    RunEvent::Wake { point, .. }
+                    | RunEvent::Dart {
+                        point,
+                        ranked: false,
+                        verdict: Verdict::Accepted,
+                    },
+                ) => self.expected.push(ExpectedDart {
+                    point,
+                    said: index,
+                    arrival: NONE,
+                }),
+                Some(RunEvent::Dart {
+                    point,
+                    ranked: true,
+                    ..
+                }) => arrived.push((point, index)),
+                _ => {}
+            }
+        }
+
+        self.expected
+            .sort_unstable_by_key(|dart| (dart.point.row_major(), dart.said));
+        for (point, index) in arrived {
+            if let Some(dart) = self.expected_at(point, index as usize) {
+                self.expected[dart].arrival = index;
+            }
+        }
+    }
+
+    /// Returns the last of the expected darts at a place that an event before `end` told.
+    fn expected_at(&self, point: Point, end: usize) -> Option<usize> {
+        let key = (point.row_major(), end as u32);
+        let is_before = |dart: &ExpectedDart| (dart.point.row_major(), dart.said) < key;
+        let last = self.expected.partition_point(is_before).checked_sub(1)?;
+        (self.expected[last].point == point).then_some(last)
     }
 
     fn note(&mut self, run_event: RunEvent, index: u32) {
@@ -174,6 +234,40 @@ impl Recording {
     #[must_use]
     pub const fn run(&self) -> &Run {
         &self.run
+    }
+
+    /// Returns whether it is an exact tiling.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.run.parameters.method == TilingMethod::Exact
+    }
+
+    /// Returns the last event before `end` of an exact tiling that said that a dart at this place is to arrive: that it was
+    /// woken, or thrown at a place that nothing covered.
+    pub(crate) fn expected(&self, point: Point, end: usize) -> Option<u32> {
+        let dart = self.expected_at(point, end)?;
+        Some(self.expected[dart].said)
+    }
+
+    /// Returns the places of the darts of an exact tiling that have been woken or thrown before a cursor, and arrive later.
+    pub fn waiting(&self, cursor: usize) -> impl Iterator<Item = Point> {
+        let waits = move |dart: &&ExpectedDart| {
+            (dart.said as usize) < cursor && dart.arrival as usize >= cursor
+        };
+        self.expected.iter().filter(waits).map(|dart| dart.point)
+    }
+
+    /// Returns the darts that events of an exact tiling refuse, each with its first blocker.
+    pub fn refused(&self, events: Range<usize>) -> impl Iterator<Item = (Point, u32)> {
+        let told = self.tape.from(events.start).take(events.len());
+        told.filter_map(|(_, event)| match event.run_event()? {
+            RunEvent::Dart {
+                point,
+                verdict: Verdict::Covered { by },
+                ..
+            } => Some((point, by)),
+            _ => None,
+        })
     }
 
     /// Returns the tape.
@@ -295,7 +389,9 @@ impl Recording {
                 let at = I64Vec2::from(self.point(detector)?);
                 self.domain().wrap(at + offset.as_i64vec2())
             }
-            RunEvent::Pass { point, .. } | RunEvent::Dart { point, .. } => Some(point),
+            RunEvent::Pass { point, .. }
+            | RunEvent::Wake { point, .. }
+            | RunEvent::Dart { point, .. } => Some(point),
             RunEvent::Cut { cell, .. } => Some(cell),
             _ => self.point(event.samples()[0]),
         }

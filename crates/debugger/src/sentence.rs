@@ -1,5 +1,6 @@
 //! Events in words: one plain sentence each, for the timeline and for screen readers.
 
+mod exact;
 mod gaps;
 mod short;
 
@@ -83,6 +84,9 @@ impl Words<'_> {
     }
 
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
+        if let Some(text) = self.exact(run_event) {
+            return text;
+        }
         match run_event {
             RunEvent::Begin(stage) => self.begin(stage),
             RunEvent::Candidate {

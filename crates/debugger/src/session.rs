@@ -5,14 +5,19 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage, json};
+use tilescope_core::{
+    MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage, TilingMethod, json,
+};
 
 use crate::anchor::Anchor;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
-/// The version of sessions that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 2;
+/// The newest version of sessions that this program reads, and that of exact tilings, which it writes.
+pub const VERSION: u32 = 3;
+
+/// The version of sessions of KDRT's runs, which programs before exact tiling read.
+pub(crate) const VERSION_OF_KDRT: u32 = 2;
 
 /// The largest budget of events in a saved session: 480 MB. On a web page, which has less memory, 120 MB.
 pub const MAX_BUDGET: usize = if cfg!(target_arch = "wasm32") {
@@ -96,7 +101,7 @@ pub struct PatternFile {
 /// A session as it is saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
-    /// The [`VERSION`] of the program that wrote it.
+    /// The version of its form, at most [`VERSION`].
     pub version: u32,
     /// The parameters of the run.
     pub parameters: Parameters,
@@ -120,18 +125,15 @@ pub struct Session {
     pub pattern: Option<PatternFile>,
 }
 
-/// Returns why a run of a method, by its name on the command line, cannot be visited step by step; `None` of KDRT's.
+/// Returns why a run of a method, by its name on the command line, cannot be visited step by step, if so.
 #[must_use]
 pub fn method_refusal(method: &str) -> Option<&'static str> {
     match method {
-        "kdrt" => None,
-        "exact" => Some(
-            "exact tiling makes the finished set and has no steps to visit yet; `tilescope sample --method exact` makes it",
-        ),
+        "kdrt" | "exact" => None,
         "reference" => Some(
             "the steps of the reference sampler are not shown; `tilescope sample --method reference` makes its sets",
         ),
-        _ => Some("there is no such method; kdrt is the one whose steps can be visited"),
+        _ => Some("there is no such method; kdrt and exact are those whose steps can be visited"),
     }
 }
 
@@ -147,8 +149,8 @@ pub enum SessionError {
         /// Its version.
         found: u32,
     },
-    /// It is of another method than KDRT.
-    #[error("the session names a method other than kdrt: {why}")]
+    /// It is of a method whose runs have no steps.
+    #[error("the session names a method whose steps are not shown: {why}")]
     OtherMethod {
         /// Why that cannot be visited.
         why: &'static str,
@@ -212,7 +214,8 @@ pub enum SessionError {
 #[derive(Deserialize)]
 struct Head {
     version: u32,
-    /// Sessions that this program writes have none. One that names another method than KDRT must not pass for a run by KDRT.
+    /// Sessions that this program writes have it among their parameters. One that names another than these must not pass for
+    /// a run by theirs.
     method: Option<String>,
 }
 
@@ -228,7 +231,10 @@ impl Session {
             return Err(SessionError::OtherMethod { why });
         }
 
-        let session: Self = json::from_text(text)?;
+        let mut session: Self = json::from_text(text)?;
+        if method.as_deref() == Some("exact") {
+            session.parameters.method = TilingMethod::Exact;
+        }
         for breakpoint in &session.breakpoints {
             breakpoint.line()?;
         }

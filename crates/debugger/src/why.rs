@@ -1,7 +1,7 @@
 //! Causes and histories: the event that caused an event, and so on up to the split of the KD-tree; and all events of a
 //! sample or a point.
 
-use tilescope_core::{Origin, Point, R, Rect, RunEvent};
+use tilescope_core::{Origin, Point, R, Rect, RunEvent, Verdict};
 
 use crate::event::{Event, NONE};
 use crate::kind::EventKind;
@@ -23,7 +23,8 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Clip { block } => at(&recording.leaves, block),
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
-        RunEvent::Keep { sample, rest } if rest => Some(life(sample)?.born),
+        // In exact tiling a sample's turn is its arrival, which nothing brings about but its tiling.
+        RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),
         RunEvent::Keep { .. } => recording.last_of(EventKind::Take, index).map(|i| i as u32),
         RunEvent::Test { pivot, .. } => Some(life(pivot)?.kept),
         RunEvent::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
@@ -37,6 +38,21 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Pairs { .. } => recording.last_of(EventKind::Call, index).map(|i| i as u32),
         RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
         RunEvent::Pass { by, .. } => Some(life(by)?.born),
+        RunEvent::Wake { behind: NONE, .. } => {
+            recording.last_of(EventKind::Clip, index).map(|i| i as u32)
+        }
+        RunEvent::Wake { behind, .. } => Some(life(behind)?.lost),
+        // Who refused it is why, if anyone did; otherwise why it arrives at all.
+        RunEvent::Dart {
+            verdict: Verdict::Covered { by },
+            ..
+        } if by != NONE => Some(life(by)?.kept),
+        RunEvent::Dart {
+            point,
+            ranked: true,
+            ..
+        } if recording.is_exact() => recording.expected(point, index),
+        RunEvent::Dart { point, .. } if recording.is_exact() => bared(recording, point, index),
         RunEvent::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
         RunEvent::Rank { .. }
         | RunEvent::IterationEnd { .. }
@@ -93,7 +109,11 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     for (index, event) in recording.tape().from(0) {
         if matches!(
             event.kind(),
-            EventKind::Candidate | EventKind::Pass | EventKind::Dart | EventKind::Cut
+            EventKind::Candidate
+                | EventKind::Pass
+                | EventKind::Wake
+                | EventKind::Dart
+                | EventKind::Cut
         ) {
             let near = |p| recording.domain().distance_squared(p, point) <= limit;
             if recording.event_point(event).is_some_and(near) {
@@ -165,6 +185,22 @@ fn cause_of_search(recording: &Recording, centre: u32, index: usize) -> Option<u
         .classes()
         .nearest(index, Direction::Backwards, begins);
     last.map(|event| event as u32)
+}
+
+/// Returns what laid bare a place of an exact tiling: the first loss of a sample of its block that covered it, or else its
+/// block's clip, as the pattern's blocker lies beyond the border.
+fn bared(recording: &Recording, point: Point, index: usize) -> Option<u32> {
+    let leaves = &recording.run().blocks.leaves;
+    let holding = leaves.iter().position(|block| block.rect.contains(point))? as u32;
+    let is_own = |id: &u32| {
+        let origin = recording.run().samples.origins[*id as usize];
+        matches!(origin, Origin::Tiled { block, .. } if block == holding)
+    };
+    let near = recording.ever_near(point, R).into_iter().filter(is_own);
+    let losses = near.filter_map(|id| recording.life(id).map(|life| life.lost));
+    // Samples are lost in the order of their arrival.
+    let first = losses.filter(|&lost| (lost as usize) < index).min();
+    first.or_else(|| at(&recording.clips, holding))
 }
 
 /// Returns the event that examined and accepted the candidate, or the dart.

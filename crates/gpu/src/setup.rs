@@ -3,9 +3,7 @@
 
 use tilescope_core::stages::order::{RankNumbers, Ranking};
 use tilescope_core::windows::{CellPattern, Clipper, lost_reach, reach_cells};
-use tilescope_core::{
-    Domain, Insertion, Key, ParameterError, Parameters, Pattern, R, SampleError, Search, Variant,
-};
+use tilescope_core::{Domain, Insertion, Key, Parameters, Pattern, R, SampleError, Search};
 
 /// Words of a pattern's shape: sides, columns, where its cells and its points begin, whether it repeats.
 const SHAPE_WORDS: u32 = 6;
@@ -37,10 +35,7 @@ impl Setup {
         sources: bool,
     ) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
-        // Its result depends on the sequence of one loop over all samples, which passes do not have.
-        if parameters.variant == Variant::AsPrinted {
-            return Err(ParameterError::AsPrintedParallel.into());
-        }
+        parameters.check_parallel()?;
 
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;

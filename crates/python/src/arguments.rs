@@ -9,16 +9,15 @@ use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
 use tilescope_core::{
-    MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterError, ParameterKind, Parameters, Pattern,
-    Search, WithinLevel, radius_estimate,
+    MAXIMAL_DENSITY, NOT_OF_EXACT, NestedRequest, Parameter, ParameterError, ParameterKind,
+    Parameters, Pattern, Search, WithinLevel, radius_estimate,
 };
 use tilescope_formats::{Format, Overrides, positions_digest};
-use tilescope_sets::{
-    GivenPattern, KnownDomain, NOT_OF_EXACT, Recipe, Stated, exact_pattern, stated,
-};
+use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, stated};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
+use crate::sample::SetMethod;
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -171,7 +170,8 @@ fn parameters_of(
     // In the order of the caller, so that the first wrong argument is the one that is named.
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
-        let mut all = Parameter::all();
+        // The method is an argument of its own, with the reference sampler among its values.
+        let mut all = Parameter::all().filter(|it| *it != Parameter::Method);
         let Some(parameter) = all.find(|it| it.key().replace('-', "_") == name) else {
             return Err(PyTypeError::new_err(format!(
                 "there is no parameter {name}"
@@ -385,17 +385,24 @@ impl RunRequest {
 }
 
 impl RunRequest {
+    /// Returns the recipe for a method.
+    pub fn recipe_for(&self, method: SetMethod) -> PyResult<Recipe> {
+        match method {
+            SetMethod::Exact => self.exact_recipe(),
+            SetMethod::Kdrt | SetMethod::Reference => Ok(self.recipe.clone()),
+        }
+    }
+
     /// Returns the recipe for exact tiling, and refuses by their names the arguments that it has no use for.
-    pub fn exact_recipe(&self) -> PyResult<Recipe> {
+    fn exact_recipe(&self) -> PyResult<Recipe> {
         let asked = &self.recipe.parameters;
         if self.recipe.pattern.is_some() {
             let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
             return Err(refused(text));
         }
         let defaults = Parameters::default();
-        let is_unused = |it: &Parameter| {
-            NOT_OF_EXACT.contains(&it.key()) && it.value(asked) != it.value(&defaults)
-        };
+        let is_unused =
+            |it: &Parameter| NOT_OF_EXACT.contains(it) && it.value(asked) != it.value(&defaults);
         if let Some(unused) = Parameter::all().find(is_unused) {
             let name = unused.key();
             return Err(refused(&format!(

@@ -101,10 +101,7 @@ pub fn sample<'py>(
     // With a count the radius is an estimate, which is near enough.
     let limited = request.recipe.parameters.validate_sequential();
     check_method(request, method)?;
-    let recipe = match method {
-        SetMethod::Exact => request.exact_recipe()?,
-        SetMethod::Kdrt | SetMethod::Reference => request.recipe.clone(),
-    };
+    let recipe = request.recipe_for(method)?;
 
     let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
     let making = match (method, &request.nested) {

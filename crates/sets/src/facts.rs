@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_analysis::{PrefixClaim, Region};
-use tilescope_core::{Domain, Summary};
+use tilescope_core::{Domain, Parameter, Summary};
 use tilescope_formats::{ExportContext, VaryingDomain};
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{FormatError, bytes_digest, read_whole};
@@ -16,12 +16,14 @@ use crate::domain::region;
 /// Parameters by their names, as certificates state them.
 pub type Stated = BTreeMap<String, Value>;
 
-/// Returns the fields of parameters by their names; none of what is no struct.
+/// Returns the fields of parameters by their names; none of what is no struct. The method is stated beside them.
 pub fn stated(parameters: &impl Serialize) -> Stated {
-    match json!(parameters) {
+    let mut stated: Stated = match json!(parameters) {
         Value::Object(fields) => fields.into_iter().collect(),
         _ => Stated::new(),
-    }
+    };
+    stated.remove(Parameter::Method.key());
+    stated
 }
 
 /// How a set was made, apart from its points, and what a verdict on it is about.

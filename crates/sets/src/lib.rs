@@ -40,9 +40,7 @@ pub use facts::named_by_content;
 pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
-pub use recipe::{
-    EXACT_PAYS_FROM, GivenPattern, NOT_OF_EXACT, Recipe, Settled, exact_pattern, facts_of_exact,
-};
+pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
 pub use varying::{
     Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION,
     MAX_PIXELS, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,

@@ -24,38 +24,6 @@ use crate::stages::order::Ranking;
 use crate::stages::tile::tile;
 use crate::stages::uniform::gap_process;
 
-/// Returns the finished run of `parameters`, with the pattern that they describe.
-///
-/// The result is conflict-free (no two samples within the radius) and, with the complete search,
-/// maximal (covering radius at most (1 + 2^-15) r). Equal parameters give equal results, bit for
-/// bit, on every machine.
-///
-/// ```
-/// use tilescope_core::{Parameters, Unobserved, sample};
-///
-/// let parameters = Parameters { radius: 0.02, ..Parameters::default() };
-/// let run = sample(&parameters, &mut Unobserved)?;
-/// assert_eq!(run.positions().len(), run.summary().count);
-/// assert!((1650..1850).contains(&run.summary().count));
-/// # Ok::<(), tilescope_core::SampleError>(())
-/// ```
-pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
-    sample_recorded(parameters, observer, &mut Unrecorded)
-}
-
-/// Like [`sample`], and reports every event to `recorder`. Recording does not change the result.
-pub fn sample_recorded<T: Recorder>(
-    parameters: &Parameters,
-    observer: &mut dyn Observer,
-    recorder: &mut T,
-) -> Result<Run, SampleError> {
-    parameters.validate_sequential()?;
-    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
-    let mut engine = Sequential::new(parameters, pattern)?;
-    while engine.step_recorded(observer, recorder)?.is_some() {}
-    Ok(engine.run)
-}
-
 /// The engine between two stages.
 pub struct Sequential {
     run: Run,
@@ -81,6 +49,7 @@ impl Sequential {
     /// `pattern` need not be the one that the parameters describe; it may come from a file.
     pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
         let domain = parameters.validate_sequential()?;
+        parameters.check_kdrt()?;
         pattern.check_domain(&domain)?;
         let key = Key::from_seed(parameters.seed);
         Ok(Self {

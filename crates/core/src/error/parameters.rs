@@ -142,6 +142,19 @@ pub enum ParameterError {
         "the parallel engine runs the staged variant; Algorithm 4 as printed needs the sequential engine"
     )]
     AsPrintedParallel,
+    /// Exact tiling has no choice of this kind.
+    #[error(
+        "the {name} has no meaning in exact tiling, which keeps whatever arrived first; leave it at its default"
+    )]
+    NotOfExact {
+        /// The parameter's name.
+        name: &'static str,
+    },
+    /// Engines of KDRT clip samples, and exact tiling clips darts.
+    #[error(
+        "exact tiling takes all darts of a generated pattern, which neither a given pattern nor the engines of KDRT have"
+    )]
+    ExactByKdrt,
     /// A window is empty, or larger than the domain.
     #[error(
         "the window's {name} runs from {} to {}; it must be finite, above 0 and at most {} long",

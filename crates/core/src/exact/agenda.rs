@@ -64,6 +64,11 @@ impl Agenda {
         known.len()
     }
 
+    /// Returns whether nothing is known to arrive with a level and those after it.
+    pub(crate) fn is_empty_from(&self, level: u32) -> bool {
+        self.levels[level as usize..].iter().all(Vec::is_empty)
+    }
+
     /// Returns what arrives next with the level.
     pub(crate) fn next(&mut self) -> Option<Arriving> {
         let level = self.deciding?;

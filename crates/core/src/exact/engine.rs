@@ -4,6 +4,8 @@
 //! It works on a whole domain or on a part of the plane, beyond which nothing is known. There, a dart that no certain sample
 //! covers is *doubtful* if something unknown or something doubtful that is earlier may cover it.
 
+use std::sync::Arc;
+
 use glam::{I64Vec2, IVec2};
 
 use crate::engine::parallel::claim::tiled_tag;
@@ -14,7 +16,7 @@ use crate::engine::parallel::gaps::inserted_tag;
 use crate::engine::parallel::sweep::sampled;
 use crate::engine::parallel::window_maker::WindowSamples;
 use crate::error::SampleError;
-use crate::exact::agenda::{Agenda, What};
+use crate::exact::agenda::{Agenda, Arriving, What};
 use crate::exact::bare::{MARK_SIDE, MarkedCells, OpenCells, PieceCell};
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
@@ -26,9 +28,14 @@ use crate::parameters::Parameters;
 use crate::pattern::Symmetry;
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
-use crate::run::Run;
+use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
+use crate::run::{Iteration, Run};
+use crate::samples::{Fate, Origin, Sites};
 use crate::stage::Stage;
+use crate::stages::blocks::split_recorded;
 use crate::stages::darts::LAST_LEVEL;
+use crate::stages::disks::Cell;
+use crate::stages::tile::Tile;
 
 /// Returns the exact tiling of a domain with the pattern of `history`.
 ///
@@ -56,12 +63,55 @@ pub fn exact_sample(
     clipper.count_blocks();
 
     let mut tiling = ExactTiling::new(history);
-    tiling.run(&clipper, Ground::whole(&domain), observer)?;
+    let ground = Ground::whole(&domain);
+    tiling.run(&clipper, ground, observer, &mut Unrecorded)?;
     let mut samples = WindowSamples::default();
     tiling.emit(true, &mut samples);
     let summary = samples.counts.summary(samples.points.len() as u64);
     let sampled = sampled(samples.points, samples.tags, true);
-    Run::of_result(parameters, history.pattern(), sampled, summary)
+    Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
+}
+
+/// Like [`exact_sample`], and reports events to `recorder`. The samples are the same; the run has all of them, also those
+/// that were lost, with the sample that covers each of these first.
+///
+/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
+/// or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival is an event.
+pub fn exact_recorded<T: Recorder>(
+    parameters: &Parameters,
+    history: &PatternHistory,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Run, SampleError> {
+    if !T::ENABLED {
+        // The run has all samples and their fates, whoever listens.
+        return exact_recorded(parameters, history, observer, &mut Unheard);
+    }
+    let domain = parameters.validate_sequential()?;
+    let mut clipper = clipper(parameters, history)?;
+    clipper.count_blocks();
+    let pattern = Arc::clone(history.pattern());
+    let mut run = Run::new(&parameters.as_exact(), domain, pattern);
+
+    recorder.record(RunEvent::Begin(Stage::Blocks));
+    let (leaf, key) = (parameters.leaf_units()?, Key::from_seed(parameters.seed));
+    run.blocks = split_recorded(&domain, leaf, key, recorder);
+    let mut tiling = ExactTiling::new(history);
+    tiling.run(&clipper, Ground::whole(&domain), observer, recorder)?;
+
+    recorder.record(RunEvent::Begin(Stage::Finish));
+    tiling.into_run(&mut run);
+    recorder.record(RunEvent::Finish {
+        count: run.result.len() as u32,
+    });
+    Ok(run)
+}
+
+/// The recorder that is told all events, and forgets them.
+struct Unheard;
+
+impl Recorder for Unheard {
+    fn record(&mut self, _: RunEvent) {}
 }
 
 /// Returns what finds the blocks of a run, and the samples that they clip.
@@ -79,6 +129,11 @@ pub(crate) fn clipper(
         pattern,
         parameters.dihedral,
     ))
+}
+
+/// Returns the iteration in which a dart counts as inserted.
+fn iteration_of(arrival: Arrival) -> u32 {
+    arrival.level().max(1)
 }
 
 /// A part of a block on the ground.
@@ -108,6 +163,19 @@ pub(crate) struct ExactTiling<'a> {
     side: i32,
     open: OpenCells,
     near: SamplesNear,
+    /// Of a recorded tiling, what it keeps of each level.
+    kept: KeptLevels,
+}
+
+/// What a recorded tiling keeps beside its samples.
+#[derive(Default)]
+struct KeptLevels {
+    /// Lost samples, each with its first blocker.
+    losses: Vec<[u32; 2]>,
+    /// Iterations: the first has levels 0 and 1, the kth has level k.
+    iterations: Vec<Iteration>,
+    /// The last thing that was decided.
+    last: Option<Arriving>,
 }
 
 impl<'a> ExactTiling<'a> {
@@ -124,36 +192,79 @@ impl<'a> ExactTiling<'a> {
             side: R,
             open: OpenCells::default(),
             near: SamplesNear::default(),
+            kept: KeptLevels::default(),
         }
     }
 
     /// Makes the samples of a ground.
-    pub(crate) fn run(
+    pub(crate) fn run<T: Recorder>(
         &mut self,
         clipper: &Clipper,
         ground: Ground,
         observer: &mut dyn Observer,
+        recorder: &mut T,
     ) -> Result<(), SampleError> {
         clipper.blocks(&ground.frame, &mut self.blocks)?;
         self.present.reset(ground);
         self.agenda.clear();
-        self.tile(clipper, observer)?;
+        self.tile(clipper, observer, recorder)?;
 
         // The darts of the first levels wait in the history.
+        self.begin(1, recorder);
         for level in 0..LATE_LEVEL {
-            self.settle(level, Stage::Eliminate, observer)?;
+            self.settle(level, Stage::Iterate(1), observer, recorder)?;
         }
         // Those of later levels are thrown where something changed.
         self.open_borders();
         for level in LATE_LEVEL..=LAST_LEVEL {
-            self.throw(level);
-            self.settle(level, Stage::Iterate(level), observer)?;
+            self.cut(level, recorder);
+            self.end(recorder);
+            if self.open.cells.is_empty() && self.agenda.is_empty_from(level) {
+                return Ok(());
+            }
+            self.begin(level, recorder);
+            self.throw(0, level, None, recorder);
+            self.settle(level, Stage::Iterate(level), observer, recorder)?;
         }
+        self.end(recorder);
         Ok(())
     }
 
+    /// Begins an iteration.
+    fn begin<T: Recorder>(&mut self, number: u32, recorder: &mut T) {
+        if T::ENABLED {
+            let first = self.present.samples().len() as u32;
+            self.kept.iterations.push(Iteration {
+                inserted: first..first,
+                ..Iteration::default()
+            });
+            recorder.record(RunEvent::Iteration {
+                number,
+                detectors: self.open.cells.len() as u32,
+            });
+        }
+    }
+
+    /// Ends the iteration that has begun last.
+    fn end<T: Recorder>(&mut self, recorder: &mut T) {
+        let number = self.kept.iterations.len() as u32;
+        if let Some(iteration) = self.kept.iterations.last_mut() {
+            iteration.inserted.end = self.present.samples().len() as u32;
+            recorder.record(RunEvent::IterationEnd {
+                number,
+                inserted: iteration.inserted.len() as u32,
+            });
+        }
+    }
+
     /// Lays down every block's own samples.
-    fn tile(&mut self, clipper: &Clipper, observer: &mut dyn Observer) -> Result<(), SampleError> {
+    fn tile<T: Recorder>(
+        &mut self,
+        clipper: &Clipper,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
+        recorder.record(RunEvent::Begin(Stage::Tile));
         self.tiles.clear();
         self.cells.clear();
         self.fresh.clear();
@@ -166,8 +277,9 @@ impl<'a> ExactTiling<'a> {
         for block in &blocks {
             // Some blocks reach onto the ground with their margins alone.
             if let Some(rect) = block.rect.within(&all) {
+                recorder.record(RunEvent::Clip { block: block.index });
                 self.add_tile(block, rect);
-                self.clip(clipper, block);
+                self.clip(clipper, block, recorder);
             }
             meter.tick()?;
         }
@@ -201,7 +313,7 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Lays down the samples of a clip that lie in the last tile. Those around it are missing from the beginning.
-    fn clip(&mut self, clipper: &Clipper, block: &PlacedBlock) {
+    fn clip<T: Recorder>(&mut self, clipper: &Clipper, block: &PlacedBlock, recorder: &mut T) {
         let tile = self.tiles.len() as u32 - 1;
         let rect = self.tiles[tile as usize].rect;
         let reach = i64::from(R);
@@ -215,13 +327,18 @@ impl<'a> ExactTiling<'a> {
         clipper.clip(block, &around, &target, |x, y, pattern| {
             let place = Point::new(x, y);
             if !rect.contains(place) {
-                self.wake(tile, place, pattern);
+                self.wake(tile, place, pattern, u32::MAX, recorder);
                 return;
             }
 
             let id = self.present.add(place, tile, pattern);
-            // A sample of another block can cover only what is within r of the border.
-            if rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
+            recorder.record(RunEvent::Tiled {
+                sample: id,
+                block: block.index,
+                inside: true,
+            });
+            // A sample of another block can cover only what is within r of the border. In a recording all arrive.
+            if T::ENABLED || rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
             }
@@ -234,8 +351,16 @@ impl<'a> ExactTiling<'a> {
             && self.history.arrival(pattern).level() >= LATE_LEVEL
     }
 
-    /// Decides again about the darts whose first blocker, a sample of the pattern, is missing at `place` of the ground or doubtful.
-    fn wake(&mut self, tile: u32, place: Point, pattern: u32) {
+    /// Decides again about the darts whose first blocker, a sample of the pattern, is missing at `place` of the ground or
+    /// doubtful. Its id is `behind` if it was laid down.
+    fn wake<T: Recorder>(
+        &mut self,
+        tile: u32,
+        place: Point,
+        pattern: u32,
+        behind: u32,
+        recorder: &mut T,
+    ) {
         let history = self.history;
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
         for waiting in history.waiting(pattern) {
@@ -249,23 +374,31 @@ impl<'a> ExactTiling<'a> {
                     place: self.present.in_domain(tile, place),
                 };
                 self.agenda.add(dart, What::Dart(tile));
+                recorder.record(RunEvent::Wake {
+                    point: dart.place,
+                    behind,
+                });
             }
         }
     }
 
     /// Decides what arrives with a level, in order.
-    fn settle(
+    fn settle<T: Recorder>(
         &mut self,
         level: u32,
         stage: Stage,
         observer: &mut dyn Observer,
+        recorder: &mut T,
     ) -> Result<(), SampleError> {
         let known = self.agenda.begin(level);
         let mut meter = Meter::begin(observer, stage, known as u64)?;
         while let Some(next) = self.agenda.next() {
-            match next.what {
-                What::Sample(id) => self.decide_sample(id, &next.dart),
-                What::Dart(tile) => self.decide_dart(&next.dart, tile),
+            // What is to be decided twice, which changes nothing, arrives once.
+            if !T::ENABLED || self.kept.last.replace(next) != Some(next) {
+                match next.what {
+                    What::Sample(id) => self.decide_sample(id, &next.dart, recorder),
+                    What::Dart(tile) => self.decide_dart(&next.dart, tile, recorder),
+                }
             }
             meter.tick()?;
         }
@@ -273,34 +406,55 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Loses a sample if an earlier one covers it. Everything earlier is final.
-    fn decide_sample(&mut self, id: u32, dart: &PlacedDart) {
+    fn decide_sample<T: Recorder>(&mut self, id: u32, dart: &PlacedDart, recorder: &mut T) {
         let sample = *self.present.get(id);
         let (Some(pattern), Presence::Certain) = (sample.pattern(), sample.presence) else {
             return;
         };
         match self.present.presence(dart, sample.tile) {
-            Presence::Certain => return,
+            Presence::Certain => {
+                let rest =
+                    T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
+                recorder.record(RunEvent::Keep { sample: id, rest });
+                return;
+            }
             Presence::Doubtful => self.present.doubt(id),
-            Presence::Lost => self.present.lose(id),
+            Presence::Lost => {
+                if T::ENABLED {
+                    let by = self.blocker(dart, sample.tile);
+                    self.kept.losses.push([id, by]);
+                    recorder.record(RunEvent::Eliminate { sample: id, by });
+                }
+                self.present.lose(id);
+            }
         }
 
-        self.wake(sample.tile, sample.place, pattern);
+        self.wake(sample.tile, sample.place, pattern, id, recorder);
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
         self.cells.mark_disk(pieces, dart.place, &mut self.fresh);
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
             // What the cells threw before would have been refused by others.
-            self.throw_fresh(level, Some(dart));
+            let first = self.open.cells.len();
+            self.cut_fresh(level, Some(dart), recorder);
+            self.throw(first, level, Some(dart), recorder);
         }
     }
 
     /// Makes a dart a sample if it is none, and no earlier one covers it.
-    fn decide_dart(&mut self, dart: &PlacedDart, tile: u32) {
+    fn decide_dart<T: Recorder>(&mut self, dart: &PlacedDart, tile: u32, recorder: &mut T) {
         if self.present.has(dart, tile) {
             return;
         }
         let presence = self.present.presence(dart, tile);
+        if T::ENABLED {
+            recorder.record(RunEvent::Dart {
+                point: dart.place,
+                ranked: true,
+                verdict: self.verdict(dart, tile, presence == Presence::Lost),
+            });
+        }
         if presence == Presence::Lost {
             return;
         }
@@ -308,7 +462,27 @@ impl<'a> ExactTiling<'a> {
         let mut later = Vec::new();
         self.present.later(dart, tile, |id| later.push(id));
         self.await_samples(&later);
-        self.present.insert(*dart, tile, presence);
+        let id = self.present.insert(*dart, tile, presence);
+        recorder.record(RunEvent::Insert {
+            sample: id,
+            iteration: iteration_of(dart.arrival),
+        });
+    }
+
+    /// Returns the verdict on a dart, with its first blocker if one covers it.
+    fn verdict(&self, dart: &PlacedDart, tile: u32, is_covered: bool) -> Verdict {
+        if is_covered {
+            let by = self.blocker(dart, tile);
+            Verdict::Covered { by }
+        } else {
+            Verdict::Accepted
+        }
+    }
+
+    /// Returns the id of the first blocker of a dart that an earlier sample covers.
+    fn blocker(&self, dart: &PlacedDart, tile: u32) -> u32 {
+        let first = self.present.first_blocker(dart, tile);
+        first.expect("an earlier sample covers it")
     }
 
     /// Decides about samples again when they arrive.
@@ -329,43 +503,64 @@ impl<'a> ExactTiling<'a> {
         }
     }
 
-    /// Throws the darts of a level into all open cells.
-    fn throw(&mut self, level: u32) {
-        let from = Arrival::new(level, 0, 0);
-        let (side, before) = (R >> level, self.side);
+    /// Cuts all cells for a level: those that throw darts, and those that were marked.
+    fn cut<T: Recorder>(&mut self, level: u32, recorder: &mut T) {
+        let before = std::mem::replace(&mut self.side, R >> level);
         for cell in std::mem::take(&mut self.open.cells) {
-            let decided = self.present.before(from);
-            self.cells
-                .cut(cell, before, side, decided, &mut self.near, &mut self.open);
+            self.cut_cell(cell, before, level, recorder);
         }
-        self.side = side;
-        self.add_zones(from);
-
-        for index in 0..self.open.cells.len() {
-            self.throw_into(self.open.cells[index], level, None);
-        }
-        self.throw_fresh(level, None);
+        self.cut_fresh(level, None, recorder);
     }
 
-    /// Throws the darts of a level into cells that were marked, those later than `after`.
-    fn throw_fresh(&mut self, level: u32, after: Option<&PlacedDart>) {
-        let from = Arrival::new(level, 0, 0);
-        let first = self.open.cells.len();
-        for cell in self.fresh.drain(..) {
-            let (side, decided) = (R >> level, self.present.before(from));
-            self.cells.cut(
-                cell,
-                MARK_SIDE,
-                side,
-                decided,
-                &mut self.near,
-                &mut self.open,
-            );
+    /// Cuts the cells that were marked for a level, of which darts later than `after` are to be thrown.
+    fn cut_fresh<T: Recorder>(&mut self, level: u32, after: Option<&PlacedDart>, recorder: &mut T) {
+        let mut fresh = std::mem::take(&mut self.fresh);
+        for cell in fresh.drain(..) {
+            self.cut_cell(cell, MARK_SIDE, level, recorder);
         }
-        self.add_zones(after.map_or(from, |after| after.arrival));
+        self.fresh = fresh;
+        self.add_zones(after.map_or(Arrival::new(level, 0, 0), |after| after.arrival));
+    }
 
+    fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
+        let first = self.open.cells.len();
+        let decided = self.present.before(Arrival::new(level, 0, 0));
+        let (near, open) = (&mut self.near, &mut self.open);
+        self.cells.cut(cell, side, R >> level, decided, near, open);
+
+        if T::ENABLED {
+            let square = self.square(cell, side);
+            recorder.record(RunEvent::Cut {
+                cell: square.min,
+                side,
+                kept: (self.open.cells.len() - first) as u32,
+            });
+        }
+    }
+
+    /// Returns where the domain has a cell of the pattern. At the border of a block a part of it is missing.
+    fn square(&self, cell: PieceCell, side: i32) -> Cell {
+        let placed = self.cells.placed(cell, side);
+        let min = placed.map_or(cell.min, |placed| placed.min);
+        Cell { min, side }
+    }
+
+    /// Throws the darts of a level into the open cells from the one at `first` on, those later than `after`.
+    fn throw<T: Recorder>(
+        &mut self,
+        first: usize,
+        level: u32,
+        after: Option<&PlacedDart>,
+        recorder: &mut T,
+    ) {
+        if let Some(iteration) = self.kept.iterations.pop() {
+            let cells = self.open.cells[first..].iter();
+            let squares = cells.map(|cell| self.square(*cell, self.side));
+            let cells = iteration.cells.into_iter().chain(squares).collect();
+            self.kept.iterations.push(Iteration { cells, ..iteration });
+        }
         for index in first..self.open.cells.len() {
-            self.throw_into(self.open.cells[index], level, after);
+            self.throw_into(self.open.cells[index], level, after, recorder);
         }
     }
 
@@ -383,7 +578,13 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Throws the darts of a level into a cell, those later than `after`.
-    fn throw_into(&mut self, cell: PieceCell, level: u32, after: Option<&PlacedDart>) {
+    fn throw_into<T: Recorder>(
+        &mut self,
+        cell: PieceCell,
+        level: u32,
+        after: Option<&PlacedDart>,
+        recorder: &mut T,
+    ) {
         let history = self.history;
         let piece = self.cells.pieces()[cell.piece as usize];
         for (arrival, source) in history.darts().of_cell(level, cell.min) {
@@ -395,9 +596,24 @@ impl<'a> ExactTiling<'a> {
                 source,
                 place: piece.place(source),
             };
-            let is_later = after.is_none_or(|after| dart > *after);
+            if after.is_some_and(|after| dart <= *after) {
+                continue;
+            }
+            // A present sample's own dart: in a recording it arrives as the sample.
+            if T::ENABLED && self.present.has(&dart, piece.tile) {
+                continue;
+            }
+
             let decided = self.present.before(Arrival::new(level, 0, 0));
-            if is_later && !decided.covers(piece.tile, dart.place) {
+            let is_covered = decided.covers(piece.tile, dart.place);
+            if T::ENABLED {
+                recorder.record(RunEvent::Dart {
+                    point: dart.place,
+                    ranked: false,
+                    verdict: self.verdict(&dart, piece.tile, is_covered),
+                });
+            }
+            if !is_covered {
                 self.agenda.add(dart, What::Dart(piece.tile));
             }
         }
@@ -450,7 +666,50 @@ impl<'a> ExactTiling<'a> {
 
     /// Returns the iteration in which a sample counts as inserted.
     fn iteration(&self, sample: &ArrivedSample) -> u32 {
-        self.present.arrival(sample).level().max(1)
+        iteration_of(self.present.arrival(sample))
+    }
+
+    /// Moves all samples of a recorded tiling into its run, with their fates, and what was kept of the levels.
+    fn into_run(self, run: &mut Run) {
+        for sample in self.present.samples() {
+            let origin = match sample.pattern() {
+                Some(pattern) => Origin::Tiled {
+                    block: self.tiles[sample.tile as usize].block,
+                    pattern,
+                    own: true,
+                },
+                None => Origin::Inserted {
+                    iteration: self.iteration(sample),
+                    sites: Sites::Dart,
+                },
+            };
+            let place = self.present.in_domain(sample.tile, sample.place);
+            run.samples.push(place, origin, Fate::Kept);
+        }
+        for &[sample, by] in &self.kept.losses {
+            run.samples.fates[sample as usize] = Fate::Eliminated { by };
+        }
+
+        let all = self.present.ground().rect();
+        let on_ground = |block: &&PlacedBlock| block.rect.within(&all).is_some();
+        let starts = self
+            .blocks
+            .iter()
+            .filter(on_ground)
+            .map(|block| block.start);
+        let samples = self.present.samples();
+        let tiled = samples.partition_point(|sample| sample.pattern().is_some());
+        let first_of = |tile| samples[..tiled].partition_point(|sample| sample.tile < tile) as u32;
+        let tiles = (0..).zip(&self.tiles).zip(starts);
+        run.tiles = tiles
+            .map(|((tile, held), start)| Tile {
+                start,
+                symmetry: held.symmetry,
+                samples: first_of(tile)..first_of(tile + 1),
+            })
+            .collect();
+        run.iterations = self.kept.iterations;
+        run.result = run.samples.kept();
     }
 
     /// Counts what the window has.
@@ -510,7 +769,7 @@ mod tests {
     fn whoever_observes_may_stop_it() {
         let parameters = parameters(60.0);
         let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-        for stopped in [Stage::Tile, Stage::Eliminate, Stage::Iterate(3)] {
+        for stopped in [Stage::Tile, Stage::Iterate(1), Stage::Iterate(3)] {
             let mut stop = |progress: crate::progress::Progress| {
                 if progress.stage == stopped {
                     std::ops::ControlFlow::Break(())

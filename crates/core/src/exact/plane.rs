@@ -11,6 +11,7 @@ use crate::lattice::{Domain, Rect};
 use crate::parameters::Parameters;
 use crate::pool::Pool;
 use crate::progress::{Observer, Unobserved};
+use crate::record::Unrecorded;
 use crate::run::Run;
 
 /// The first width of the halo in cells. Of 180,000 r of border, nothing farther than 6.5 r was doubtful.
@@ -88,7 +89,7 @@ impl WindowMaker for ExactPlane<'_> {
         let mut halo = HALO;
         loop {
             let ground = Ground::around(&self.domain, window, halo);
-            tiling.run(&self.clipper, ground, &mut Unobserved)?;
+            tiling.run(&self.clipper, ground, &mut Unobserved, &mut Unrecorded)?;
             if !tiling.is_doubtful() {
                 break;
             }
@@ -113,7 +114,7 @@ pub fn exact_sample_parallel(
 ) -> Result<Run, SampleError> {
     let sweep = ExactPlane::new(parameters, history)?.sweep(true);
     let (sampled, summary) = sweep.finish(observer)?;
-    Run::of_result(parameters, history.pattern(), sampled, summary)
+    Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
 }
 
 #[cfg(test)]
@@ -127,7 +128,10 @@ mod tests {
     fn computed(plane: &ExactPlane<'_>, window: &Rect, halo: i32) -> (Vec<Point>, bool) {
         let mut tiling = ExactTiling::new(plane.history);
         let ground = Ground::around(&plane.domain, window, halo);
-        tiling.run(&plane.clipper, ground, &mut Unobserved).unwrap();
+        let (observer, recorder) = (&mut Unobserved, &mut Unrecorded);
+        tiling
+            .run(&plane.clipper, ground, observer, recorder)
+            .unwrap();
         let mut samples = WindowSamples::default();
         tiling.emit(false, &mut samples);
         (samples.points, tiling.is_doubtful())

@@ -199,8 +199,8 @@ impl<'a> PresentSamples<'a> {
         })
     }
 
-    /// Adds a dart that is, or may be, a sample here alone.
-    pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32, presence: Presence) {
+    /// Adds a dart that is, or may be, a sample here alone, and returns its id.
+    pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32, presence: Presence) -> u32 {
         let number = FIRST_INSERTED + self.inserted.len() as u32;
         self.inserted.push(dart);
         self.push(ArrivedSample {
@@ -208,7 +208,7 @@ impl<'a> PresentSamples<'a> {
             tile,
             number,
             presence,
-        });
+        })
     }
 
     #[inline]
@@ -256,6 +256,20 @@ impl<'a> PresentSamples<'a> {
         } else {
             Presence::Certain
         }
+    }
+
+    /// Returns the id of the earliest sample that covers a dart and arrived before it.
+    pub(crate) fn first_blocker(&self, dart: &PlacedDart, tile: u32) -> Option<u32> {
+        let mut first: Option<(PlacedDart, u32)> = None;
+        self.any_near(&single(self.on_ground(tile, dart.place)), |id, offset| {
+            let other = self.dart(self.get(id));
+            let is_first = other < *dart && first.is_none_or(|(earliest, _)| other < earliest);
+            if covers_offset(offset) && is_first {
+                first = Some((other, id));
+            }
+            false
+        });
+        first.map(|(_, id)| id)
     }
 
     /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.

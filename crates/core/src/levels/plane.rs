@@ -13,7 +13,9 @@ use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
     Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
 };
-use crate::parameters::{Insertion, Order, Parameters, Search, Variant, check_sequential};
+use crate::parameters::{
+    Insertion, Order, Parameters, Search, TilingMethod, Variant, check_sequential,
+};
 use crate::pattern::Symmetry;
 use crate::pool::Pool;
 use crate::progress::{Meter, Observer, Progress};
@@ -566,6 +568,7 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
 
     // Nested levels are defined for one choice of each (see the head of `levels`).
     let choices = [
+        ("exact tiling", parameters.method != TilingMethod::default()),
         (
             "the order of elimination",
             parameters.order != Order::default(),

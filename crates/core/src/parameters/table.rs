@@ -191,6 +191,15 @@ parameters! {
         "seed", "The number from which all random choices follow. The same seed gives the same points everywhere.";
         "S", "Seed of every draw: any 64-bit number";
 
+    Method, "method", Tiling, choice![method;
+        "kdrt", "Samples are clipped, conflicts eliminated and gaps filled";
+            "KDRT", "The paper's method: samples are clipped, conflicts eliminated and gaps filled. Seams are a little denser.";
+        "exact", "Darts are clipped with their order of arrival: no bias at seams";
+            "exact tiling", "Darts are clipped with their order of arrival, and the one that came first stays. Seams have no bias.";
+    ];
+        "method", "What blocks clip from the pattern: its samples, as in the paper, or all of its darts with their order of arrival.";
+        "METHOD", "What blocks clip";
+
     Leaf, "leaf", Tiling, ParameterKind::Real { place: |p| &mut p.leaf, unit: "r", limits: [MIN_LEAF_RADII, f64::MAX] };
         "smallest block", "";
         "LEAF", "Shortest edge of a building block, in radii: any number of at least 6";

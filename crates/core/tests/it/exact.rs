@@ -9,7 +9,8 @@ use tilescope_analysis::{Region, VerifyOptions, verify};
 use tilescope_core::stages::disks::DiskGrid;
 use tilescope_core::{
     Boundary, Domain, ExactPlane, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, R,
-    Run, Stream, Unobserved, Window, WindowMaker, below, exact_sample, exact_sample_parallel,
+    Recorder, Run, RunEvent, Source, Stream, Unobserved, Window, WindowMaker, below,
+    exact_recorded, exact_sample, exact_sample_parallel,
 };
 
 use oracle::{Ties, defined};
@@ -86,10 +87,44 @@ fn uncovered(domain: Domain, points: &[Point]) -> Option<Point> {
     disks.uncovered_point(0)
 }
 
+/// Counts events.
+#[derive(Default)]
+struct Counted(usize);
+
+impl Recorder for Counted {
+    fn record(&mut self, _: RunEvent) {
+        self.0 += 1;
+    }
+}
+
+/// Asserts that a recorded run has the samples and the counts of one that nobody listens to.
+fn check_recorded(parameters: &Parameters, expected: &Run) {
+    let mut events = Counted::default();
+    let recorded = exact_recorded(
+        parameters,
+        &history(parameters),
+        &mut Unobserved,
+        &mut events,
+    )
+    .unwrap();
+    assert!(events.0 > recorded.samples.len());
+    assert_eq!(recorded.points(), expected.points());
+    assert_eq!(recorded.summary(), expected.summary());
+    assert_eq!(recorded.blocks, expected.blocks);
+    let sources = |run: &Run| -> Vec<Source> {
+        let ids = run.result.iter();
+        ids.map(|&id| run.samples.origins[id as usize].into())
+            .collect()
+    };
+    assert_eq!(sources(&recorded), sources(expected));
+    assert_eq!(recorded.parameters, parameters.as_exact());
+}
+
 fn check(index: u32) {
     let parameters = hostile(index);
     let run = sampled(&parameters);
     let points = run.points();
+    check_recorded(&parameters, &run);
     assert_eq!(
         points,
         defined(&parameters, Ties::Domain),

@@ -22,6 +22,9 @@ macro_rules! events {
                 RunEvent::Pass { point: Point { x, y }, by } => {
                     packed(EventKind::Pass, 0, &[x as u32, y as u32, by])
                 }
+                RunEvent::Wake { point: Point { x, y }, behind } => {
+                    packed(EventKind::Wake, 0, &[x as u32, y as u32, behind])
+                }
                 RunEvent::Cut { cell: Point { x, y }, side, kept } => {
                     packed(EventKind::Cut, 0, &[x as u32, y as u32, side as u32, kept])
                 }
@@ -43,6 +46,7 @@ macro_rules! events {
                 })*
                 EventKind::Begin => RunEvent::Begin(stage(event.tags, a)),
                 EventKind::Pass => RunEvent::Pass { point, by: c },
+                EventKind::Wake => RunEvent::Wake { point, behind: c },
                 EventKind::Cut => RunEvent::Cut { cell: point, side: c as i32, kept: d },
                 EventKind::Dart => {
                     let verdict = verdict(event.tags, c);

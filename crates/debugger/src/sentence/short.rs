@@ -58,6 +58,16 @@ impl Words<'_> {
             RunEvent::Dart { point, verdict, .. } => {
                 format!("dart at {}: {}", coordinates(point), outcome(verdict))
             }
+            RunEvent::Wake { point, .. } => format!("wake the dart at {}", coordinates(point)),
+            RunEvent::Keep { sample, .. } if self.0.is_exact() => {
+                format!("{} arrives and stays", number(sample))
+            }
+            RunEvent::Eliminate { sample, by } if self.0.is_exact() => format!(
+                "{} is lost: {} came first, {}",
+                number(sample),
+                number(by),
+                self.apart(by, sample)
+            ),
             RunEvent::Cut { side, kept, .. } => {
                 format!(
                     "cut a cell of {}: {}",

@@ -39,9 +39,9 @@ proptest! {
 
     #[test]
     fn runs_reach_what_a_scan_reaches(
-        variant in 0_usize..6,
+        variant in 0_usize..8,
         indices in prop::collection::vec(any::<prop::sample::Index>(), 4),
-        line in 0_u8..60,
+        line in 0_u8..74,
         sample: u32,
     ) {
         let recording = record(&variants()[variant], DEFAULT_BUDGET);
@@ -60,7 +60,7 @@ proptest! {
 
     #[test]
     fn counts_are_those_of_a_scan(
-        variant in 0_usize..6,
+        variant in 0_usize..8,
         indices in prop::array::uniform2(any::<prop::sample::Index>()),
         buckets in 1_usize..300,
     ) {

@@ -1,6 +1,7 @@
 //! Integration tests of `tilescope-debugger`.
 
 mod divergence;
+mod exact;
 mod finding;
 mod saved;
 mod scenes;

@@ -116,7 +116,8 @@ fn numbers_are_grouped_by_three() {
 fn a_line_says_how_far_the_run_looks() {
     let mut seen = BTreeSet::new();
     for search in [Search::Complete, Search::TwoRadii] {
-        for variant in variants() {
+        // Exact tiling looks for no gaps.
+        for variant in variants().into_iter().take(6) {
             let parameters = Parameters { search, ..variant };
             let recording = record(&parameters, DEFAULT_BUDGET);
             let events = recording.tape().from(0);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Origin, R, RunEvent, Unobserved};
+use tilescope_core::{Origin, R, RunEvent, TilingMethod, Unobserved};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Direction, EventKind, Listings, Query, Recording, Session,
     SessionError, Status, Step, Stop, Target, moves, why,
@@ -66,7 +66,7 @@ fn stepping_off_either_end_stays_there() {
 
 #[test]
 fn runs_reach_what_they_look_for_both_ways() {
-    for variant in 0..6 {
+    for variant in 0..8 {
         let mut debugger = debugger(variant);
         for target in [
             Target::Conflict,
@@ -362,14 +362,16 @@ fn a_session_that_cannot_be_restored_says_why() {
         Session::from_json(&newer),
         Err(SessionError::Newer { found: 9 })
     ));
-    // What is not KDRT's must not pass for it; KDRT may be named.
+    // What is of another method must not pass for a run by that of the parameters; those with steps may be named.
     let named = |method: &str| {
         let head = format!("{{ \"method\": \"{method}\",");
         Session::from_json(&text.replacen('{', &head, 1))
     };
     assert!(named("kdrt").is_ok());
+    let exact = named("exact").unwrap();
+    assert_eq!(exact.parameters.method, TilingMethod::Exact);
     for (method, said) in [
-        ("exact", "no steps to visit yet"),
+        ("reference", "steps of the reference sampler"),
         ("best", "no such method"),
     ] {
         let error = named(method).unwrap_err().to_string();

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tilescope_core::{Boundary, Insertion, Parameters, Pattern, PatternSpec, Unobserved, Variant};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session, SessionError, Status};
 
-/// Returns parameters of runs of some hundred samples: staged, darts and printed, periodic and bounded.
+/// Returns parameters of runs of some hundred samples: staged, darts and printed, periodic and bounded, and behind them
+/// exact tilings of both.
 pub fn variants() -> Vec<Parameters> {
     let mut all = Vec::new();
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
@@ -30,6 +31,8 @@ pub fn variants() -> Vec<Parameters> {
             });
         }
     }
+    let exact = [all[0], all[3]].map(|parameters| parameters.as_exact());
+    all.extend(exact);
     all
 }
 

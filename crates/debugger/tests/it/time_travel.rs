@@ -102,7 +102,8 @@ fn a_test_buffer_holds_as_many_samples_as_the_engine_found() {
                 searches += 1;
             }
         }
-        assert!(searches > 0 || parameters.insertion == tilescope_core::Insertion::Uniform);
+        let throws = parameters.insertion == tilescope_core::Insertion::Uniform;
+        assert!(searches > 0 || throws || recording.is_exact());
     }
 }
 
@@ -175,7 +176,7 @@ proptest! {
 
     #[test]
     fn a_random_walk_ends_in_the_state_replayed_from_the_start(
-        variant in 0_usize..6,
+        variant in 0_usize..8,
         moves in prop::collection::vec((any::<bool>(), 0_u32..13), 1..12),
         jump: prop::sample::Index,
     ) {

@@ -4,9 +4,9 @@
 
 use fearless_simd::dispatch;
 
-use crate::error::{ParameterError, SampleError};
+use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect};
-use crate::parameters::{Insertion, Order, Parameters, Variant};
+use crate::parameters::{Insertion, Order, Parameters};
 use crate::pattern::Pattern;
 use crate::pool::Pool;
 use crate::random::Key;
@@ -70,9 +70,7 @@ impl Plane {
     /// loop over all samples.
     pub fn new(parameters: &Parameters, pattern: &Pattern) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
-        if parameters.variant == Variant::AsPrinted {
-            return Err(ParameterError::AsPrintedParallel.into());
-        }
+        parameters.check_parallel()?;
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;
         let clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);

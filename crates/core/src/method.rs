@@ -1,0 +1,50 @@
+//! A whole run by the method of its parameters, with every sample and its fate.
+
+use crate::engine::sequential::Sequential;
+use crate::error::SampleError;
+use crate::exact::{PatternHistory, exact_recorded};
+use crate::parameters::{Parameters, TilingMethod};
+use crate::pattern::Pattern;
+use crate::progress::Observer;
+use crate::record::{Recorder, Unrecorded};
+use crate::run::Run;
+
+/// Returns the finished run of `parameters`, by their method, with the pattern that they describe.
+///
+/// The result is conflict-free (no two samples within the radius) and, with the complete search,
+/// maximal (covering radius at most (1 + 2^-15) r). Equal parameters give equal results, bit for
+/// bit, on every machine.
+///
+/// ```
+/// use tilescope_core::{Parameters, Unobserved, sample};
+///
+/// let parameters = Parameters { radius: 0.02, ..Parameters::default() };
+/// let run = sample(&parameters, &mut Unobserved)?;
+/// assert_eq!(run.positions().len(), run.summary().count);
+/// assert!((1650..1850).contains(&run.summary().count));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
+    sample_recorded(parameters, observer, &mut Unrecorded)
+}
+
+/// Like [`sample`], and reports every event to `recorder`. Recording does not change the result.
+pub fn sample_recorded<T: Recorder>(
+    parameters: &Parameters,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Run, SampleError> {
+    parameters.validate_sequential()?;
+    match parameters.method {
+        TilingMethod::Kdrt => {
+            let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+            let mut engine = Sequential::new(parameters, pattern)?;
+            while engine.step_recorded(observer, recorder)?.is_some() {}
+            engine.finish(observer)
+        }
+        TilingMethod::Exact => {
+            let history = PatternHistory::of_spec(&parameters.pattern, observer)?;
+            exact_recorded(parameters, &history, observer, recorder)
+        }
+    }
+}
