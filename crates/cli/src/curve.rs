@@ -10,8 +10,7 @@ use tilescope_core::{Parameter, Pattern};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
 use tilescope_live::{
-    Course, CourseError, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers,
-    numbers_named,
+    Course, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers, numbers_named,
 };
 use tilescope_sets::GivenDomain;
 
@@ -31,8 +30,7 @@ pub struct CurveArguments {
     run: RunArguments,
     #[command(flatten)]
     nested: NestedArguments,
-    /// KDRT, or the reference sampler, which uses only radius or count, sides, boundary and seed. Exact tiling has no events
-    /// yet and is refused
+    /// KDRT, exact tiling, or the reference sampler, which uses only radius or count, sides, boundary and seed
     #[arg(long, value_enum, default_value = "kdrt")]
     method: SamplingMethod,
     /// The run of a saved session instead of one that the arguments describe
@@ -78,14 +76,7 @@ Examples:
 fn options_of_runs() -> Vec<&'static str> {
     let parameters = Parameter::all().map(Parameter::key);
     parameters
-        .chain([
-            "count",
-            "pattern",
-            "pattern-radius",
-            "levels",
-            "exactly",
-            "method",
-        ])
+        .chain(["count", "pattern", "pattern-radius", "levels", "exactly"])
         .collect()
 }
 
@@ -136,11 +127,7 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
         return Ok(Course::of_recording(&recording));
     }
 
-    // Before any other fault: none of the others could be mended.
-    if arguments.method == SamplingMethod::Exact {
-        return Err(no_events());
-    }
-    let recipe = arguments.run.recipe()?;
+    let mut recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request() {
         ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
@@ -159,12 +146,12 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             ask_for_whole(Making::Reference, &recipe.parameters)?;
             Ok(Course::of_reference(&recipe, &mut watch)?)
         }
-        SamplingMethod::Exact => Err(no_events()),
+        SamplingMethod::Exact => {
+            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
+            ask_for_whole(Making::Exact, &recipe.parameters)?;
+            Ok(Course::of_exact(&recipe, &mut watch)?)
+        }
     }
-}
-
-fn no_events() -> anyhow::Error {
-    anyhow::Error::from(CourseError::NoEvents).context("--method exact")
 }
 
 /// Makes the run of a saved session, and checks that it is the same run.

@@ -22,11 +22,6 @@ pub enum CourseError {
         /// The expected number.
         samples: u64,
     },
-    /// Its method has no events.
-    #[error(
-        "exact tiling makes the finished set and has no events yet, so that there is no run to follow; kdrt and reference have events"
-    )]
-    NoEvents,
     /// The run cannot be made, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
@@ -64,6 +59,27 @@ impl Course {
         // The tape, of which details are left out beyond its budget, decides the numbers of events.
         let recording =
             Recording::with_pattern(&run.parameters, pattern, DEFAULT_BUDGET, observer)?;
+        Ok(Self::of_recording(&recording))
+    }
+
+    /// Makes an exact tiling: its events are arrivals, losses, darts, and cells that are cut.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_run`].
+    pub fn of_exact(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Self, CourseError> {
+        Self::check(&recipe.parameters)?;
+        // The radius of a count is searched for, by making sets.
+        let radius = match recipe.count {
+            Some(_) => recipe.exact(observer)?.facts.radius,
+            None => recipe.parameters.radius,
+        };
+        let asked = Parameters {
+            radius,
+            ..recipe.parameters
+        };
+
+        let recording = Recording::new(&asked.as_exact(), DEFAULT_BUDGET, observer)?;
         Ok(Self::of_recording(&recording))
     }
 

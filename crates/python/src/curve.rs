@@ -8,12 +8,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tilescope_core::MAXIMAL_DENSITY;
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_live::{
-    Course, CourseError, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named,
-};
+use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
 
 use crate::arguments::RunRequest;
 use crate::failure::Failure;
+use tilescope_sets::Recipe;
+
 use crate::sample::{SetMethod, check_method};
 use crate::task::{TaskWatch, run};
 use crate::values::{named, whole};
@@ -34,6 +34,7 @@ pub fn curve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let method = named("method", method)?;
     check_method(request, method)?;
+    let recipe = request.recipe_for(method)?;
     let numbers = match numbers {
         None => live_numbers()
             .filter(|number| !is_of_spectrum(number))
@@ -46,7 +47,7 @@ pub fn curve<'py>(
     let moments = moments.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
 
     let made = run(py, progress, |watch| {
-        let course = Arc::new(course(request, method, watch)?);
+        let course = Arc::new(course(request, &recipe, method, watch)?);
         let mut maker = CurveMaker::new(course, &numbers, moments)?;
         let mut go_on = watch.steps("curve");
         while !maker.proceed(SLICE)? {
@@ -61,8 +62,13 @@ pub fn curve<'py>(
 }
 
 /// Makes the run and returns its course.
-fn course(request: &RunRequest, method: SetMethod, watch: &TaskWatch) -> Result<Course, Failure> {
-    let (recipe, mut observer) = (&request.recipe, watch.observer());
+fn course(
+    request: &RunRequest,
+    recipe: &Recipe,
+    method: SetMethod,
+    watch: &TaskWatch,
+) -> Result<Course, Failure> {
+    let mut observer = watch.observer();
     Course::check(&recipe.parameters)?;
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     let ask = |making: Making| ask_for(samples, making.bytes_a_sample());
@@ -76,7 +82,10 @@ fn course(request: &RunRequest, method: SetMethod, watch: &TaskWatch) -> Result<
             ask(Making::Sequential)?;
             Course::of_run(&recipe.settle(&mut observer)?, &mut observer)?
         }
-        (SetMethod::Exact, _) => return Err(CourseError::NoEvents.into()),
+        (SetMethod::Exact, _) => {
+            ask(Making::Exact)?;
+            Course::of_exact(recipe, &mut observer)?
+        }
         (SetMethod::Reference, _) => {
             ask(Making::Reference)?;
             Course::of_reference(recipe, &mut observer)?

@@ -15,6 +15,7 @@ import tilescope
         {},
         {"boundary": "bounded", "insertion": "uniform"},
         {"variant": "as-printed"},
+        {"method": "exact"},
         {"method": "reference"},
         {"levels": 3},
     ],
@@ -54,7 +55,7 @@ def test_moments_are_spread_and_without_numbers_there_is_no_spectrum():
         ({"numbers": []}, "no number is named"),
         ({"moments": 1}, "at least 2 are needed"),
         ({"levels": 3, "method": "reference"}, "levels need 'kdrt'"),
-        ({"method": "exact"}, "exact tiling makes the finished set and has no events yet"),
+        ({"method": "exact", "order": "index"}, "order is given with method 'exact'"),
         ({"radius": 0.0001}, "at most 2000000"),
     ],
 )

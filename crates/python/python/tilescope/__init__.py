@@ -228,7 +228,7 @@ def curve(
     levels: SupportsIndex | None = None,
     exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
-    method: Literal["kdrt", "reference"] = "kdrt",
+    method: Literal["kdrt", "exact", "reference"] = "kdrt",
     numbers: Iterable[str] | None = None,
     moments: SupportsIndex | None = None,
     progress: Progress = False,
