@@ -2,6 +2,7 @@
 //! exported pictures. Begin with [`Part`].
 
 mod blocks;
+mod darts;
 mod geometry;
 mod inset;
 mod pairs;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use rhai::{Dynamic, Scope};
-use tilescope_core::{Observer, Parameters, Pattern, SampleError, Stage};
+use tilescope_core::{Observer, Parameters, Pattern, SampleError, Stage, TilingMethod};
 use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
 
 use crate::error::LessonError;
@@ -23,18 +23,23 @@ pub struct Scene {
     pub(crate) translation: Arc<Translation>,
 }
 
-/// Runs the sequential engine for a lesson and records it.
+/// Runs the sequential engine of the parameters' method for a lesson and records it. `pattern` is the one that they describe.
 ///
 /// # Errors
 ///
-/// Those of [`Recording::with_pattern`].
+/// Those of [`Recording::with_pattern`] and [`Recording::new`].
 pub fn record(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     observer: &mut dyn Observer,
 ) -> Result<Arc<Recording>, SampleError> {
-    let recording =
-        Recording::with_pattern(parameters, Arc::clone(pattern), DEFAULT_BUDGET, observer)?;
+    let recording = match parameters.method {
+        TilingMethod::Kdrt => {
+            Recording::with_pattern(parameters, Arc::clone(pattern), DEFAULT_BUDGET, observer)?
+        }
+        // It takes the darts of the pattern that the parameters describe.
+        TilingMethod::Exact => Recording::new(parameters, DEFAULT_BUDGET, observer)?,
+    };
     Ok(Arc::new(recording))
 }
 

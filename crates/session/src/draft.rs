@@ -11,8 +11,8 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use tilescope_core::{
-    MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterKind, Parameters, Variant, WithinLevel,
-    radius_estimate,
+    MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterKind, Parameters, TilingMethod, Variant,
+    WithinLevel, radius_estimate,
 };
 
 use crate::limits::MAX_STAGED;
@@ -124,10 +124,12 @@ impl Draft {
         let Some(read) = value_of(parameter, &text) else {
             return;
         };
+        let before = self.parameters;
         if let Ok(value) = read {
             drop(parameter.set(&mut self.parameters, value));
         }
         self.texts.insert(parameter, text);
+        self.follow(&before, parameter);
         // A typed number of samples applied to the former parameters.
         self.count = None;
     }
@@ -195,9 +197,37 @@ impl Draft {
     pub fn choose(&mut self, choice: Choice) {
         match choice {
             // A value that is none of its options changes nothing; scripts with such a one are refused.
-            Choice::Parameter(parameter, value) => drop(parameter.set(&mut self.parameters, value)),
+            Choice::Parameter(parameter, value) => {
+                let before = self.parameters;
+                drop(parameter.set(&mut self.parameters, value));
+                self.follow(&before, parameter);
+            }
             Choice::Levels(levels) => self.levels = levels,
             Choice::Within(within) => self.within = within,
+        }
+    }
+
+    /// Changes what follows from another parameter: exact tiling has no choice of some, and its pattern, unless it was
+    /// changed by hand, goes with the size of the set and the seed.
+    fn follow(&mut self, before: &Parameters, changed: Parameter) {
+        if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
+            self.parameters = self.parameters.as_exact();
+        }
+        let of_pattern = [
+            Parameter::PatternSide,
+            Parameter::PatternSeed,
+            Parameter::PatternBoundary,
+        ];
+        let (is_usual, usual) = (
+            before.pattern == before.usual_pattern(),
+            self.parameters.usual_pattern(),
+        );
+        if is_usual && usual != self.parameters.pattern && !of_pattern.contains(&changed) {
+            self.parameters.pattern = usual;
+            for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {
+                let text = parameter.text(&self.parameters);
+                self.texts.insert(parameter, text);
+            }
         }
     }
 

@@ -10,10 +10,20 @@ use crate::words::slug;
 pub enum SessionKind {
     /// A run.
     Run,
+    /// An exact tiling.
+    Exact,
     /// A combination.
     Combination,
     /// Nested levels.
     Nested,
+}
+
+impl SessionKind {
+    /// Returns whether it is made of parameters, block by block: by KDRT or by exact tiling.
+    #[must_use]
+    pub const fn is_run(self) -> bool {
+        matches!(self, Self::Run | Self::Exact)
+    }
 }
 
 /// A layer of the canvas.
@@ -123,16 +133,20 @@ impl Layer {
             (Self::Samples | Self::Disks | Self::Delaunay | Self::Voronoi, _) => true,
             (_, SessionKind::Nested) => false,
             (Self::Seams, _) => matches!(kind, SessionKind::Combination),
-            (Self::Tree, _) => matches!(kind, SessionKind::Run),
+            (Self::Tree, _) => kind.is_run(),
             _ => true,
         }
     }
 
-    /// Returns the name in a session: the blocks of a combination are its pieces.
+    /// Returns the name in a session: the blocks of a combination are its pieces, and exact tiling has darts and cells where
+    /// others have candidates and detectors.
     #[must_use]
     pub const fn name_in(self, kind: SessionKind) -> &'static str {
         match (self, kind) {
             (Self::Blocks, SessionKind::Combination) => "Pieces",
+            (Self::Eliminated, SessionKind::Exact) => "Lost, refused",
+            (Self::Detectors, SessionKind::Exact) => "Active cells",
+            (Self::Candidates, SessionKind::Exact) => "Waiting darts",
             _ => self.name(),
         }
     }
@@ -144,6 +158,11 @@ impl Layer {
             (Self::Blocks, SessionKind::Combination) => return "rectangle of a piece",
             (Self::Pattern, SessionKind::Combination) => return "rectangle enlarged by r",
             (Self::Disks, SessionKind::Nested) => return "disk of the last whole level's radius",
+            (Self::Pattern, SessionKind::Exact) => return "block laid on the pattern",
+            (Self::Eliminated, SessionKind::Exact) => return "lost sample, refused dart",
+            (Self::Detectors, SessionKind::Exact) => return "active cell: darts fall there",
+            (Self::Candidates, SessionKind::Exact) => return "dart that will arrive",
+            (Self::Inserted, SessionKind::Exact) => return "sample here alone",
             _ => {}
         }
         match self {
@@ -323,7 +342,9 @@ impl Colouring {
     pub const fn of(self, kind: SessionKind) -> Self {
         match (self, kind) {
             (Self::Block | Self::Provenance, SessionKind::Nested) => Self::Level,
-            (Self::Level, SessionKind::Run | SessionKind::Combination) => Self::Block,
+            (Self::Level, SessionKind::Run | SessionKind::Exact | SessionKind::Combination) => {
+                Self::Block
+            }
             _ => self,
         }
     }

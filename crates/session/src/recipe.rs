@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{NestedRequest, Observer, Parameters, Pattern, SampleError};
+use tilescope_core::{
+    NestedRequest, Observer, ParameterError, Parameters, Pattern, SampleError, TilingMethod,
+};
 use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
 use tilescope_formats::ReadSet;
 use tilescope_sets::KnownDomain;
@@ -55,6 +57,14 @@ impl From<Parameters> for Recipe {
 }
 
 impl Recipe {
+    /// Refuses exact tiling with an own pattern.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        match (self.parameters.method, &self.own) {
+            (TilingMethod::Exact, Some(_)) => Err(ParameterError::ExactByKdrt),
+            (TilingMethod::Kdrt, _) | (TilingMethod::Exact, None) => Ok(()),
+        }
+    }
+
     /// Returns the pattern: the own one, otherwise the one that the parameters describe.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>, SampleError> {
         match &self.own {

@@ -15,6 +15,8 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
         Stage::Finish if session.nested.is_some() => "Levels".to_owned(),
+        Stage::Iterate(1) if session.is_exact() => "Levels 0, 1".to_owned(),
+        Stage::Iterate(k) if session.is_exact() => format!("Level {k}"),
         stage => stage_name(stage),
     }
 }
@@ -63,7 +65,8 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
 /// Returns the events of `stage`, in one sentence.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
-    if let Some(sentence) = combination_sentence(session, stage) {
+    let other = combination_sentence(session, stage).or_else(|| exact_sentence(session, stage));
+    if let Some(sentence) = other {
         return sentence;
     }
     let run = session.run();
@@ -156,6 +159,38 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// Returns the sentence for a stage of an exact tiling, if that differs from the stage of another run.
+fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
+    if !session.is_exact() {
+        return None;
+    }
+    let summary = &session.summary;
+    let samples = |count: usize| counted(count, "sample", "samples");
+    let Stage::Iterate(k) = stage else {
+        return (stage == Stage::Tile).then(|| {
+            format!(
+                "Tile: {}, laid on the pattern without margins, bring {}; {} in conflict.",
+                counted(summary.blocks, "block", "blocks"),
+                samples(summary.tiled),
+                counted(session.conflicts.len(), "pair is", "pairs are"),
+            )
+        });
+    };
+
+    let lost = grouped(session.lost_in(session.stage_index(stage)));
+    let iteration = session.iteration(k)?;
+    let inserted = samples(iteration.inserted.len());
+    Some(match k {
+        1 => format!(
+            "Levels 0 and 1: what came first stays; {lost} lost, {inserted} that the pattern lacks."
+        ),
+        _ => format!(
+            "Level {k}: darts thrown at {}; {lost} lost, {inserted} that the pattern lacks.",
+            counted(iteration.cells.len(), "open cell", "open cells")
+        ),
+    })
 }
 
 fn iteration_sentence(session: &Session, k: u32) -> String {

@@ -10,8 +10,9 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
-    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Origin, Parameters, R, Run, RunEvent, SampleError,
-    SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
+    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Origin, Parameters, PatternHistory, R, Run,
+    RunEvent, SampleError, SampleGrid, Stage, Standing, Summary, Sweep, TilingMethod, Variant,
+    covers_offset, exact_sample_parallel,
 };
 use tilescope_debugger::{Event, Outline, Recording};
 use tilescope_gpu::GpuError;
@@ -53,6 +54,8 @@ pub struct Session {
     starts: Vec<usize>,
     /// The last iteration of a recording, which found no gap; the run does not contain it.
     last: Option<Iteration>,
+    /// Of an exact tiling with events, how many samples are lost by the end of each stage.
+    losses: Vec<usize>,
     /// Its counts.
     pub summary: Summary,
     /// The index of all samples by position.
@@ -109,14 +112,23 @@ impl Session {
     ) -> Result<Self, SampleError> {
         let parameters = &recipe.parameters;
         parameters.validate_sequential()?;
+        recipe.check()?;
         let mut observer = Reporter { monitor };
         if keeps_everything(parameters)? {
             let recording = recipe.record(&mut observer)?;
             let made = observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
             return made.map(|session| session.with(recipe));
         }
-        let pattern = recipe.pattern(&mut observer)?;
-        let run = Sweep::run(parameters, &pattern, &mut observer)?;
+        let run = match parameters.method {
+            TilingMethod::Kdrt => {
+                let pattern = recipe.pattern(&mut observer)?;
+                Sweep::run(parameters, &pattern, &mut observer)?
+            }
+            TilingMethod::Exact => {
+                let history = PatternHistory::of_spec(&parameters.pattern, &mut observer)?;
+                exact_sample_parallel(parameters, &history, &mut observer)?
+            }
+        };
         let made = observer.prepare(|| Self::from_run(run, generation));
         made.map(|session| session.with(recipe))
     }
@@ -150,10 +162,11 @@ impl Session {
 
     /// Returns its kind.
     #[must_use]
-    pub const fn kind(&self) -> SessionKind {
+    pub fn kind(&self) -> SessionKind {
         match (&self.combination, &self.nested) {
             (Some(_), _) => SessionKind::Combination,
             (None, Some(_)) => SessionKind::Nested,
+            (None, None) if self.is_exact() => SessionKind::Exact,
             (None, None) => SessionKind::Run,
         }
     }
@@ -163,7 +176,7 @@ impl Session {
     pub fn drawable(&self, layers: Layers) -> Layers {
         match self.kind() {
             SessionKind::Nested => layers.of_nested(),
-            SessionKind::Run | SessionKind::Combination => layers,
+            SessionKind::Run | SessionKind::Exact | SessionKind::Combination => layers,
         }
     }
 
@@ -313,6 +326,7 @@ impl Session {
         };
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
+        let mut losses = Vec::new();
         if let RunSource::Recorded(recording) = &source {
             // This builds the index for searches, here in the background rather than at the first search.
             recording.prepare();
@@ -327,6 +341,9 @@ impl Session {
                 stages.insert(behind, Stage::Iterate(number));
             }
             starts = stage_starts(recording, &stages);
+            if recording.is_exact() {
+                losses = losses_by_stage(recording, &starts);
+            }
             outline = Some(Outline::new(recording));
         }
         let conflicts = match run.counted {
@@ -338,6 +355,7 @@ impl Session {
             summary: run.summary(),
             index: SampleIndex::new(&run.domain, &run.samples.points),
             conflicts,
+            losses,
             starts,
             last,
             outline,
@@ -406,10 +424,30 @@ impl Session {
             Stage::Eliminate => summary.tiled - summary.eliminated + self.inserted_at_once(),
             Stage::Iterate(k) => {
                 let inserted: usize = summary.inserted.iter().take(k as usize).sum();
-                summary.tiled - summary.eliminated + inserted
+                summary.tiled - self.lost_by(index) + inserted
             }
             Stage::Regions | Stage::Finish => summary.count,
         }
+    }
+
+    /// Returns how many samples are lost in the stage at `index`, which is an iteration.
+    #[must_use]
+    pub fn lost_in(&self, index: usize) -> usize {
+        let before = index.checked_sub(1);
+        self.lost_by(index) - before.map_or(0, |before| self.lost_by(before))
+    }
+
+    /// Returns how many samples are lost by the end of the iteration at `index`: in other runs than exact tilings all are
+    /// before the first.
+    fn lost_by(&self, index: usize) -> usize {
+        let lost = self.losses.get(index).copied();
+        lost.unwrap_or(self.summary.eliminated)
+    }
+
+    /// Returns whether it is an exact tiling.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.run().parameters.method == TilingMethod::Exact
     }
 
     /// Returns the number of samples that elimination itself inserts: Algorithm 4 as printed fills gaps at once.
@@ -420,6 +458,17 @@ impl Session {
             Variant::Staged => 0,
         }
     }
+}
+
+/// Returns how many samples are lost by the end of each stage but the last, and there.
+fn losses_by_stage(recording: &Recording, starts: &[usize]) -> Vec<usize> {
+    let ids = 0..recording.run().samples.len() as u32;
+    let lives = ids.filter_map(|id| recording.life(id));
+    let mut losses: Vec<usize> = lives.map(|life| life.lost as usize).collect();
+    losses.sort_unstable();
+    let ends = starts.iter().copied().chain([recording.len()]);
+    ends.map(|end| losses.partition_point(|&lost| lost < end))
+        .collect()
 }
 
 /// Returns the iteration after those that the run keeps, if the recording has one; it found no gap.

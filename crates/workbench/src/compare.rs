@@ -6,7 +6,7 @@ pub mod link;
 
 use std::sync::Arc;
 
-use tilescope_core::{Insertion, Order, Parameters, Search, Variant};
+use tilescope_core::{Insertion, Order, Parameters, Search, TilingMethod, Variant};
 use tilescope_debugger::{Divergence, first_divergence, first_divergence_of_runs};
 
 use difference::Differences;
@@ -51,6 +51,8 @@ pub enum ComparePreset {
     Order,
     /// The same with the other form of Algorithm 4.
     Variant,
+    /// The same by the other method, with the same pattern: only seams differ.
+    Method,
     /// The same with blocks of twice the size.
     Leaf,
     /// The same by the other engine.
@@ -61,12 +63,13 @@ pub enum ComparePreset {
 
 impl ComparePreset {
     /// Every one.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::NextSeed,
         Self::Search,
         Self::Insertion,
         Self::Order,
         Self::Variant,
+        Self::Method,
         Self::Leaf,
         Self::Engine,
         Self::Typed,
@@ -81,6 +84,7 @@ impl ComparePreset {
             Self::Insertion => "the other insertion",
             Self::Order => "the other order of elimination",
             Self::Variant => "the other form of Algorithm 4",
+            Self::Method => "the other method of tiling",
             Self::Leaf => "blocks twice as large",
             Self::Engine => "the other engine",
             Self::Typed => "the parameters as typed",
@@ -115,6 +119,15 @@ impl ComparePreset {
                 second.variant = match first.variant {
                     Variant::Staged => Variant::AsPrinted,
                     Variant::AsPrinted => Variant::Staged,
+                }
+            }
+            Self::Method => {
+                second = match first.method {
+                    TilingMethod::Kdrt => first.as_exact(),
+                    TilingMethod::Exact => Parameters {
+                        method: TilingMethod::Kdrt,
+                        ..*first
+                    },
                 }
             }
             Self::Leaf => second.leaf = 2.0 * first.leaf,
@@ -297,6 +310,7 @@ mod tests {
             (ComparePreset::Insertion, &["insertion"]),
             (ComparePreset::Order, &["order"]),
             (ComparePreset::Variant, &["variant"]),
+            (ComparePreset::Method, &["method"]),
             (ComparePreset::Leaf, &["leaf"]),
             (ComparePreset::Engine, &[]),
             (ComparePreset::Typed, &["radius"]),

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
 
 use tilescope_classroom::lessons::{LessonCommand, WantedLesson};
 use tilescope_debugger::{Direction, Target, method_refusal};
@@ -472,17 +472,28 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
     };
-    // No parameter, but asked for by people who know the command line.
+    // The reference sampler is no tiling, but asked for by people who know the command line.
     let method = given.get("method").and_then(Value::as_str);
     if let Some(why) = method.and_then(method_refusal) {
         let method = quoted(method.unwrap_or_default());
         return Err(RequestError::Parameters(format!("method {method}: {why}")));
     }
 
-    let mut all = serde_json::to_value(Parameters::default()).unwrap_or_default();
-    lay_over(&mut all, given, "parameters")?;
-    let parameters = Parameters::deserialize(&all)
-        .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))?;
+    let laid_over = |base: Parameters| {
+        let mut all = serde_json::to_value(base).unwrap_or_default();
+        lay_over(&mut all, given, "parameters")?;
+        Parameters::deserialize(&all)
+            .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
+    };
+    // What is not said of the pattern may follow from the rest.
+    let asked = laid_over(Parameters::default())?;
+    let parameters = laid_over(Parameters {
+        pattern: PatternSpec {
+            boundary: Parameters::default().pattern.boundary,
+            ..asked.usual_pattern()
+        },
+        ..Parameters::default()
+    })?;
     let domain = parameters
         .validate_sequential()
         .map_err(|error| RequestError::Parameters(error.to_string()))?;

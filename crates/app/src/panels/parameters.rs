@@ -94,9 +94,7 @@ impl<'a> FormContext<'a> {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,
             },
-            engine: state
-                .gpu()
-                .engine_text(state.form().draft.parameters.variant),
+            engine: state.gpu().engine_text(&state.form().draft.parameters),
             auto_is_gpu: state.gpu().takes(EngineChoice::Auto),
         }
     }

@@ -7,7 +7,7 @@ use egui::{
     Align2, Color32, CursorIcon, FontId, Rangef, Rect, RichText, Role, ScrollArea, Sense, Stroke,
     StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
-use tilescope_core::{Insertion, Variant};
+use tilescope_core::{Insertion, TilingMethod, Variant};
 use tilescope_debugger::{
     Debugger, Direction, Event, LineId, Listing, ListingLine, Listings, Target,
 };
@@ -33,12 +33,15 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
         return Vec::new();
     };
     let parameters = &session.run().parameters;
-    let names: &[&str] = match (parameters.variant, parameters.insertion) {
-        (Variant::AsPrinted, _) => &["blocks", "tile", "printed", "gaps", "finish"],
-        (Variant::Staged, Insertion::Circumcentre) => {
+    let names: &[&str] = match (parameters.method, parameters.variant, parameters.insertion) {
+        (TilingMethod::Exact, _, _) => &["blocks", "exact", "finish"],
+        (TilingMethod::Kdrt, Variant::AsPrinted, _) => {
+            &["blocks", "tile", "printed", "gaps", "finish"]
+        }
+        (TilingMethod::Kdrt, Variant::Staged, Insertion::Circumcentre) => {
             &["blocks", "tile", "eliminate", "detect", "insert", "finish"]
         }
-        (Variant::Staged, Insertion::Uniform) => {
+        (TilingMethod::Kdrt, Variant::Staged, Insertion::Uniform) => {
             &["blocks", "tile", "eliminate", "darts", "finish"]
         }
     };

@@ -183,7 +183,7 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     assert!(
         state(&harness)
             .gpu()
-            .engine_text(tilescope_core::Variant::Staged)
+            .engine_text(&tilescope_core::Parameters::default())
             .is_some()
     );
     // The CPU samples next, so the clock of passes and the remark on the GPU are gone.
@@ -194,7 +194,7 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     assert_eq!(
         state(&harness)
             .gpu()
-            .engine_text(tilescope_core::Variant::Staged),
+            .engine_text(&tilescope_core::Parameters::default()),
         None
     );
     apply(&mut harness, Command::Run);

@@ -57,17 +57,21 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws each block enlarged by r, dashed; while blocks are tiled, only the current one.
+/// Draws each block enlarged by r, dashed, as it is laid on the pattern: that of exact tiling has no margin. While blocks are tiled, only the current one.
 pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     let is_tiling = scene.stage == Stage::Tile && !scene.shown.ends_stage();
     let context = scene.shown.context().filter(|_| is_tiling);
     let is_drawn = |index: u32| context.is_none_or(|context| context.block == Some(index));
+    // The clips of exact tiling are the blocks themselves.
+    let margin = if scene.session.is_exact() {
+        0.0
+    } else {
+        scene.scale()
+    };
 
     for (index, rect) in visible(scene).filter(|(index, _)| is_drawn(*index)) {
         // Outside the view there could be millions of dashes.
-        let clip = rect
-            .expand(scene.scale())
-            .intersect(scene.rect.expand(20.0));
+        let clip = rect.expand(margin).intersect(scene.rect.expand(20.0));
 
         let corners = [
             clip.left_top(),

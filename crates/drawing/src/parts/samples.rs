@@ -88,7 +88,9 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
 pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
     match scene.stage {
         Stage::Tile => open_conflicts(scene, surface),
-        Stage::Eliminate => {
+        // In exact tiling every level finds conflicts, and resolves them.
+        Stage::Iterate(_) if !scene.session.is_exact() => {}
+        Stage::Eliminate | Stage::Iterate(_) => {
             let color = scene.palette.conflict.gamma_multiply(0.6);
             // A line to an eliminated sample ends at nothing while those are not drawn.
             if scene.has(Layer::Eliminated) {
@@ -132,6 +134,9 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
+    if scene.session.is_exact() {
+        return super::darts::draw(scene, surface);
+    }
     let iteration = match scene.stage {
         // After elimination the first search comes next, and its detectors are known.
         Stage::Eliminate => scene.session.iteration(1),

@@ -4,9 +4,9 @@
 use ecolor::Color32;
 use emath::{Align2, Pos2, Vec2, vec2};
 use glam::DVec2;
-use tilescope_core::{R, RunEvent, Verdict};
-use tilescope_debugger::{Event, Examined};
-use tilescope_session::units::radii;
+use tilescope_core::{Point, R, RunEvent, Verdict};
+use tilescope_debugger::{Event, Examined, NONE};
+use tilescope_session::units::{position, radii};
 
 use crate::scene::{Scene, TAG_PADDING, TAG_SIZE};
 use crate::surface::{Stroke, Surface, dashed_circle};
@@ -49,6 +49,11 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
+        if let Verdict::Covered { by } = verdict
+            && by != NONE
+        {
+            blocker(scene, surface, dart, by);
+        }
     }
 
     if let Some(id) = context.sample {
@@ -61,6 +66,15 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 
     // Last, so that nothing covers the change.
     last_event(scene, surface);
+}
+
+/// Draws the line from a refused dart to the sample that came first, and that one's disk.
+fn blocker(scene: &Scene<'_>, surface: &mut impl Surface, dart: Point, by: u32) {
+    let from = position(dart);
+    let at = scene.at(scene.session.image_near(by, from));
+    let color = scene.palette.conflict;
+    surface.dashes([scene.at(from), at], Stroke::new(1.8, color));
+    surface.circle(at, scene.scale(), None, Some(Stroke::new(1.4, color)));
 }
 
 /// Returns the shift that moves a candidate under test, with its surroundings, into the domain: in a periodic domain its

@@ -1,6 +1,8 @@
 //! Parameters to begin with, by name.
 
-use tilescope_core::{Boundary, Insertion, NestedRequest, Parameters, Search, WithinLevel};
+use tilescope_core::{
+    Boundary, Insertion, NestedRequest, Parameters, Search, TilingMethod, WithinLevel,
+};
 
 /// Parameters to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -18,12 +20,14 @@ pub enum Preset {
     LargeBlocks,
     /// Gaps are filled by uniform darts.
     Uniform,
+    /// Darts are tiled with their order of arrival.
+    Exact,
     /// Nested levels.
     Nested,
 }
 
 /// Every preset with its name and its description, in the order of the menu.
-const ROWS: [(Preset, &str, &str); 7] = [
+const ROWS: [(Preset, &str, &str); 8] = [
     (
         Preset::First,
         "The first session",
@@ -53,6 +57,11 @@ const ROWS: [(Preset, &str, &str); 7] = [
         Preset::Uniform,
         "Uniform insertion",
         "Gaps are filled by darts, uniformly over their area, instead of at circumcentres.",
+    ),
+    (
+        Preset::Exact,
+        "Exact tiling",
+        "Darts are tiled with their order of arrival, and what came first stays: seams have no bias.",
     ),
     (
         Preset::Nested,
@@ -93,6 +102,10 @@ impl Preset {
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
             Self::Uniform => p.insertion = Insertion::Uniform,
+            Self::Exact => {
+                p.method = TilingMethod::Exact;
+                p.pattern = p.usual_pattern();
+            }
         }
         p
     }

@@ -3,9 +3,8 @@
 use serde_json::json;
 use tilescope_analysis::lossy;
 use tilescope_debugger::{digest, pattern_digest};
-use tilescope_session::layers::SessionKind;
 use tilescope_session::session::Session;
-use tilescope_sets::{Stated, stated};
+use tilescope_sets::{Stated, facts_of_exact, stated};
 
 /// Returns how a session's set was made, as certificates name it.
 #[must_use]
@@ -13,6 +12,7 @@ pub fn method(session: &Session) -> &str {
     match (&session.combination, &session.nested) {
         (Some(_), _) => "combined",
         (None, Some(nested)) => &nested.method,
+        (None, None) if session.is_exact() => "exact",
         (None, None) => "kdrt",
     }
 }
@@ -26,7 +26,12 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
     if let Some(nested) = &session.nested {
         return nested.stated.clone();
     }
-    let mut map = stated(&session.run().parameters);
+    let run = session.run();
+    if session.is_exact() {
+        let samples = run.result.len() as f64;
+        return facts_of_exact(&run.parameters, &run.domain, &run.pattern, samples).parameters;
+    }
+    let mut map = stated(&run.parameters);
     if let Some(own) = &session.own {
         let path = std::path::Path::new(&own.file.path);
         let name = lossy(path.file_name().unwrap_or_default());
@@ -42,7 +47,7 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();
     // Combinations and nested levels clip from no pattern of this kind.
-    let pattern = session.kind() == SessionKind::Run;
+    let pattern = session.kind().is_run();
     let recording = json!({
         "digest": digest(run),
         "pattern_digest": pattern.then(|| pattern_digest(&run.pattern)),

@@ -6,8 +6,10 @@ use std::iter;
 use serde_json::{Value, json};
 use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
-    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameter, ParameterKind, Parameters, Variant,
+    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameter, ParameterKind, Parameters,
+    PatternSpec, TilingMethod, Variant,
 };
+use tilescope_debugger::method_refusal;
 use tilescope_session::words::{grouped, quoted};
 
 use super::text::{exact, finite};
@@ -41,12 +43,25 @@ fn value(p: &Parameters, parameter: Parameter) -> String {
     }
 }
 
+/// Returns `base` with the pattern that `parameters` have if the link says none: the base's, or the usual one of theirs if the
+/// base has its usual one, which in exact tiling goes with the size of the set and the seed.
+fn following(base: &Parameters, parameters: &Parameters) -> Parameters {
+    let mut following = *base;
+    if base.pattern == base.usual_pattern() {
+        following.pattern = PatternSpec {
+            boundary: base.pattern.boundary,
+            ..parameters.usual_pattern()
+        };
+    }
+    following
+}
+
 /// Returns the keys and values in which `parameters` differ from `base`.
 pub fn differing(
     parameters: &Parameters,
     base: &Parameters,
 ) -> impl Iterator<Item = (&'static str, String)> {
-    let (new, old) = (*parameters, *base);
+    let (new, old) = (*parameters, following(base, parameters));
     in_links().filter_map(move |parameter| {
         let text = value(&new, parameter);
         (text != value(&old, parameter)).then(|| (link_key(parameter), text))
@@ -85,14 +100,23 @@ pub fn read<'a>(
 ) -> Parameters {
     let mut parameters = *base;
     for parameter in in_links() {
+        // What it depends on stands before it.
+        if parameter == Parameter::PatternSide {
+            parameters.pattern = following(base, &parameters).pattern;
+        }
         let Some(text) = texts(link_key(parameter)) else {
             continue;
         };
         let read = changed(&parameters, parameter, text);
         if read.is_none() {
             let (text, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
+            let why = match parameter {
+                Parameter::Method => method_refusal(&text.to_lowercase()),
+                _ => None,
+            };
+            let why = why.map_or_else(String::new, |why| format!(": {why}"));
             warnings.add(format!(
-                "The link asked for {name}{run} {text}; {used} is used instead."
+                "The link asked for {name}{run} {text}; {used} is used instead{why}."
             ));
         }
         parameters = read.unwrap_or(parameters);
@@ -129,6 +153,12 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
             exact(p.pattern.side)
         ));
         p.pattern.side = side;
+    }
+    if p.method == TilingMethod::Exact && *p != p.as_exact() {
+        warnings.add(format!(
+            "The link asked for choices of elimination and insertion{run} in exact tiling, which keeps whatever arrived first."
+        ));
+        *p = p.as_exact();
     }
     if p.variant == Variant::AsPrinted && p.insertion == Insertion::Uniform {
         warnings.add(format!(
@@ -271,13 +301,65 @@ mod tests {
         assert_eq!(uniform.insertion, Insertion::Uniform);
     }
 
+    /// What is not said of an exact tiling's pattern follows from its size and its seed; what another run has in its place
+    /// is said.
+    #[test]
+    fn exact_tilings_are_read_as_written_with_their_usual_pattern_or_another() {
+        let (asked, warnings) = of(&[("method", "exact"), ("seed", "7"), ("radius", "0.004")]);
+        assert_eq!(warnings.text(), "");
+        let expected = PatternSpec {
+            side: 400.0,
+            seed: 7,
+            ..PatternSpec::default()
+        };
+        assert_eq!(
+            (asked.method, asked.pattern),
+            (TilingMethod::Exact, expected)
+        );
+
+        let mut other = asked;
+        other.pattern.side = 100.0;
+        let kdrt = Parameters {
+            method: TilingMethod::Kdrt,
+            ..other
+        };
+        let first = Parameters::default();
+        for (run, base) in [
+            (asked, first),
+            (other, first),
+            (first.as_exact(), first),
+            (kdrt, asked),
+            (first, other),
+        ] {
+            let pairs: Vec<_> = differing(&run, &base).collect();
+            let texts = |key: &str| {
+                let mut pairs = pairs.iter();
+                pairs
+                    .find(|(other, _)| *other == key)
+                    .map(|(_, value)| value.as_str())
+            };
+            let mut warnings = LinkWarnings::default();
+            assert_eq!(
+                read(texts, &base, " of run B", &mut warnings),
+                run,
+                "{pairs:?}"
+            );
+            assert_eq!(warnings.text(), "");
+        }
+        assert_eq!(differing(&asked, &first).count(), 3);
+
+        let (read, warnings) = of(&[("method", "exact"), ("order", "index")]);
+        assert_eq!(read.order, Order::default());
+        assert!(warnings.text().contains("keeps whatever arrived first"));
+    }
+
     #[test]
     fn the_defaults_of_version_1_never_change() {
         // Links of version 1 rely on these values for all parameters that they leave out.
         let text = format!("{:?}", Parameters::default());
         assert_eq!(
             text,
-            "Parameters { width: 1.0, height: 1.0, radius: 0.00836, boundary: Periodic, seed: 1, leaf: 30.0, \
+            "Parameters { width: 1.0, height: 1.0, radius: 0.00836, boundary: Periodic, seed: 1, method: Kdrt, leaf: 30.0, \
              pattern: PatternSpec { side: 100.0, boundary: Periodic, seed: 0 }, dihedral: false, order: OwnBlockFirst, \
              insertion: Circumcentre, search: Complete, variant: Staged }"
         );

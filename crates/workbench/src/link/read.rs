@@ -9,7 +9,7 @@ use glam::DVec2;
 use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
 use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, WithinLevel};
-use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene, method_refusal};
+use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::Colouring;
@@ -30,7 +30,7 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v method levels exactly order-within combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -60,7 +60,6 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.version();
     let mut content = LinkContent::default();
     reader.lesson(&mut content);
-    reader.method();
     reader.run(&mut content);
     reader.look(&mut content);
     reader.selection(&mut content);
@@ -169,19 +168,6 @@ impl LinkReader {
             ));
         }
         taken
-    }
-
-    /// Warns of a method other than KDRT, whose run is shown in its place.
-    fn method(&mut self) {
-        let Some(text) = self.pairs.get("method").map(|text| tidy(text)) else {
-            return;
-        };
-        if let Some(why) = method_refusal(&text.to_lowercase()) {
-            let text = quoted(text);
-            self.warnings.add(format!(
-                "The link asked for method {text}; kdrt is used instead: {why}."
-            ));
-        }
     }
 
     fn run(&mut self, content: &mut LinkContent) {

@@ -9,7 +9,7 @@ use tilescope_classroom::talk::TalkCommand;
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
 use tilescope_drawing::camera::Camera;
-use tilescope_session::layers::{Layer, Layers, SessionKind};
+use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::sentence::happened;
 use tilescope_session::verification::Verdict;
 use tilescope_session::words::{grouped, quoted, slug, stage_name};
@@ -269,7 +269,7 @@ fn play_at(state: &mut State, speed: Option<f32>) -> Result<(), RequestError> {
 #[must_use]
 pub fn to_json(state: &State) -> Value {
     let session = state.runs().first.session.as_deref();
-    let made = session.filter(|session| session.kind() == SessionKind::Run);
+    let made = session.filter(|session| session.kind().is_run());
     let parameters = made.map_or(state.form().draft.parameters, |made| made.run().parameters);
     // A verdict on another prefix of nested levels is not that of the samples shown.
     let is_known = state.runs().first.prefix_at_work().is_none();
@@ -297,7 +297,7 @@ pub fn to_json(state: &State) -> Value {
         "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
         "engine": session.map(|session| session.engine.as_str()),
         "gpu": state.gpu().device.word(),
-        "chosen": state.gpu().chosen(state.form().draft.parameters.variant),
+        "chosen": state.gpu().chosen(&state.form().draft.parameters),
         "notice": state.messages().notice.as_ref().map(|notice| notice.text.as_str()),
         "view": view_json(state),
         "lesson": talks.open.is_none().then(|| lessons.to_json()),

@@ -223,6 +223,12 @@ mod tests {
         // The last card leads to the panels.
         assert_eq!(state.window.layout, layout);
         assert!(state.scenes.is_touring());
+        // The card before it offers the comparison with exact tiling, and the one before that breaks the set.
+        scene(&mut state, SceneCommand::Step(Direction::Backwards));
+        scene(&mut state, SceneCommand::Offer(0));
+        assert!(state.runs.second.is_some());
+        scene(&mut state, SceneCommand::Offer(1));
+        assert!(state.runs.second.is_none());
         scene(&mut state, SceneCommand::Step(Direction::Backwards));
         scene(&mut state, SceneCommand::Offer(0));
         scene(&mut state, SceneCommand::Leave);

@@ -64,7 +64,7 @@ impl Runs {
             return form.refusal(gpu);
         }
         match session.kind() {
-            SessionKind::Run => {}
+            SessionKind::Run | SessionKind::Exact => {}
             SessionKind::Combination => return Some(super::engine::NO_PARAMETERS.to_owned()),
             SessionKind::Nested => {
                 let text = "Nested levels have no variants like those of a run; the parameters as typed can be compared.";
@@ -76,7 +76,13 @@ impl Runs {
         }
         let first = &session.run().parameters;
         let second = preset.parameters(first, &form.draft.parameters);
+        let own = session.own.clone();
+        let recipe = Recipe {
+            own,
+            ..Recipe::from(second)
+        };
         let refused = second.validate_sequential().err();
+        let refused = refused.or_else(|| recipe.check().err());
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 

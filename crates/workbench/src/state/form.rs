@@ -55,7 +55,9 @@ impl Form {
         if !session.has_recipe() {
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
-                SessionKind::Run | SessionKind::Nested => "Nested levels of a file are",
+                SessionKind::Run | SessionKind::Exact | SessionKind::Nested => {
+                    "Nested levels of a file are"
+                }
             };
             return Some(format!("{what} shown, not a run of these parameters."));
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Parameters, Variant};
+use tilescope_core::{Parameters, TilingMethod, Variant};
 use tilescope_gpu::{Choice, Gpu, GpuError};
 use tilescope_session::jobs::Job;
 use tilescope_session::layers::SessionKind;
@@ -151,13 +151,13 @@ impl GpuState {
         }
     }
 
-    /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen.
+    /// Returns the device that makes a run. Exact tiling and Algorithm 4 as printed run on the CPU, whatever was chosen.
     pub(super) fn for_run(
         &self,
         parameters: &Parameters,
         engine: EngineChoice,
     ) -> Option<Arc<Gpu>> {
-        let serves = self.takes(engine) && parameters.variant == Variant::Staged;
+        let serves = self.takes(engine) && parameters.check_parallel().is_ok();
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
@@ -201,6 +201,10 @@ impl GpuState {
                 "A page shows the passes of runs of up to {most} samples; the native program has no such limit."
             ));
         }
+        if session.is_exact() {
+            let text = "This is an exact tiling, made on the CPU; the passes are those of KDRT.";
+            return Some(text.to_owned());
+        }
         self.device.not_ready()
     }
 
@@ -210,14 +214,17 @@ impl GpuState {
         self.device.description().filter(|_| waits)
     }
 
-    /// Returns the engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
+    /// Returns the engine of the next run, which is of `parameters`: in a line, and in full. `None` if the choice alone
     /// is enough to know.
     #[must_use]
-    pub fn engine_text(&self, variant: Variant) -> Option<(String, String)> {
+    pub fn engine_text(&self, parameters: &Parameters) -> Option<(String, String)> {
         let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
         let takes = self.takes(self.engine);
         let line: &str = match &self.device {
-            Device::Ready(_) if takes && variant == Variant::AsPrinted => {
+            Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
+                "CPU: it alone makes exact tilings."
+            }
+            Device::Ready(_) if takes && parameters.variant == Variant::AsPrinted => {
                 "CPU: it alone runs Algorithm 4 as printed."
             }
             Device::Ready(tried) if takes => {
@@ -231,7 +238,7 @@ impl GpuState {
             _ => return None,
         };
         let device = self.device.description();
-        let all = match (self.chosen(variant), device) {
+        let all = match (self.chosen(parameters), device) {
             (Some(why), Some(test)) if self.device.ready().is_some() => format!("{why} {test}"),
             (Some(why), _) => why,
             (None, device) => device?,
@@ -239,10 +246,10 @@ impl GpuState {
         Some((line.to_owned(), all))
     }
 
-    /// Returns the engine of the next run, which is of `variant`, with the reason, and the graphics that draw the window;
+    /// Returns the engine of the next run, which is of `parameters`, with the reason, and the graphics that draw the window;
     /// `None` except on a page.
     #[must_use]
-    pub fn chosen(&self, variant: Variant) -> Option<String> {
+    pub fn chosen(&self, parameters: &Parameters) -> Option<String> {
         let display = self.display.as_ref()?;
         let takes = self.takes(self.engine);
         let why: &str = match &self.device {
@@ -252,7 +259,10 @@ impl GpuState {
                 None => ".",
             },
             Device::Testing(_) => " while the GPU is opened and tested.",
-            Device::Ready(_) if takes && variant == Variant::AsPrinted => {
+            Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
+                ": it alone makes exact tilings."
+            }
+            Device::Ready(_) if takes && parameters.variant == Variant::AsPrinted => {
                 ": it alone runs Algorithm 4 as printed."
             }
             Device::Ready(_) if takes => {

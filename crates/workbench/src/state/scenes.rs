@@ -472,7 +472,7 @@ mod tests {
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
         }
         assert!(state.scenes.shown.is_none());
-        assert_eq!(tour().len(), 11);
+        assert_eq!(tour().len(), 12);
     }
 
     /// Returns how far the samples are from the point that an event examines, nearest first, in r.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use emath::Rect;
 use serde_json::json;
-use tilescope_core::{Parameter, Search, Stage, Variant};
+use tilescope_core::{Parameter, Parameters, Search, Stage};
 use tilescope_drawing::camera::{Camera, MIN_SCALE};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
@@ -434,7 +434,7 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     };
     state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "unknown");
-    let why = state.gpu.chosen(Variant::Staged).expect("why");
+    let why = state.gpu.chosen(&Parameters::default()).expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
     // The user chose it while the browser was looking for an adapter.
     state.gpu.engine = EngineChoice::Gpu;

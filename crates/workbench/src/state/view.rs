@@ -1,7 +1,6 @@
 //! The view in the state: makes the one that is saved, and applies one. Sessions that are opened are shown by it.
 
 use tilescope_core::Parameters;
-use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 
@@ -14,7 +13,7 @@ impl Runs {
     /// Returns the parameters of the second run, if it is made of parameters alone.
     pub(super) fn second_parameters(&self) -> Option<Parameters> {
         let session = self.second.as_ref()?.0.session.as_ref()?;
-        let made = session.own.is_none() && session.kind() == SessionKind::Run;
+        let made = session.own.is_none() && session.kind().is_run();
         made.then_some(session.run().parameters)
     }
 }

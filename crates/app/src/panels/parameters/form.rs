@@ -2,7 +2,9 @@
 //! which one types does not move.
 
 use egui::{ComboBox, CursorIcon, Label, RichText, TextEdit, Ui};
-use tilescope_core::{Parameter, ParameterGroup, ParameterKind, Parameters};
+use tilescope_core::{
+    NOT_OF_EXACT, Parameter, ParameterGroup, ParameterKind, Parameters, TilingMethod,
+};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
 use tilescope_session::words::{capital, grouped};
@@ -71,13 +73,17 @@ impl Fields<'_> {
         let Some(current) = parameter.chosen(self.parameters()) else {
             return;
         };
-        self.choice(
-            ui,
-            (link_key(parameter), &capital(parameter.row().label)),
-            meaning(parameter),
-            (current, &options(parameter)),
-            |option| Choice::Parameter(parameter, parameter.value_of(option)),
-        );
+        let is_exact = self.parameters().method == TilingMethod::Exact;
+        let has_meaning = !(is_exact && NOT_OF_EXACT.contains(&parameter));
+        ui.add_enabled_ui(has_meaning, |ui| {
+            self.choice(
+                ui,
+                (link_key(parameter), &capital(parameter.row().label)),
+                meaning(parameter),
+                (current, &options(parameter)),
+                |option| Choice::Parameter(parameter, parameter.value_of(option)),
+            );
+        });
     }
 
     /// Shows the choice of nested levels, and below it their choices where there are to be some.

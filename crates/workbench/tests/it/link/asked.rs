@@ -297,8 +297,12 @@ const REFUSED: &[(&str, &str)] = &[
         "no field \"colour\"",
     ),
     (
-        r#"{"do":"load","parameters":{"method":"exact"}}"#,
-        "Method exact: exact tiling makes the finished set and has no steps",
+        r#"{"do":"load","parameters":{"method":"exact","order":"index"}}"#,
+        "The order has no meaning in exact tiling",
+    ),
+    (
+        r#"{"do":"load","parameters":{"method":"reference"}}"#,
+        "Method reference: the steps of the reference sampler",
     ),
     (
         r#"{"do":"load","parameters":{"pattern":7}}"#,
