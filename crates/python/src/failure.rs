@@ -145,7 +145,7 @@ impl From<CourseError> for Failure {
     fn from(error: CourseError) -> Self {
         match error {
             CourseError::Sample(error) => error.into(),
-            CourseError::TooMany { .. } | CourseError::NoEvents => Self::Value(error.to_string()),
+            CourseError::TooMany { .. } => Self::Value(error.to_string()),
         }
     }
 }

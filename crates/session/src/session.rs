@@ -114,6 +114,7 @@ impl Session {
         parameters.validate_sequential()?;
         recipe.check()?;
         let mut observer = Reporter { monitor };
+
         if keeps_everything(parameters)? {
             let recording = recipe.record(&mut observer)?;
             let made = observer.prepare(|| Self::from_recording(Arc::new(recording), generation));

@@ -46,6 +46,7 @@ fn main() {
         }
         "combination" => Studio::opened(SIZE).run(include_str!("combination.json")),
         "compare" => Studio::opened(SIZE).run(include_str!("compare.json")),
+        "exact" => Studio::opened(SIZE).run(include_str!("exact.json")),
         "passes" => Studio::opened(SIZE).run(include_str!("passes.json")),
         "buffers" => buffers(&mut Studio::opened(SIZE)),
         "hover" => hover(&mut Studio::opened(SIZE)),
@@ -53,7 +54,7 @@ fn main() {
         "playing" => playing(&mut Studio::opened(vec2(1440.0, 900.0))),
         "small" => small(),
         _ => eprintln!(
-            "usage: shots window|analysis|combination|compare|passes|buffers|hover|levels|playing|small [FOLDER]"
+            "usage: shots window|analysis|combination|compare|exact|passes|buffers|hover|levels|playing|small [FOLDER]"
         ),
     }
 }

@@ -11,6 +11,7 @@ impl Words<'_> {
         if !self.0.is_exact() {
             return None;
         }
+
         Some(match run_event {
             RunEvent::Begin(Stage::Tile) => {
                 let blocks = count(self.0.run().blocks.leaves.len() as u64, "block");

@@ -121,6 +121,7 @@ pub fn read<'a>(
         }
         parameters = read.unwrap_or(parameters);
     }
+
     fit(&mut parameters, run, warnings);
     parameters
 }
