@@ -13,7 +13,6 @@ use crate::stages::order::Ranking;
 
 /// Returns the ids of the samples that may be in conflict, by rank, then id: those inside the
 /// domain that are in a margin or within 2r of their block's border.
-#[must_use]
 pub(crate) fn contested(
     samples: &Samples,
     blocks: &Blocks,
