@@ -178,6 +178,9 @@ fn leaves_out(scene: &Scene<'_>) -> bool {
     let by_stage = match scene.stage {
         Stage::Tile => has(Layer::Conflicts),
         Stage::Eliminate => has(Layer::Conflicts) || has(Layer::Detectors),
+        Stage::Iterate(_) if scene.session.is_exact() => {
+            has(Layer::Conflicts) || has(Layer::Detectors) || has(Layer::Candidates)
+        }
         Stage::Iterate(_) => has(Layer::Detectors) || has(Layer::Candidates),
         _ => false,
     };

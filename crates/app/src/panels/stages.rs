@@ -146,10 +146,15 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        Stage::Iterate(k) => format!(
-            "+{}",
-            grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0))
-        ),
+        Stage::Iterate(k) => {
+            let inserted = summary.inserted.get(k as usize - 1).copied();
+            let inserted = grouped(inserted.unwrap_or(0));
+            if session.is_exact() {
+                let lost = session.lost_in(session.stage_index(stage));
+                return format!("\u{2212}{} +{inserted}", grouped(lost));
+            }
+            format!("+{inserted}")
+        }
         Stage::Pattern | Stage::Regions | Stage::Finish => String::new(),
     }
 }

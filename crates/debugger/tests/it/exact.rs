@@ -10,13 +10,13 @@ use tilescope_debugger::{DEFAULT_BUDGET, Event, EventKind, NONE, Recording, Sess
 use crate::support::{record, restored, variants};
 
 /// The darts of a run's pattern, where its blocks have them.
-struct Darts {
+struct Thrown {
     recording: Recording,
     darts: PatternDarts,
     history: PatternHistory,
 }
 
-impl Darts {
+impl Thrown {
     fn of(parameters: &Parameters) -> Self {
         let spec = &parameters.pattern;
         Self {
@@ -48,7 +48,7 @@ impl Darts {
     }
 
     /// Returns the first dart of some levels at a place of the domain.
-    fn at(&self, place: Point, levels: std::ops::Range<u32>) -> PlacedDart {
+    fn at(&self, place: Point, mut levels: std::ops::Range<u32>) -> PlacedDart {
         let run = self.recording.run();
         let holds = |block: &tilescope_core::stages::blocks::Block| block.rect.contains(place);
         let block = run.blocks.leaves.iter().position(holds).unwrap();
@@ -68,7 +68,7 @@ impl Darts {
                 .map(|(arrival, _)| arrival)
                 .min()
         };
-        let arrival: Option<Arrival> = levels.filter_map(first).next();
+        let arrival: Option<Arrival> = levels.find_map(first);
         PlacedDart {
             arrival: arrival.expect("a dart at the place of an event"),
             source,
@@ -152,7 +152,7 @@ impl Darts {
 #[test]
 fn every_event_of_an_exact_tiling_is_true() {
     for parameters in &variants()[6..] {
-        let darts = Darts::of(parameters);
+        let darts = Thrown::of(parameters);
         let recording = &darts.recording;
         let mut last: Option<PlacedDart> = None;
         let mut kinds = std::collections::BTreeSet::new();
@@ -169,7 +169,7 @@ fn every_event_of_an_exact_tiling_is_true() {
                     point,
                     ranked: true,
                     ..
-                } => Some(darts.at(point, Darts::levels(iteration))),
+                } => Some(darts.at(point, Thrown::levels(iteration))),
                 _ => None,
             };
             if let Some(next) = arrives {
@@ -191,7 +191,7 @@ fn every_event_of_an_exact_tiling_is_true() {
 /// The control: a claim that names another sample, or none, is found to be wrong.
 #[test]
 fn false_claims_are_found() {
-    let darts = Darts::of(&variants()[6]);
+    let darts = Thrown::of(&variants()[6]);
     let mut found = 0;
     for (index, event) in darts.recording.tape().from(0) {
         let lies = match event.run_event() {
