@@ -4,7 +4,6 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Insertion, Parameters, RunEvent, Stage, TilingMethod, Variant, Verdict};
 
-use crate::event::NONE;
 use crate::listing::{LineId, Listings};
 
 /// Finds the lines of a run's events.
@@ -48,6 +47,7 @@ impl Lines {
             RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Finish { .. } => {
                 shared(run_event)
             }
+
             RunEvent::Clip { .. } => ("tile", 2),
             RunEvent::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
             RunEvent::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
@@ -123,7 +123,8 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Clip { .. } => ("exact", 2),
         RunEvent::Tiled { .. } => ("exact", 3),
-        RunEvent::Wake { behind, .. } => ("exact", if behind == NONE { 4 } else { 9 }),
+        // A block lacks what lies beyond its border from the beginning: that has no id.
+        RunEvent::Wake { behind, .. } => ("exact", if behind == u32::MAX { 4 } else { 9 }),
         RunEvent::Iteration { .. } => ("exact", 5),
         RunEvent::Dart { ranked: false, .. } => ("exact", 6),
         RunEvent::Keep { .. } => ("exact", 7),

@@ -17,7 +17,6 @@ use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, s
 
 use crate::arrays::rows;
 use crate::failure::Failure;
-use crate::sample::SetMethod;
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -385,16 +384,8 @@ impl RunRequest {
 }
 
 impl RunRequest {
-    /// Returns the recipe for a method.
-    pub fn recipe_for(&self, method: SetMethod) -> PyResult<Recipe> {
-        match method {
-            SetMethod::Exact => self.exact_recipe(),
-            SetMethod::Kdrt | SetMethod::Reference => Ok(self.recipe.clone()),
-        }
-    }
-
     /// Returns the recipe for exact tiling, and refuses by their names the arguments that it has no use for.
-    fn exact_recipe(&self) -> PyResult<Recipe> {
+    pub fn exact_recipe(&self) -> PyResult<Recipe> {
         let asked = &self.recipe.parameters;
         if self.recipe.pattern.is_some() {
             let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";

@@ -9,12 +9,11 @@ use pyo3::types::PyDict;
 use tilescope_core::MAXIMAL_DENSITY;
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
+use tilescope_sets::Recipe;
 
 use crate::arguments::RunRequest;
 use crate::failure::Failure;
-use tilescope_sets::Recipe;
-
-use crate::sample::{SetMethod, check_method};
+use crate::sample::{SetMethod, check_method, recipe_for};
 use crate::task::{TaskWatch, run};
 use crate::values::{named, whole};
 
@@ -34,7 +33,7 @@ pub fn curve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let method = named("method", method)?;
     check_method(request, method)?;
-    let recipe = request.recipe_for(method)?;
+    let recipe = recipe_for(request, method)?;
     let numbers = match numbers {
         None => live_numbers()
             .filter(|number| !is_of_spectrum(number))

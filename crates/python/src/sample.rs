@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{MAXIMAL_DENSITY, Summary, Variant};
 use tilescope_formats::{PointSet, Provenance};
-use tilescope_sets::{Facts, Made};
+use tilescope_sets::{Facts, Made, Recipe};
 
 use crate::arguments::{RunRequest, level_fields};
 use crate::arrays::array;
@@ -101,7 +101,7 @@ pub fn sample<'py>(
     // With a count the radius is an estimate, which is near enough.
     let limited = request.recipe.parameters.validate_sequential();
     check_method(request, method)?;
-    let recipe = request.recipe_for(method)?;
+    let recipe = recipe_for(request, method)?;
 
     let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
     let making = match (method, &request.nested) {
@@ -121,6 +121,14 @@ pub fn sample<'py>(
         }
     })?;
     into_python(made, py)
+}
+
+/// Returns the recipe of a request for a method.
+pub fn recipe_for(request: &RunRequest, method: SetMethod) -> PyResult<Recipe> {
+    match method {
+        SetMethod::Exact => request.exact_recipe(),
+        SetMethod::Kdrt | SetMethod::Reference => Ok(request.recipe.clone()),
+    }
 }
 
 /// Refuses levels of a method that makes one set.

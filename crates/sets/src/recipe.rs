@@ -48,8 +48,9 @@ pub fn facts_of_exact(
     pattern: &Pattern,
     samples: f64,
 ) -> Facts {
-    // What is stated can be typed again, and exact tiling refuses the rest.
+    // What is stated can be typed again.
     let mut used = stated(parameters);
+    // Exact tiling refuses these by their names.
     for parameter in NOT_OF_EXACT {
         used.remove(parameter.key());
     }

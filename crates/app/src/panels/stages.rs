@@ -134,6 +134,7 @@ fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Pa
 
 fn change(session: &Session, stage: Stage) -> String {
     let summary = &session.summary;
+
     match stage {
         Stage::Blocks if session.combination.is_some() => {
             format!("{} pieces", grouped(summary.blocks))
@@ -149,6 +150,7 @@ fn change(session: &Session, stage: Stage) -> String {
         Stage::Iterate(k) => {
             let inserted = summary.inserted.get(k as usize - 1).copied();
             let inserted = grouped(inserted.unwrap_or(0));
+            // Other runs lose all that they lose before the first iteration.
             if session.is_exact() {
                 let lost = session.lost_in(session.stage_index(stage));
                 return format!("\u{2212}{} +{inserted}", grouped(lost));

@@ -363,6 +363,7 @@ impl<'a> ExactTiling<'a> {
     ) {
         let history = self.history;
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
+
         for waiting in history.waiting(pattern) {
             let IVec2 { x, y } = symmetry.turn(waiting.offset);
             let place = Point::new(place.x + x, place.y + y);

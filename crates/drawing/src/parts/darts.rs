@@ -54,9 +54,12 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, level: u32) {
     };
     let color = scene.palette.detector;
     let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
+    let end = scene.session.size_radii();
     for cell in &iteration.cells {
+        // What of a cell lies beyond the border of its block is missing; beyond the domain's it would be seen.
         let side = radii(cell.side);
-        let corners = [position(cell.min), position(cell.min) + side].map(|at| scene.at(at));
+        let low = position(cell.min);
+        let corners = [low, (low + side).min(end)].map(|at| scene.at(at));
         let square = Rect::from_two_pos(corners[0], corners[1]);
         let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
         let shown = square.union(least);

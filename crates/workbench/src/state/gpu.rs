@@ -252,6 +252,7 @@ impl GpuState {
     pub fn chosen(&self, parameters: &Parameters) -> Option<String> {
         let display = self.display.as_ref()?;
         let takes = self.takes(self.engine);
+
         let why: &str = match &self.device {
             _ if self.engine == EngineChoice::Cpu => ", as chosen.",
             Device::Unknown => match &self.failure {
