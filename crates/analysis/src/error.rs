@@ -4,7 +4,6 @@
 use crate::number::Number;
 use crate::region::Region;
 use crate::report::Report;
-use crate::squares::SquaresError;
 
 /// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -160,9 +159,12 @@ pub enum VerifyError {
     /// The judge does not judge sets of this kind.
     #[error("{0}")]
     WrongJudge(&'static str),
-    /// The judge by squares gives no verdict.
-    #[error(transparent)]
-    Squares(SquaresError),
+    /// The judge by squares cannot judge a region of such numbers.
+    #[error("{reason}")]
+    Squares {
+        /// The number and its limit.
+        reason: String,
+    },
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,

@@ -1,29 +1,26 @@
-//! Arguments of a radius that varies and of shapes, what is made from them, and what the sets of certificates with such parts
-//! are judged in.
+//! Arguments of a radius that varies and of shapes, and what sets are judged in by them or by their certificates.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use tilescope_analysis::Boundary as Border;
-use tilescope_core::{Boundary, Parameter};
+use tilescope_core::Boundary;
 use tilescope_formats::{Certificate, VaryingDomain, read_whole};
 use tilescope_sets::{
     Expression, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusSource, ShapeSource,
     VaryingRecipe,
 };
 
-use crate::make::Worked;
-use crate::options::{SetArguments, pair};
-use crate::output::Work;
+use crate::options::SetArguments;
 use crate::paths::InFile;
-use crate::progress::Stopwatch;
-use crate::sample_arguments::{SampleArguments, SamplingMethod};
 
 /// A field and a shape.
 #[derive(Debug, Default, Args)]
-#[command(next_help_heading = "A radius that varies, and shapes")]
+#[command(
+    next_help_heading = "A radius that varies, and shapes (bounded, unless --boundary says otherwise)"
+)]
 pub struct GroundArguments {
     /// Radii from the grey of a PNG image: of black the first of --radius MIN..MAX, of white the second, between them in
     /// proportion. Its pixels fill the domain. Two places of radii a and b are then as near as 2ab / (a + b)
@@ -52,17 +49,8 @@ pub struct CoordinateArguments {
     /// Take the corners of --shape as positions in a plane, though they may be longitudes and latitudes: all lie within 180
     /// and 90
     #[arg(long, requires = "shape")]
-    planar: bool,
+    pub planar: bool,
 }
-
-/// The parameters that a set has whose radius varies, or that covers a shape.
-const USED: [Parameter; 5] = [
-    Parameter::Width,
-    Parameter::Height,
-    Parameter::Radius,
-    Parameter::Boundary,
-    Parameter::Seed,
-];
 
 impl GroundArguments {
     /// Returns whether a field or a shape is asked for.
@@ -96,7 +84,8 @@ impl GroundArguments {
         files.into_iter().filter_map(|file| file.as_deref())
     }
 
-    fn shape(&self, planar: bool) -> Result<Option<ShapeSource>> {
+    /// Returns what is to be covered, if a shape is given.
+    pub fn shape(&self, planar: bool) -> Result<Option<ShapeSource>> {
         if let Some(path) = &self.shape {
             let bytes = read_whole(path)?;
             let polygon = PlanarPolygon::from_geojson(&file_name(path), &bytes, planar);
@@ -189,7 +178,8 @@ fn file_name(path: &Path) -> String {
     tilescope_analysis::lossy(name).into_owned()
 }
 
-fn image(path: &Path, option: &'static str) -> Result<GrayImage> {
+/// Reads an image, and adds the option that gave it to errors.
+pub fn image(path: &Path, option: &'static str) -> Result<GrayImage> {
     let bytes = read_whole(path)?;
     GrayImage::from_png(&file_name(path), &bytes).context(option)
 }
@@ -198,99 +188,9 @@ fn expression(text: &str) -> Result<Expression> {
     Expression::parse(text).context("--radius-expression")
 }
 
-fn formula(text: &str) -> Result<RadiusSource> {
+/// Returns the radius that a formula gives.
+pub fn formula(text: &str) -> Result<RadiusSource> {
     let expression = expression(text)?;
     let scale = 1.0;
     Ok(RadiusSource::Expression { expression, scale })
-}
-
-/// Makes a set whose radius varies, or that covers a shape.
-pub fn make(arguments: &SampleArguments) -> Result<Worked> {
-    refuse_tiling(arguments)?;
-    let recipe = recipe(arguments)?;
-    let mut watch = Stopwatch::start();
-    let made = recipe.make(&mut watch)?;
-    if recipe.count.is_some() {
-        watch.drop_tries();
-    }
-    let work = Work::on_cpu(&mut watch);
-    Ok(Worked { made, work })
-}
-
-/// Refuses, by their names, options of other ways to make a set.
-fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
-    let option = arguments.ground.option().unwrap_or_default();
-    let why = format!("{option} needs the reference sampler, whose darts need no pattern");
-    match arguments.method {
-        None | Some(SamplingMethod::Reference) => {}
-        Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
-        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
-    }
-
-    ensure!(
-        arguments.nested.levels.is_none(),
-        "--levels: {why}; leave it out"
-    );
-    ensure!(
-        arguments.window.is_none(),
-        "--window: {why}, and makes whole sets; leave it out"
-    );
-    ensure!(
-        !arguments.resume,
-        "--resume: {why}, and makes whole sets; leave it out"
-    );
-    ensure!(
-        arguments.run.pattern.is_none(),
-        "--pattern: {why}; leave it out"
-    );
-    arguments.engine.check_on_cpu("the reference sampler")?;
-    match arguments
-        .run
-        .typed
-        .iter()
-        .find(|typed| !USED.contains(typed))
-    {
-        Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
-        None => Ok(()),
-    }
-}
-
-fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
-    let (run, ground) = (&arguments.run, &arguments.ground);
-    let asked = &run.asked;
-    let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
-    let black = is_typed(Parameter::Radius).then_some(asked.radius);
-    let radius = if let Some(text) = &ground.radius_expression {
-        formula(text)?
-    } else if let Some(path) = &ground.radius_image {
-        let radii = black.zip(run.greatest);
-        let (black, white) = radii
-            .context("--radius-image needs --radius MIN..MAX, the radii of black and of white")?;
-        let image = image(path, "--radius-image")?;
-        let radii = [black, white];
-        RadiusSource::Image { image, radii }
-    } else if let Some(path) = &ground.density_image {
-        let image = image(path, "--density-image")?;
-        // With a count any radius is scaled to it.
-        let black = black.unwrap_or(1.0);
-        RadiusSource::Density { image, black }
-    } else {
-        RadiusSource::Constant(black.unwrap_or(1.0))
-    };
-
-    // A side that is not typed follows from the shape or the pixels, and not from the parameters' defaults.
-    let given = |parameter: Parameter, value: f64| is_typed(parameter).then_some(value);
-    let is_bounded = !is_typed(Parameter::Boundary) || asked.boundary == Boundary::Bounded;
-    Ok(VaryingRecipe {
-        radius,
-        shape: ground.shape(arguments.coordinates.planar)?,
-        size: [
-            given(Parameter::Width, asked.width),
-            given(Parameter::Height, asked.height),
-        ],
-        origin: pair(arguments.origin.as_ref()),
-        boundary: Boundary::of(!is_bounded),
-        seed: asked.seed,
-        count: run.count,
-    })
 }

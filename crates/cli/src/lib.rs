@@ -39,6 +39,7 @@ mod sample_arguments;
 mod script;
 mod soak;
 mod stream;
+mod varying;
 mod verify;
 mod web;
 mod window;

@@ -10,7 +10,7 @@ use crate::output::{self, Judged, Outcome};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
-use crate::{ground, interrupt, nested, stream, window};
+use crate::{interrupt, nested, stream, varying, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
@@ -21,7 +21,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
     }
     if arguments.ground.is_given() {
-        let outcome = finish(arguments, ground::make(arguments)?)?;
+        let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
     }

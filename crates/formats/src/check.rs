@@ -260,12 +260,7 @@ pub fn check_bytes(
         *point = judged.mapping.domain_from_file(*point);
     }
 
-    let (region, radius) = (judged.region, judged.radius);
-    let report = match &judged.varying {
-        Some(varying) => (varying.judged).verify(&set.points, &judged.options, control),
-        None => verify(&set.points, region, radius, &judged.options, control),
-    };
-    let report = report.map_err(|error| judged.fault(error, detection.format))?;
+    let report = judged.report(&set.points, detection.format, control)?;
 
     // Of another region or radius the certificate's levels claim nothing.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
@@ -341,6 +336,20 @@ impl Judged {
             mapping: Mapping::new(format, Some(region), precision).with_origin(origin),
             varying,
         })
+    }
+
+    /// Judges points in domain units, from a file of a format.
+    fn report(
+        &self,
+        points: &[[f64; 2]],
+        format: Format,
+        control: Control<'_>,
+    ) -> Result<Report, CheckError> {
+        let report = match &self.varying {
+            Some(varying) => varying.judged.verify(points, &self.options, control),
+            None => verify(points, self.region, self.radius, &self.options, control),
+        };
+        report.map_err(|error| self.fault(error, format))
     }
 
     /// The error of a set without a verdict. Numbers between blanks, which are taken for UTK's, may be in the user's units.

@@ -49,7 +49,7 @@ impl VaryingRegion {
             region,
             lattice,
             radius,
-            judge: SquaresJudge::new(lattice, radii, shape).map_err(VerifyError::Squares)?,
+            judge: SquaresJudge::new(lattice, radii, shape).map_err(|error| unjudged(&error))?,
         })
     }
 
@@ -96,7 +96,7 @@ impl VaryingRegion {
                 index,
                 point: points[index],
             },
-            other => VerifyError::Squares(other),
+            other => unjudged(&other),
         })?;
 
         let min_distance = self.min_distance(points, control)?;
@@ -192,6 +192,12 @@ impl VaryingRegion {
         });
         x.hypot(y)
     }
+}
+
+/// Returns the error of a region that cannot be judged, or of samples that cannot.
+fn unjudged(error: &SquaresError) -> VerifyError {
+    let reason = error.to_string();
+    VerifyError::Squares { reason }
 }
 
 /// Refuses judges that know of one radius and of rectangles only.

@@ -1,0 +1,112 @@
+//! Sets whose radius varies, or that cover a shape, for `tilescope sample`.
+
+use anyhow::{Context, Result, bail, ensure};
+use tilescope_core::{Boundary, Parameter};
+use tilescope_sets::{RadiusSource, VaryingRecipe};
+
+use crate::ground::{formula, image};
+use crate::make::Worked;
+use crate::options::pair;
+use crate::output::Work;
+use crate::progress::Stopwatch;
+use crate::sample_arguments::{SampleArguments, SamplingMethod};
+
+/// The parameters that a set has whose radius varies, or that covers a shape.
+const USED: [Parameter; 5] = [
+    Parameter::Width,
+    Parameter::Height,
+    Parameter::Radius,
+    Parameter::Boundary,
+    Parameter::Seed,
+];
+
+/// Makes a set whose radius varies, or that covers a shape.
+pub fn make(arguments: &SampleArguments) -> Result<Worked> {
+    refuse_tiling(arguments)?;
+    let recipe = recipe(arguments)?;
+    let mut watch = Stopwatch::start();
+    let made = recipe.make(&mut watch)?;
+    if recipe.count.is_some() {
+        watch.drop_tries();
+    }
+    let work = Work::on_cpu(&mut watch);
+    Ok(Worked { made, work })
+}
+
+/// Refuses, by their names, options of other ways to make a set.
+fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
+    let option = arguments.ground.option().unwrap_or_default();
+    let why = format!("{option} needs the reference sampler, whose darts need no pattern");
+    match arguments.method {
+        None | Some(SamplingMethod::Reference) => {}
+        Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
+        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
+    }
+
+    ensure!(
+        arguments.nested.levels.is_none(),
+        "--levels: {why}; leave it out"
+    );
+    ensure!(
+        arguments.window.is_none(),
+        "--window: {why}, and makes whole sets; leave it out"
+    );
+    ensure!(
+        !arguments.resume,
+        "--resume: {why}, and makes whole sets; leave it out"
+    );
+    ensure!(
+        arguments.run.pattern.is_none(),
+        "--pattern: {why}; leave it out"
+    );
+    arguments.engine.check_on_cpu("the reference sampler")?;
+    match arguments
+        .run
+        .typed
+        .iter()
+        .find(|typed| !USED.contains(typed))
+    {
+        Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
+        None => Ok(()),
+    }
+}
+
+fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
+    let (run, ground) = (&arguments.run, &arguments.ground);
+    let asked = &run.asked;
+    let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
+    let black = is_typed(Parameter::Radius).then_some(asked.radius);
+    let radius = if let Some(text) = &ground.radius_expression {
+        formula(text)?
+    } else if let Some(path) = &ground.radius_image {
+        let radii = black.zip(run.greatest);
+        let (black, white) = radii
+            .context("--radius-image needs --radius MIN..MAX, the radii of black and of white")?;
+        let image = image(path, "--radius-image")?;
+        let radii = [black, white];
+        RadiusSource::Image { image, radii }
+    } else if let Some(path) = &ground.density_image {
+        let image = image(path, "--density-image")?;
+        // With a count any radius is scaled to it.
+        let black = black.unwrap_or(1.0);
+        RadiusSource::Density { image, black }
+    } else {
+        RadiusSource::Constant(black.unwrap_or(1.0))
+    };
+
+    // A side that is not typed follows from the shape or the pixels, and not from the parameters' defaults.
+    let given = |parameter: Parameter, value: f64| is_typed(parameter).then_some(value);
+    let is_bounded = !is_typed(Parameter::Boundary) || asked.boundary == Boundary::Bounded;
+    Ok(VaryingRecipe {
+        radius,
+        shape: ground.shape(arguments.coordinates.planar)?,
+        size: [
+            given(Parameter::Width, asked.width),
+            given(Parameter::Height, asked.height),
+        ],
+        origin: pair(arguments.origin.as_ref()),
+        boundary: Boundary::of(!is_bounded),
+        seed: asked.seed,
+        count: run.count,
+    })
+}
