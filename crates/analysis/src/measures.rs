@@ -42,6 +42,7 @@ mod peaks;
 mod periodogram;
 mod radial;
 mod shares;
+mod sliced;
 mod spectrum;
 mod spread;
 mod statistics;
@@ -50,8 +51,9 @@ mod uniformity;
 mod window;
 
 pub(crate) use coarse::CoarseSums;
-pub(crate) use nufft::TransformPlan;
+pub(crate) use nufft::{Transform, TransformPlan};
 pub(crate) use radial::AnnulusTable;
+pub(crate) use sliced::{Slice, SlicedTransform};
 pub(crate) use spread::Sample;
 
 pub use bins::PairBins;

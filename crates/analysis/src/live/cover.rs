@@ -24,6 +24,7 @@
 //!
 //! See [`super::cell::CellVertices`]. Two different places less than 2^-30 r apart are two here, but one to the judges.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use glam::DVec2;
@@ -31,6 +32,7 @@ use glam::DVec2;
 use super::cell::{CellVertices, LiveCell, Vertex};
 use super::place_grid::{Occupant, PlaceGrid, check_plane};
 use super::plane::Plane;
+use super::renewal::{Renew, Told};
 use super::tournament::Tournament;
 use crate::circles::{CircleTest, open_arcs, unproven_circles};
 use crate::exact::covering_limit;
@@ -54,6 +56,9 @@ const STEPS_OF_CHANGE: u64 = 400;
 
 /// The steps that a sample of a maximal set takes in the mean when all is made anew, as measured.
 const STEPS_OF_SAMPLE: u64 = 18;
+
+/// The steps of a sample where each is tested by itself, as measured.
+const STEPS_OF_SAMPLE_ALONE: u64 = 50;
 
 /// The steps of one sample where all are tested together, as long as so many of a change.
 const STEPS_OF_TEST: u64 = 8;
@@ -213,14 +218,10 @@ impl LiveCover {
     }
 
     /// Takes these samples in place of all others. Returns the counted steps.
-    pub fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
         self.clear();
-        self.count = samples.len();
         for &(_, place) in samples {
-            match self.slot_at(place) {
-                Some(slot) => self.taken[slot as usize].copies += 1,
-                None => drop(self.take(place)),
-            }
+            self.put(place);
         }
 
         self.reaches = Tournament::new(self.taken.len());
@@ -238,6 +239,15 @@ impl LiveCover {
     #[must_use]
     pub const fn cost_of_rebuild(&self, count: usize) -> u64 {
         STEPS_OF_SAMPLE * count as u64
+    }
+
+    /// Puts a sample at a place, without a look at any circle.
+    fn put(&mut self, place: [i32; 2]) {
+        self.count += 1;
+        match self.slot_at(place) {
+            Some(slot) => self.taken[slot as usize].copies += 1,
+            None => drop(self.take(place)),
+        }
     }
 
     fn slot_at(&self, place: [i32; 2]) -> Option<u32> {
@@ -576,6 +586,40 @@ impl LiveCover {
             Boundary::Bounded => place.clamp(DVec2::ZERO, extent),
         };
         (home / f64::from(self.plane.radius)).to_array()
+    }
+}
+
+impl Renew for LiveCover {
+    /// The samples that are in, and then those whose circles are tested, too.
+    type Work = usize;
+
+    const BEGINNING: u64 = 1;
+
+    fn begin_anew(&self, samples: &[Told]) -> (Self, usize) {
+        let mut empty = self.clone();
+        empty.clear();
+        empty.reaches = Tournament::new(samples.len());
+        (empty, 0)
+    }
+
+    fn next_slice(&mut self, work: &mut usize, samples: &[Told]) -> Option<u64> {
+        let index = *work;
+        *work += 1;
+        if let Some(&(_, place)) = samples.get(index) {
+            self.put(place);
+            return Some(STEPS_OF_TEST);
+        }
+
+        let slot = index - samples.len();
+        match slot.cmp(&self.taken.len()) {
+            Ordering::Less => Some(self.examine(slot as u32).0),
+            Ordering::Equal => Some(self.lower_threshold()),
+            Ordering::Greater => None,
+        }
+    }
+
+    fn cost_of_slices(&self, count: usize) -> u64 {
+        STEPS_OF_SAMPLE_ALONE * count as u64
     }
 }
 

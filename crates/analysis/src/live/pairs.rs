@@ -8,6 +8,7 @@ use glam::DVec2;
 
 use super::place_grid::{Occupant, PlaceGrid, check_plane};
 use super::plane::Plane;
+use super::renewal::{Renew, Told};
 use super::tournament::Tournament;
 use crate::domain::Domain;
 use crate::measures::{MeasureError, PairCorrelation, largest_min_distance};
@@ -131,7 +132,7 @@ pub struct LivePairs {
     histogram: Histogram,
     grid: PlaceGrid,
     /// Samples by slot: id and place.
-    samples: Vec<(u32, [i32; 2])>,
+    samples: Vec<Told>,
     /// Slots without a sample.
     free: Vec<u32>,
     /// Of each sample the squared distance to the nearest other one, if that is at most `certain`: its complement, so that the
@@ -224,15 +225,20 @@ impl LivePairs {
     }
 
     /// Takes these samples in place of all others. Returns the counted steps.
-    pub fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
+        self.clear(samples.len());
+        let each = samples.iter();
+        each.map(|&(id, place)| self.insert(id, place)).sum()
+    }
+
+    /// Removes all samples, and makes room for so many.
+    fn clear(&mut self, room: usize) {
         self.grid.clear();
         self.samples.clear();
         self.free.clear();
-        self.nearest = Tournament::new(samples.len());
+        self.nearest = Tournament::new(room);
         self.histogram = Histogram::new(self.histogram.plane);
         self.count = 0;
-        let each = samples.iter();
-        each.map(|&(id, place)| self.insert(id, place)).sum()
     }
 
     /// Returns about how many counted steps a change takes.
@@ -466,6 +472,29 @@ impl LivePairs {
         Ok(PairCorrelation::of_sums(
             count, &domain, most, counts, &weights,
         ))
+    }
+}
+
+impl Renew for LivePairs {
+    /// The samples that are in.
+    type Work = usize;
+
+    const BEGINNING: u64 = 1;
+
+    fn begin_anew(&self, samples: &[Told]) -> (Self, usize) {
+        let mut empty = self.clone();
+        empty.clear(samples.len());
+        (empty, 0)
+    }
+
+    fn next_slice(&mut self, work: &mut usize, samples: &[Told]) -> Option<u64> {
+        let &(id, place) = samples.get(*work)?;
+        *work += 1;
+        Some(self.insert(id, place))
+    }
+
+    fn cost_of_slices(&self, count: usize) -> u64 {
+        self.cost_of_rebuild(count)
     }
 }
 

@@ -7,11 +7,12 @@ use std::sync::OnceLock;
 use glam::DVec2;
 
 use super::plane::Plane;
-use super::waves::{ONE, ProductSums, WaveChange, WaveSums, write_powers};
+use super::renewal::{Renew, Told};
+use super::waves::{ONE, WaveChange, WaveSums, write_powers};
 use crate::domain::Domain;
 use crate::measures::{
-    AnnulusTable, CoarseSums, FrequencyWindow, MeasureError, Periodogram, Sample, Spectrum, Taper,
-    TransformPlan, check_range,
+    AnnulusTable, CoarseSums, FrequencyWindow, MeasureError, Periodogram, Sample, Slice,
+    SlicedTransform, Spectrum, Taper, Transform, TransformPlan, check_range,
 };
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
@@ -24,6 +25,11 @@ const SQUARE_UNITS: f64 = (1_u128 << 90) as f64;
 /// `live`, on one thread.
 const PRODUCTS_PER_SAMPLE: u64 = 1000;
 const PRODUCTS_PER_FREQUENCY: u64 = 3000;
+
+/// The same for a grid point along an axis, of which there are about 20 for each frequency, and for a frequency whose sums are
+/// written.
+const PRODUCTS_PER_POINT: u64 = PRODUCTS_PER_FREQUENCY / 24;
+const PRODUCTS_PER_SUM: u64 = PRODUCTS_PER_FREQUENCY / 6;
 
 /// The standard deviation of a transform by the rounding of one sample, in units: four products are rounded to whole
 /// ones, which leaves `sqrt(4/12)`, and waves to 32 bits, which adds a little.
@@ -138,6 +144,11 @@ impl LiveSpectrum {
         }
     }
 
+    /// Adds up changes that wait until there are more of them: to be called before sums are read, which then takes less time.
+    pub fn prepare_reading(&mut self) {
+        self.sums.prepare_reading();
+    }
+
     /// Returns a place in parts of the plane, and its weights along x and y.
     fn weighed(&self, place: [i32; 2]) -> ([f64; 2], [f64; 2]) {
         let at = [0, 1].map(|axis| f64::from(place[axis]) / f64::from(self.plane.size[axis]));
@@ -146,9 +157,9 @@ impl LiveSpectrum {
 
     /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns them. By changes the
     /// powers have the same bits as ever; by a transform they are right to [`crate::measures::NUFFT_ERROR`].
-    pub fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;
-        if by_changes > self.cost_of_transform(samples.len())
+        if self.is_quicker_transformed(samples.len())
             && let Ok(steps) = self.renew(samples, &|_| ControlFlow::Continue(()))
         {
             return steps;
@@ -159,6 +170,10 @@ impl LiveSpectrum {
             self.change(*place, 1);
         }
         by_changes
+    }
+
+    fn is_quicker_transformed(&self, samples: usize) -> bool {
+        self.cost_of_change() * samples as u64 > self.cost_of_transform(samples)
     }
 
     fn clear(&mut self) {
@@ -174,16 +189,28 @@ impl LiveSpectrum {
     /// # Errors
     ///
     /// [`MeasureError::Cancelled`] if `control` breaks. The old samples are still there then.
-    pub fn renew(
-        &mut self,
-        samples: &[(u32, [i32; 2])],
-        control: Control<'_>,
-    ) -> Result<u64, MeasureError> {
-        let stride = i64::from(self.stride);
-        let plan = TransformPlan::new(&about_zero(self.most.map(|most| most / stride)))?;
+    pub fn renew(&mut self, samples: &[Told], control: Control<'_>) -> Result<u64, MeasureError> {
+        let plan = self.plan()?;
         let monitor = Monitor::begin(control, plan.work(samples.len()))?;
+        let (weighed, squares) = self.all_weighed(samples);
+        let transform = plan.run(&weighed, &monitor)?;
 
-        let mut squares = 0;
+        let [_, rows] = counts(self.most, self.stride);
+        for row in 0..rows {
+            self.sums.replace(row, &transform);
+        }
+        self.begin_with(samples.len(), squares);
+        Ok(self.cost_of_transform(samples.len()))
+    }
+
+    fn plan(&self) -> Result<TransformPlan, MeasureError> {
+        let stride = i64::from(self.stride);
+        TransformPlan::new(&about_zero(self.most.map(|most| most / stride)))
+    }
+
+    /// Returns samples as a transform takes them, and the sum of their squared weights.
+    fn all_weighed(&self, samples: &[Told]) -> (Vec<Sample>, i128) {
+        let (stride, mut squares) = (i64::from(self.stride), 0);
         let weighed = samples.iter().map(|(_, place)| {
             let (_, weights) = self.weighed(*place);
             squares += squared(weights);
@@ -196,15 +223,15 @@ impl LiveSpectrum {
             let at = DVec2::from(at);
             Sample { at, weight }
         });
-        let transform = plan.run(&weighed.collect::<Vec<_>>(), &monitor)?;
+        (weighed.collect(), squares)
+    }
 
-        self.sums
-            .replace(|column, row| transform.at([column as i64, row]));
+    /// Notes that the sums are those of so many samples, without rounding.
+    fn begin_with(&mut self, count: usize, squares: i128) {
         self.squares = squares;
-        self.count = samples.len();
-        self.renewed = [samples.len(), 0];
+        self.count = count;
+        self.renewed = [count, 0];
         self.annuli = OnceLock::new();
-        Ok(self.cost_of_transform(samples.len()))
     }
 
     /// Returns the steps of a change: products that are added to sums.
@@ -345,18 +372,16 @@ impl LiveSpectrum {
             let powers = &mut all[middle + 1 - columns..middle + columns];
             profile.add_row(row, powers);
             picture.add_row(rows - 1 + row, powers);
-            if row > 0 {
+            // The parts below the middle ones are those above them, turned around.
+            if row > 0 && picture.is_in_middle(rows - 1 + row) {
                 powers.reverse();
                 picture.add_row(rows - 1 - row, powers);
             }
         }
 
         let profile = profile.profile(self.count as f64);
-        Ok(Spectrum::without_bands(
-            profile,
-            picture.picture(),
-            self.region,
-        ))
+        let picture = picture.symmetric_picture();
+        Ok(Spectrum::without_bands(profile, picture, self.region))
     }
 
     fn annuli_of(&self, shown: [i64; 2]) -> AnnulusTable {
@@ -380,6 +405,95 @@ impl LiveSpectrum {
     }
 }
 
+/// What is left of making a spectrum anew.
+pub struct SpectrumWork(Work);
+
+enum Work {
+    /// So many samples were added by changes, which is quicker for few.
+    Changes(usize),
+    /// A transform of all samples.
+    Transform(Box<SlicedTransform>),
+    /// So many rows of sums have taken their values.
+    Rows(Transform, usize),
+}
+
+impl Renew for LiveSpectrum {
+    type Work = SpectrumWork;
+
+    /// Weighing the samples and sorting them by where they are spread is taken as half of spreading them.
+    const BEGINNING: u64 = PRODUCTS_PER_SAMPLE / 2;
+
+    fn begin_anew(&self, samples: &[Told]) -> (Self, SpectrumWork) {
+        let [columns, rows] = counts(self.most, self.stride);
+        let mut empty = Self {
+            plane: self.plane,
+            region: self.region,
+            taper: self.taper,
+            stride: self.stride,
+            most: self.most,
+            sums: WaveSums::new(columns, rows, self.stride),
+            count: 0,
+            squares: 0,
+            renewed: [0; 2],
+            annuli: OnceLock::new(),
+        };
+
+        // A plan about zero has real weights, and fits: the frequencies along an axis are limited.
+        let plan = (self.plan().ok()).filter(|_| self.is_quicker_transformed(samples.len()));
+        let work = plan.and_then(|plan| {
+            let (weighed, squares) = self.all_weighed(samples);
+            let transform = SlicedTransform::new(plan, &weighed)?;
+            empty.begin_with(samples.len(), squares);
+            Some(transform)
+        });
+        let work = match work {
+            Some(transform) => Work::Transform(Box::new(transform)),
+            None => Work::Changes(0),
+        };
+        (empty, SpectrumWork(work))
+    }
+
+    fn next_slice(
+        &mut self,
+        SpectrumWork(work): &mut SpectrumWork,
+        samples: &[Told],
+    ) -> Option<u64> {
+        let [columns, rows] = counts(self.most, self.stride);
+
+        match work {
+            Work::Changes(added) => {
+                let (_, place) = samples.get(*added)?;
+                *added += 1;
+                self.change(*place, 1);
+                Some(self.cost_of_change())
+            }
+            Work::Transform(transform) => match transform.proceed() {
+                Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
+                Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
+                None => {
+                    let transform = std::mem::replace(work, Work::Changes(samples.len()));
+                    if let Work::Transform(made) = transform {
+                        *work = Work::Rows(made.finish(), 0);
+                    }
+                    Some(0)
+                }
+            },
+            Work::Rows(transform, row) => {
+                if *row == rows {
+                    return None;
+                }
+                self.sums.replace(*row, transform);
+                *row += 1;
+                Some(PRODUCTS_PER_SUM * columns as u64)
+            }
+        }
+    }
+
+    fn cost_of_slices(&self, count: usize) -> u64 {
+        self.cost_of_rebuild(count)
+    }
+}
+
 /// Reads the powers of a spectrum, row by row.
 struct RowReader<'a> {
     spectrum: &'a LiveSpectrum,
@@ -387,20 +501,16 @@ struct RowReader<'a> {
     scale: f64,
     /// The sum of the weights, in units.
     total: f64,
-    sums: Vec<ProductSums>,
     powers: Vec<f64>,
 }
 
 impl<'a> RowReader<'a> {
     fn new(spectrum: &'a LiveSpectrum) -> Self {
-        let mut sums = Vec::new();
-        spectrum.sums.row(0, &mut sums);
         let squares = spectrum.square_sum() * ONE * ONE;
         Self {
             spectrum,
             scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
-            total: sums[0][0][0],
-            sums,
+            total: spectrum.sums.row(0)[0][0][0],
             powers: Vec::new(),
         }
     }
@@ -408,17 +518,17 @@ impl<'a> RowReader<'a> {
     /// Returns the powers in a row, zero or above, from the lowest to the highest column.
     fn row(&mut self, row: usize) -> &mut [f64] {
         let spectrum = self.spectrum;
-        spectrum.sums.row(row, &mut self.sums);
+        let mut sums = spectrum.sums.row(row);
         let stride = spectrum.stride as usize;
         // The mean density reaches no farther than the first frequencies.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
-            self.sums[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
+            sums.to_mut()[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
         }
 
         let [columns, _] = counts(spectrum.most, spectrum.stride);
         self.powers.resize(2 * columns - 1, 0.0);
-        write_powers(&self.sums, self.scale, &mut self.powers);
+        write_powers(&sums, self.scale, &mut self.powers);
         &mut self.powers
     }
 

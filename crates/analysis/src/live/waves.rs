@@ -4,18 +4,25 @@
 //! Every product is rounded to a whole number of units before it is added, and sums of whole numbers are exact. So a
 //! sample that goes takes away just what it brought, and a sum depends on the samples alone, not on how they came
 //! about: nothing drifts. Changes wait until [`BATCH`] of them are added in one pass over the sums, which are larger
-//! than the nearest caches.
+//! than the nearest caches: memory would be slower than the products of fewer changes.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
 use rustfft::num_complex::Complex;
 
+use crate::measures::Transform;
+
 /// Frequencies that are summed side by side: one vector of 256 bits, two of 128.
 const LANES: usize = 8;
-/// Changes that are added together. The waves of twice as many no longer fit into the nearest cache.
-pub(super) const BATCH: usize = 8;
+/// Changes that are added together.
+pub(super) const BATCH: usize = 32;
+/// Blocks of columns that are added to row by row: the waves of so many, 16 KB, stay in the nearest cache.
+const TILE: usize = 8;
+/// Changes that may wait while sums are read: reading adds them in less time than a pass over all sums takes.
+const FEW: usize = 4;
 /// Units of the product of two waves at most. One more bit, and [`ROUNDING`] would no longer round.
 pub(super) const ONE: f64 = (1 << 22) as f64;
 /// 3 * 2^22. A sum with it lies between 2^23 and 2^24, where numbers of 32 bits are whole: so the sum is rounded, and its
@@ -80,22 +87,18 @@ impl WaveSums {
     pub fn change(&mut self, change: &WaveChange) {
         let index = self.waiting;
         let wave = |axis: usize, scale: f64| {
-            // Powers of one phase: after 1,024 of them they are off by less than 1e-12, where 32 bits leave 3e-8.
-            let (sin, cos) = (TAU * self.step * change.at[axis]).sin_cos();
-            let turn = Complex::new(cos, sin);
-            let first = Complex::new(change.weights[axis] * scale, 0.0);
-            std::iter::successors(Some(first), move |value| Some(value * turn))
+            let phase = TAU * self.step * change.at[axis];
+            wave(phase, change.weights[axis] * scale)
         };
 
-        let columns = self.along_x.iter_mut().flat_map(|block| {
-            let [cos, sin] = &mut block[index];
-            cos.iter_mut().zip(sin)
-        });
-        for ((cos, sin), value) in columns.zip(wave(0, ONE)) {
-            (*cos, *sin) = (value.re as f32, value.im as f32);
+        for (block, values) in self.along_x.iter_mut().zip(wave(0, ONE)) {
+            block[index] = values;
         }
-        for (row, value) in self.along_y.iter_mut().zip(wave(1, change.sign)) {
-            row[index] = [value.re as f32, value.im as f32];
+        let rows = self.along_y.chunks_mut(LANES);
+        for (rows, [cos, sin]) in rows.zip(wave(1, change.sign)) {
+            for (lane, row) in rows.iter_mut().enumerate() {
+                row[index] = [cos[lane], sin[lane]];
+            }
         }
 
         self.waiting += 1;
@@ -104,36 +107,42 @@ impl WaveSums {
         }
     }
 
-    /// Adds the changes that wait.
-    fn settle(&mut self) {
-        let (along_x, waiting) = (&self.along_x[..], self.waiting);
-        let rows = self.sums.chunks_exact_mut(along_x.len());
-        let rows = rows.zip(&self.along_y);
-        dispatch!(Level::new(), simd => add_rows(simd, rows, along_x, waiting));
-        self.waiting = 0;
-    }
-
-    /// Writes the sums of a row, with those of the changes that wait.
-    pub fn row(&self, row: usize, sums: &mut Vec<ProductSums>) {
-        let blocks = self.along_x.len();
-        sums.clear();
-        sums.extend_from_slice(&self.sums[row * blocks..][..blocks]);
-
-        if self.waiting > 0 {
-            let rows = std::iter::once((&mut sums[..], &self.along_y[row]));
-            dispatch!(Level::new(), simd => add_rows(simd, rows, &self.along_x, self.waiting));
+    /// Adds the changes that wait, if there are more than a few, so that reading does not add them each time.
+    pub fn prepare_reading(&mut self) {
+        if self.waiting > FEW {
+            self.settle();
         }
     }
 
-    /// Replaces all sums by those whose transforms at `(column, row)` and `(column, -row)` are given.
-    pub fn replace(&mut self, transform: impl Fn(usize, i64) -> Complex<f64>) {
+    /// Adds the changes that wait.
+    fn settle(&mut self) {
+        let (along_x, along_y, waiting) = (&self.along_x, &self.along_y, self.waiting);
+        dispatch!(Level::new(), simd => add_rows(simd, &mut self.sums, along_x, along_y, waiting));
+        self.waiting = 0;
+    }
+
+    /// Returns the sums of a row, with those of the changes that wait.
+    pub fn row(&self, row: usize) -> Cow<'_, [ProductSums]> {
+        let blocks = self.along_x.len();
+        let mut sums = Cow::Borrowed(&self.sums[row * blocks..][..blocks]);
+        if self.waiting > 0 {
+            let (along_x, along_y) = (&self.along_x, &self.along_y[row..=row]);
+            let sums = sums.to_mut();
+            dispatch!(Level::new(), simd => add_rows(simd, sums, along_x, along_y, self.waiting));
+        }
+        sums
+    }
+
+    /// Replaces the sums of a row by those of a transform at `(column, row)` and `(column, -row)`. All rows are to be replaced.
+    pub fn replace(&mut self, row: usize, transform: &Transform) {
         self.waiting = 0;
         let blocks = self.along_x.len();
-        for (index, block) in self.sums.iter_mut().enumerate() {
-            let row = (index / blocks) as i64;
-            let first = index % blocks * LANES;
+        for (index, block) in self.sums[row * blocks..][..blocks].iter_mut().enumerate() {
+            let first = index * LANES;
             for lane in 0..LANES.min(self.columns - first) {
-                let [up, down] = [row, -row].map(|row| transform(first + lane, row) * (0.5 * ONE));
+                let column = (first + lane) as i64;
+                let at = |row: i64| transform.at([column, row]) * (0.5 * ONE);
+                let [up, down] = [at(row as i64), at(-(row as i64))];
                 let products = [
                     up.re + down.re,
                     down.re - up.re,
@@ -153,9 +162,9 @@ impl WaveSums {
         let mut thin = Self::new(columns, rows, 1);
         thin.step = self.step * stride as f64;
 
-        let (blocks, mut whole) = (thin.along_x.len(), Vec::new());
+        let blocks = thin.along_x.len();
         for row in 0..rows {
-            self.row(row * stride, &mut whole);
+            let whole = self.row(row * stride);
             for column in 0..columns {
                 let from = column * stride;
                 let sums = &mut thin.sums[row * blocks + column / LANES];
@@ -166,6 +175,30 @@ impl WaveSums {
         }
         thin
     }
+}
+
+/// Returns the cosines and sines of the multiples of a phase, from zero on, multiplied by `scale`.
+fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
+    let (sin, cos) = phase.sin_cos();
+    let turn = Complex::new(cos, sin);
+
+    // Powers of one phase: after 1,024 of them they are off by less than 1e-12, where 32 bits leave 3e-8. Lanes go on side by
+    // side, as one power after the other would take as long as the products of a third of the change.
+    let mut power = Complex::new(scale, 0.0);
+    let mut first = [[0.0; LANES]; 2];
+    let [cos, sin] = &mut first;
+    for (cos, sin) in cos.iter_mut().zip(sin) {
+        (*cos, *sin) = (power.re, power.im);
+        power *= turn;
+    }
+    let step = turn.powi(LANES as i32);
+
+    let blocks = std::iter::successors(Some(first), move |[cos, sin]| {
+        let next = |lane: usize| Complex::new(cos[lane], sin[lane]) * step;
+        let lanes: Lanes<Complex<f64>> = std::array::from_fn(next);
+        Some([lanes.map(|value| value.re), lanes.map(|value| value.im)])
+    });
+    blocks.map(|pair| pair.map(|lanes| lanes.map(|value| value as f32)))
 }
 
 /// Writes the squared transforms of a row of sums, multiplied by `scale`: from the middle on those at the columns, and
@@ -195,15 +228,19 @@ pub(super) fn write_powers(sums: &[ProductSums], scale: f64, powers: &mut [f64])
     reason = "it must become a part of what dispatch! compiles for the processor"
 )]
 #[inline(always)]
-fn add_rows<'a, S: Simd>(
+fn add_rows<S: Simd>(
     simd: S,
-    rows: impl Iterator<Item = (&'a mut [ProductSums], &'a [[f32; 2]; BATCH])>,
+    sums: &mut [ProductSums],
     along_x: &[[WavePair; BATCH]],
+    along_y: &[[[f32; 2]; BATCH]],
     waiting: usize,
 ) {
-    for (sums, along_y) in rows {
-        for (sums, waves) in sums.iter_mut().zip(along_x) {
-            add_block(simd, sums, &waves[..waiting], &along_y[..waiting]);
+    for (tile, waves) in along_x.chunks(TILE).enumerate() {
+        let rows = sums.chunks_exact_mut(along_x.len()).zip(along_y);
+        for (sums, along_y) in rows {
+            for (sums, waves) in sums[tile * TILE..].iter_mut().zip(waves) {
+                add_block(simd, sums, &waves[..waiting], &along_y[..waiting]);
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::check_count;
@@ -45,7 +46,7 @@ impl CoarsePower {
         }
         let mut sums = CoarseSums::new(reach, most, 1);
         let [x, y] = reach;
-        for (row, ky) in (-y..=y).enumerate() {
+        let rows = (-y..y + 1).into_par_iter().map(|ky| {
             let of_structure = |k: &[i64; 2]| *k != [0, 0];
             let power = |kx| {
                 Some([kx, ky])
@@ -53,7 +54,11 @@ impl CoarsePower {
                     .and_then(|k| periodogram.at(k))
             };
             let powers: Vec<f64> = (-x..=x).map(|kx| power(kx).unwrap_or(0.0)).collect();
-            sums.add_row(row, &powers);
+            sums.along(&powers)
+        });
+
+        for (row, along) in rows.collect::<Vec<_>>().into_iter().enumerate() {
+            sums.add(row, &along);
         }
         Ok(sums.picture())
     }
@@ -93,16 +98,46 @@ impl CoarseSums {
     /// Adds the powers at the multiples along x of a multiple along y, both counted from the lowest on. That of zero
     /// must be given as 0.
     pub fn add_row(&mut self, row: usize, powers: &[f64]) {
-        let [columns, rows] = &self.parts;
-        // Rows of an incomplete rim are in no part.
-        let Some(part) = rows.iter().position(|part| part.contains(&row)) else {
-            return;
-        };
+        let along = self.along(powers);
+        self.add(row, &along);
+    }
 
-        let sums = &mut self.sums[part * columns.len()..][..columns.len()];
-        for (sum, column) in sums.iter_mut().zip(columns) {
-            *sum = powers[column.clone()].iter().fold(*sum, |sum, p| sum + p);
+    /// Returns the sums of a row over the parts along x.
+    fn along(&self, powers: &[f64]) -> Vec<f64> {
+        let columns = self.parts[0].iter();
+        let sum = |part: &Range<usize>| powers[part.clone()].iter().sum();
+        columns.map(sum).collect()
+    }
+
+    /// Adds the sums of a row over the parts along x.
+    fn add(&mut self, row: usize, along: &[f64]) {
+        let rows = &self.parts[1];
+        let part = rows.partition_point(|part| part.end <= row);
+        // Rows of an incomplete rim are in no part.
+        if rows.get(part).is_none_or(|part| !part.contains(&row)) {
+            return;
         }
+
+        let sums = &mut self.sums[part * along.len()..][..along.len()];
+        for (sum, more) in sums.iter_mut().zip(along) {
+            *sum += more;
+        }
+    }
+
+    /// Returns whether the middle parts have a multiple along y, counted from the lowest on.
+    pub fn is_in_middle(&self, row: usize) -> bool {
+        let rows = &self.parts[1];
+        rows[rows.len() / 2].contains(&row)
+    }
+
+    /// Returns the means where opposite frequencies have the same power, and no row below the middle parts was added.
+    pub fn symmetric_picture(mut self) -> CoarsePower {
+        let [columns, rows] = &self.parts;
+        let (below, others) = self.sums.split_at_mut(rows.len() / 2 * columns.len());
+        for (sum, opposite) in below.iter_mut().zip(others.iter().rev()) {
+            *sum = *opposite;
+        }
+        self.picture()
     }
 
     /// Returns the means.

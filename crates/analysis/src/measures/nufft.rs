@@ -12,7 +12,7 @@ use rustfft::{Fft, FftPlanner};
 
 use super::error::MeasureError;
 use super::kernel::{OVERSAMPLING, WIDTH, transform};
-use super::spread::{Sample, Spread};
+use super::spread::{Sample, Spread, SpreadGrid};
 use super::window::FrequencyWindow;
 use crate::monitor::Monitor;
 
@@ -111,6 +111,7 @@ fn smooth_size(least: usize) -> usize {
 
 /// How a window is transformed. Real weights on a grid about zero need no phases, half the memory
 /// and half the transforms; a window far off zero is cheaper when moved there.
+#[derive(Clone, Copy)]
 pub(crate) struct TransformPlan {
     /// Along x, the slow axis of the grid, and along y.
     pub axes: [GridAxis; 2],
@@ -119,8 +120,8 @@ pub(crate) struct TransformPlan {
 
 /// The transform at the frequencies of a plan.
 pub(crate) struct Transform {
-    axes: [GridAxis; 2],
-    real: bool,
+    pub axes: [GridAxis; 2],
+    pub real: bool,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.
     pub values: Vec<Complex<f64>>,
 }
@@ -230,7 +231,7 @@ impl TransformPlan {
     /// Transforms grid lines along y, two real ones as one complex, and keeps the rows of the window.
     fn along_y_real(
         &self,
-        grid: &super::spread::SpreadGrid<1>,
+        grid: &SpreadGrid<1>,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (size, rows) = (self.axes[1].size, self.rows());
@@ -240,27 +241,41 @@ impl TransformPlan {
         lines.try_for_each_init(
             || Scratch::new(&fft, size),
             |scratch, (pair, out)| {
-                let [one, two] = [0, 1].map(|odd| grid.line(2 * pair + odd)[0]);
-                for (index, value) in scratch.line.iter_mut().enumerate() {
-                    let folded =
-                        |line: &[f64]| line[index] + line.get(index + size).copied().unwrap_or(0.0);
-                    *value = Complex::new(folded(one), folded(two));
-                }
-                scratch.run(&fft);
-                for k in 0..rows {
-                    let [a, b] = [scratch.line[k], scratch.line[(size - k) % size].conj()];
-                    out[k] = (a + b) * 0.5;
-                    out[rows + k] = (a - b) * Complex::new(0.0, -0.5);
-                }
+                self.pair_along_y(grid, pair, scratch, &fft, out);
                 monitor.advance(2 * size as u64)
             },
         )?;
         Ok(half)
     }
 
+    /// Transforms two grid lines along y, and writes the rows of the window of the one and then of the other.
+    pub(super) fn pair_along_y(
+        &self,
+        grid: &SpreadGrid<1>,
+        pair: usize,
+        scratch: &mut Scratch,
+        fft: &Arc<dyn Fft<f64>>,
+        out: &mut [Complex<f64>],
+    ) {
+        let (size, rows) = (self.axes[1].size, self.rows());
+        let [one, two] = [0, 1].map(|odd| grid.line(2 * pair + odd)[0]);
+        for (index, value) in scratch.line.iter_mut().enumerate() {
+            let folded =
+                |line: &[f64]| line[index] + line.get(index + size).copied().unwrap_or(0.0);
+            *value = Complex::new(folded(one), folded(two));
+        }
+        scratch.run(fft);
+
+        for k in 0..rows {
+            let [a, b] = [scratch.line[k], scratch.line[(size - k) % size].conj()];
+            out[k] = (a + b) * 0.5;
+            out[rows + k] = (a - b) * Complex::new(0.0, -0.5);
+        }
+    }
+
     fn along_y_complex(
         &self,
-        grid: &super::spread::SpreadGrid<2>,
+        grid: &SpreadGrid<2>,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (axis, rows) = (self.axes[1], self.rows());
@@ -293,35 +308,48 @@ impl TransformPlan {
         half: &[Complex<f64>],
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
-        let ([axis, other], rows) = (self.axes, self.rows());
-        let (columns, first) = (axis.count(), self.first_row());
+        let (axis, columns) = (self.axes[0], self.axes[0].count());
         let factors = axis.factors();
         let fft = FftPlanner::new().plan_fft_forward(axis.size);
-        let mut values = vec![Complex::default(); rows * columns];
+        let mut values = vec![Complex::default(); self.rows() * columns];
         let blocks = values.par_chunks_mut(TOGETHER * columns).enumerate();
         blocks.try_for_each_init(
             || Scratch::new(&fft, axis.size * TOGETHER),
             |scratch, (block, out)| {
-                let start = block * TOGETHER;
-                let count = out.len() / columns;
-                for (index, line) in half.chunks_exact(rows).enumerate() {
-                    for (row, value) in line[start..start + count].iter().enumerate() {
-                        scratch.line[row * axis.size + index] = *value;
-                    }
-                }
-                scratch.run(&fft);
-                for (row, out) in out.chunks_exact_mut(columns).enumerate() {
-                    let line = &scratch.line[row * axis.size..][..axis.size];
-                    let along_y = other.factor(first + (start + row) as i64);
-                    for ((value, factor), offset) in out.iter_mut().zip(&factors).zip(-axis.below..)
-                    {
-                        *value = line[axis.index(offset)] * factor * along_y;
-                    }
-                }
-                monitor.advance((axis.size * count) as u64)
+                self.block_along_x(half, block, &factors, scratch, &fft, out);
+                monitor.advance((axis.size * out.len() / columns) as u64)
             },
         )?;
         Ok(values)
+    }
+
+    /// Transforms [`TOGETHER`] rows of the window along x, or those that are left.
+    pub(super) fn block_along_x(
+        &self,
+        half: &[Complex<f64>],
+        block: usize,
+        factors: &[Complex<f64>],
+        scratch: &mut Scratch,
+        fft: &Arc<dyn Fft<f64>>,
+        out: &mut [Complex<f64>],
+    ) {
+        let ([axis, other], rows) = (self.axes, self.rows());
+        let (columns, start) = (axis.count(), block * TOGETHER);
+        let count = out.len() / columns;
+        for (index, line) in half.chunks_exact(rows).enumerate() {
+            for (row, value) in line[start..start + count].iter().enumerate() {
+                scratch.line[row * axis.size + index] = *value;
+            }
+        }
+        scratch.run(fft);
+
+        for (row, out) in out.chunks_exact_mut(columns).enumerate() {
+            let line = &scratch.line[row * axis.size..][..axis.size];
+            let along_y = other.factor(self.first_row() + (start + row) as i64);
+            for ((value, factor), offset) in out.iter_mut().zip(factors).zip(-axis.below..) {
+                *value = line[axis.index(offset)] * factor * along_y;
+            }
+        }
     }
 }
 

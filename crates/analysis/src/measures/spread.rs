@@ -145,32 +145,68 @@ impl<const C: usize> Spread<C> {
     }
 
     pub fn run(&self, monitor: &Monitor<'_>) -> Result<SpreadGrid<C>, MeasureError> {
-        let bands = self.starts.len() - 1;
-        let stride = self.sizes[1] + WIDTH + 1;
-        let line = C * stride;
-        let mut cells = vec![0.0; (bands + 1) * BAND * line];
+        let mut grid = self.empty_grid();
         monitor.advance(self.samples.len() as u64)?;
         for parity in [0, 1] {
-            let chunks = cells[parity * BAND * line..].par_chunks_mut(2 * BAND * line);
+            let band_cells = BAND * C * grid.stride;
+            let chunks = grid.cells[parity * band_cells..].par_chunks_mut(2 * band_cells);
             chunks.enumerate().try_for_each(|(index, cells)| {
                 let band = 2 * index + parity;
-                if band >= bands {
-                    return Ok(());
-                }
-                let samples = &self.samples[self.starts[band]..self.starts[band + 1]];
-                self.band(band, samples, stride, cells);
-                monitor.advance(samples.len() as u64)
+                let samples = self.band(band, grid.stride, cells);
+                monitor.advance(samples as u64)
             })?;
         }
-        // The lines beyond the last belong to the first ones.
-        let (home, margin) = cells.split_at_mut(self.sizes[0] * line);
+        self.fold(&mut grid);
+        Ok(grid)
+    }
+
+    /// Returns the grid before any sample is spread onto it.
+    pub fn empty_grid(&self) -> SpreadGrid<C> {
+        let stride = self.sizes[1] + WIDTH + 1;
+        SpreadGrid {
+            stride,
+            cells: vec![0.0; (self.bands() + 1) * BAND * C * stride],
+        }
+    }
+
+    pub fn bands(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Spreads the samples of the band that comes at an index, the even bands before the odd ones. Returns how many there are.
+    pub fn spread_band(&self, index: usize, grid: &mut SpreadGrid<C>) -> usize {
+        let even = self.bands().div_ceil(2);
+        let band = if index < even {
+            2 * index
+        } else {
+            2 * (index - even) + 1
+        };
+        let (stride, start) = (grid.stride, band * BAND * C * grid.stride);
+        let end = grid.cells.len().min(start + 2 * BAND * C * stride);
+        self.band(band, stride, &mut grid.cells[start..end])
+    }
+
+    /// Adds the lines beyond the last to the first ones, to which they belong, once all bands are spread.
+    pub fn fold(&self, grid: &mut SpreadGrid<C>) {
+        let line = C * grid.stride;
+        let (home, margin) = grid.cells.split_at_mut(self.sizes[0] * line);
         for (value, extra) in home.iter_mut().zip(&margin[..(WIDTH + 1) * line]) {
             *value += extra;
         }
-        Ok(SpreadGrid { stride, cells })
     }
 
-    fn band(&self, band: usize, samples: &[SpreadSample<C>], stride: usize, cells: &mut [f64]) {
+    /// Spreads the samples of a band onto its lines and those of the next one, and returns how many there are.
+    fn band(&self, band: usize, stride: usize, cells: &mut [f64]) -> usize {
+        // Behind the last band lie the lines that it reaches.
+        let [Some(&start), Some(&end)] = [band, band + 1].map(|band| self.starts.get(band)) else {
+            return 0;
+        };
+        let samples = &self.samples[start..end];
+        self.add(band, samples, stride, cells);
+        samples.len()
+    }
+
+    fn add(&self, band: usize, samples: &[SpreadSample<C>], stride: usize, cells: &mut [f64]) {
         for sample in samples {
             let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));
             let (line, start) = (

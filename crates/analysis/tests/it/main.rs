@@ -8,6 +8,7 @@ mod distant_pairs;
 mod judges;
 mod live_cover;
 mod live_pairs;
+mod live_slices;
 mod live_spectrum;
 mod numbers;
 mod order;

@@ -1,0 +1,110 @@
+//! The transform of [`super::nufft`] in slices, for whoever has little time at once. Its values have the same bits.
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+
+use super::nufft::{Scratch, TOGETHER, Transform, TransformPlan};
+use super::spread::{Sample, Spread, SpreadGrid};
+
+/// What a slice of a transform was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slice {
+    /// So many samples were spread.
+    Samples(usize),
+    /// So many grid points were transformed along an axis.
+    Points(usize),
+}
+
+/// Transforms along an axis.
+struct Along {
+    fft: Arc<dyn Fft<f64>>,
+    scratch: Scratch,
+}
+
+impl Along {
+    /// Returns transforms of `lines` lines of so many points at once.
+    fn new(size: usize, lines: usize) -> Self {
+        let fft = FftPlanner::new().plan_fft_forward(size);
+        let scratch = Scratch::new(&fft, size * lines);
+        Self { fft, scratch }
+    }
+}
+
+/// A transform of real weights about zero that is being made.
+pub(crate) struct SlicedTransform {
+    plan: TransformPlan,
+    spread: Spread<1>,
+    grid: SpreadGrid<1>,
+    along_x: Along,
+    along_y: Along,
+    factors: Vec<Complex<f64>>,
+    half: Vec<Complex<f64>>,
+    values: Vec<Complex<f64>>,
+    /// Slices that are made.
+    made: usize,
+}
+
+impl SlicedTransform {
+    /// Begins the transform of samples; `None` for a plan with phases. Sorts the samples.
+    pub fn new(plan: TransformPlan, samples: &[Sample]) -> Option<Self> {
+        if !plan.real {
+            return None;
+        }
+
+        let ([x, y], rows) = (plan.axes, plan.rows());
+        let spread = Spread::<1>::new(samples, plan.sizes(), |sample| [sample.weight]);
+        Some(Self {
+            plan,
+            grid: spread.empty_grid(),
+            spread,
+            along_x: Along::new(x.size, TOGETHER),
+            along_y: Along::new(y.size, 1),
+            factors: x.factors(),
+            half: vec![Complex::default(); x.size * rows],
+            values: vec![Complex::default(); x.count() * rows],
+            made: 0,
+        })
+    }
+
+    /// Makes the next slice; `None` once all are made.
+    pub fn proceed(&mut self) -> Option<Slice> {
+        let index = self.made;
+        self.made += 1;
+        let bands = self.spread.bands();
+        if index < bands {
+            let count = self.spread.spread_band(index, &mut self.grid);
+            if index + 1 == bands {
+                self.spread.fold(&mut self.grid);
+            }
+            return Some(Slice::Samples(count));
+        }
+
+        let ([x, y], rows) = (self.plan.axes, self.plan.rows());
+        let (pair, pairs) = (index - bands, x.size / 2);
+        if pair < pairs {
+            let out = &mut self.half[pair * 2 * rows..][..2 * rows];
+            let Along { fft, scratch } = &mut self.along_y;
+            self.plan.pair_along_y(&self.grid, pair, scratch, fft, out);
+            return Some(Slice::Points(2 * y.size));
+        }
+
+        let (block, columns) = (pair - pairs, x.count());
+        let out = (self.values.chunks_mut(TOGETHER * columns)).nth(block)?;
+        let Along { fft, scratch } = &mut self.along_x;
+        let points = out.len() / columns * x.size;
+        self.plan
+            .block_along_x(&self.half, block, &self.factors, scratch, fft, out);
+        Some(Slice::Points(points))
+    }
+
+    /// Returns the values, once all slices are made.
+    pub fn finish(self) -> Transform {
+        Transform {
+            axes: self.plan.axes,
+            real: true,
+            values: self.values,
+        }
+    }
+}
