@@ -1,24 +1,30 @@
 //! A measure that is kept from moment to moment, with the changes that it has taken: it is never taken for that of another
 //! moment.
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, Renew, Renewal, Told};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;
 
 /// The shape that all measures of `tilescope_analysis::live` have. Costs are in counted steps.
-pub trait Follows {
+pub trait Follows: Renew {
+    /// How many of the measure's own steps are done in the time of one step.
+    const RATE: u64;
+
     fn insert(&mut self, sample: u32, place: [i32; 2]) -> u64;
     fn remove(&mut self, sample: u32, place: [i32; 2]) -> u64;
-    fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64;
+    fn rebuild(&mut self, samples: &[Told]) -> u64;
     fn cost_of_change(&self) -> u64;
     fn cost_of_rebuild(&self, count: usize) -> u64;
+    fn prepare_reading(&mut self);
 }
 
-/// Implements it for measures that do so many of their own steps in the time of one step.
+/// Implements it for measures with the rates and with what they do before they are read.
 macro_rules! follows {
-    ($($measure:ty: $rate:expr),*) => {
+    ($($measure:ty: $rate:expr, $prepare:expr;)*) => {
         $(impl Follows for $measure {
+            const RATE: u64 = $rate;
+
             fn insert(&mut self, sample: u32, place: [i32; 2]) -> u64 {
                 self.insert(sample, place).div_ceil($rate)
             }
@@ -27,7 +33,7 @@ macro_rules! follows {
                 self.remove(sample, place).div_ceil($rate)
             }
 
-            fn rebuild(&mut self, samples: &[(u32, [i32; 2])]) -> u64 {
+            fn rebuild(&mut self, samples: &[Told]) -> u64 {
                 self.rebuild(samples).div_ceil($rate)
             }
 
@@ -38,24 +44,40 @@ macro_rules! follows {
             fn cost_of_rebuild(&self, count: usize) -> u64 {
                 self.cost_of_rebuild(count).div_ceil($rate)
             }
+
+            fn prepare_reading(&mut self) {
+                $prepare(self);
+            }
         })*
     };
 }
 
-// The products of a spectrum are made in vectors, without a branch.
-follows!(LiveSpectrum: 32, LivePairs: 1, LiveCover: 1);
+follows!(
+    // The products of a spectrum are made in vectors, without a branch.
+    LiveSpectrum: 128, LiveSpectrum::prepare_reading;
+    LivePairs: 1, |_| ();
+    LiveCover: 1, |_| ();
+);
 
 /// A measure and how many changes of the course it has taken.
-pub struct Kept<M> {
+pub struct Kept<M: Follows> {
     measure: Option<M>,
     taken: usize,
+    ahead: Option<Ahead<M>>,
 }
 
-impl<M> Default for Kept<M> {
+/// A measure that is being made anew, at the moment after `target` changes.
+struct Ahead<M: Follows> {
+    renewal: Renewal<M>,
+    target: usize,
+}
+
+impl<M: Follows> Default for Kept<M> {
     fn default() -> Self {
         Self {
             measure: None,
             taken: 0,
+            ahead: None,
         }
     }
 }
@@ -71,11 +93,6 @@ impl<M: Follows> Kept<M> {
         self.taken.abs_diff(target)
     }
 
-    /// Returns whether there is no measure yet.
-    pub const fn is_empty(&self) -> bool {
-        self.measure.is_none()
-    }
-
     /// Takes the measure that `of` makes of another one, if it makes one, with the changes that this has taken.
     pub fn replace(&mut self, other: &Self, of: impl FnOnce(&M) -> Option<M>) {
         if let Some(measure) = other.measure.as_ref().and_then(of) {
@@ -83,19 +100,39 @@ impl<M: Follows> Kept<M> {
         }
     }
 
-    /// Moves the measure to the moment after `target` changes, or nearer to it if that takes more than `budget` steps. Returns
-    /// the steps.
+    /// Moves the measure to the moment after `target` changes, the quicker way, in about `budget` steps at most. What needs more
+    /// is done by later calls, also for other moments. Returns the steps.
     pub fn seek(&mut self, course: &Course, target: usize, budget: u64) -> u64 {
-        let [by_changes, anew] = self.costs(course, target);
-        // A measure cannot be made anew in part. Where the budget is too small for it, changes come as near as they can, and
-        // the next calls come nearer.
-        if anew < by_changes && anew <= budget {
-            return self.make_anew(course, target);
+        if budget == 0 {
+            return 0;
+        }
+        let ways = self.ways(course, target);
+        // At once is quicker than in slices, where the budget allows it.
+        let fits = ways.at_once <= budget;
+        let anew = if fits { ways.at_once } else { ways.in_slices };
+        if ways.ahead > ways.changes.min(anew) {
+            self.ahead = None;
         }
 
         let mut steps = 0;
-        while self.taken != target && steps < budget {
+        if self.ahead.is_none() && anew < ways.changes {
+            if fits {
+                return self.make_anew(course, target);
+            }
+            self.begin_anew(course, target);
+        }
+        while steps < budget && self.ahead.is_some() {
+            steps += self.go_ahead();
+        }
+
+        // Changes that lead away from a measure that is being made would be in vain.
+        let mut has_changed = false;
+        while self.ahead.is_none() && self.taken != target && steps < budget {
             steps += self.step(course, target);
+            has_changed = true;
+        }
+        if let Some(measure) = self.measure.as_mut().filter(|_| has_changed) {
+            measure.prepare_reading();
         }
         steps
     }
@@ -116,29 +153,55 @@ impl<M: Follows> Kept<M> {
         self.measure.as_ref().map_or(0, Follows::cost_of_change)
     }
 
-    /// Returns about the steps to the moment after `target` changes, the quicker way.
+    /// Returns about the steps to the moment after `target` changes, the quickest way.
     pub fn cost(&self, course: &Course, target: usize) -> u64 {
-        let [by_changes, anew] = self.costs(course, target);
-        by_changes.min(anew)
+        let ways = self.ways(course, target);
+        ways.changes.min(ways.at_once).min(ways.ahead)
     }
 
-    /// Returns about the steps of both ways, by changes and anew.
-    fn costs(&self, course: &Course, target: usize) -> [u64; 2] {
+    fn ways(&self, course: &Course, target: usize) -> Ways {
         let Some(measure) = &self.measure else {
-            return [0; 2];
+            return Ways::default();
         };
-        let by_changes = measure.cost_of_change() * self.distance(target) as u64;
-        [
-            by_changes,
-            measure.cost_of_rebuild(course.count_after(target)),
-        ]
+        let change = measure.cost_of_change();
+        let ahead = self.ahead.as_ref().map(|ahead| {
+            let left = ahead.renewal.steps_left().div_ceil(M::RATE);
+            left + change * ahead.target.abs_diff(target) as u64
+        });
+        let count = course.count_after(target);
+        Ways {
+            changes: change * self.distance(target) as u64,
+            at_once: measure.cost_of_rebuild(count),
+            in_slices: Renewal::cost(measure, count).div_ceil(M::RATE),
+            ahead: ahead.unwrap_or(u64::MAX),
+        }
     }
 
     /// Makes the measure of the moment after `target` changes from nothing. Returns the steps.
     pub fn make_anew(&mut self, course: &Course, target: usize) -> u64 {
-        self.taken = target;
+        (self.taken, self.ahead) = (target, None);
         let samples = course.samples_after(target);
         (self.measure.as_mut()).map_or(0, |measure| measure.rebuild(&samples))
+    }
+
+    /// Begins to make the measure of the moment after `target` changes from nothing.
+    fn begin_anew(&mut self, course: &Course, target: usize) {
+        self.ahead = self.measure.as_ref().map(|measure| Ahead {
+            renewal: Renewal::of(measure, course.samples_after(target)),
+            target,
+        });
+    }
+
+    /// Makes a slice of the measure that is being made, and takes it once it is made. Returns the steps.
+    fn go_ahead(&mut self) -> u64 {
+        let Some(ahead) = &mut self.ahead else {
+            return 0;
+        };
+        let steps = ahead.renewal.proceed();
+        if let Some(made) = self.ahead.take_if(|ahead| ahead.renewal.is_made()) {
+            (self.measure, self.taken) = (Some(made.renewal.finish()), made.target);
+        }
+        steps.div_ceil(M::RATE)
     }
 
     /// Takes one change on the way to the moment after `target` of them, which is another one.
@@ -163,4 +226,16 @@ impl<M: Follows> Kept<M> {
             measure.remove(change.sample, place)
         }
     }
+}
+
+/// About the steps of the ways to a moment.
+#[derive(Default)]
+struct Ways {
+    /// By changes of the measure that there is.
+    changes: u64,
+    /// From nothing, at once or in slices.
+    at_once: u64,
+    in_slices: u64,
+    /// By the measure that is being made, and changes of that.
+    ahead: u64,
 }

@@ -10,22 +10,31 @@ use crate::kept::Kept;
 /// The rings and the picture of a spectrum are read in the time of about so many changes.
 const READING_CHANGES: u64 = 32;
 
+/// All frequencies are thinned in the time of about so many changes of those that are left.
+const THINNING_CHANGES: u64 = 128;
+
 const STRIDES: usize = LiveSpectrum::MAX_STRIDE as usize;
 
 /// The spectra of all strides, the finest first. Each is made when it is first needed.
 #[derive(Default)]
-pub struct Spectra([Kept<LiveSpectrum>; STRIDES]);
+pub struct Spectra {
+    kept: [Kept<LiveSpectrum>; STRIDES],
+    /// The target of the call before.
+    target: usize,
+}
 
 impl Spectra {
     /// Returns the finest spectrum that has taken exactly so many changes; that of all frequencies, unless it may be thinned.
     pub fn after(&self, changes: usize, may_be_thinned: bool) -> Option<&LiveSpectrum> {
         let usable = if may_be_thinned { STRIDES } else { 1 };
-        self.0[..usable].iter().find_map(|kept| kept.after(changes))
+        self.kept[..usable]
+            .iter()
+            .find_map(|kept| kept.after(changes))
     }
 
     /// Returns about the steps of reading the spectrum that has taken so many changes.
     pub fn cost_of_reading(&self, changes: usize) -> u64 {
-        let shown = self.0.iter().find(|kept| kept.after(changes).is_some());
+        let shown = self.kept.iter().find(|kept| kept.after(changes).is_some());
         shown.map_or(0, |kept| READING_CHANGES * kept.cost_of_change())
     }
 
@@ -39,10 +48,10 @@ impl Spectra {
         may_be_thinned: bool,
     ) -> Result<u64, MeasureError> {
         let last = if may_be_thinned { STRIDES - 1 } else { 0 };
-        let mut chosen = 0;
+        let (mut chosen, mut steps) = (0, 0);
         loop {
-            self.begin(chosen, course, target)?;
-            let kept = &self.0[chosen];
+            steps += self.begin(chosen, course, target)?;
+            let kept = &self.kept[chosen];
             let reading = READING_CHANGES * kept.cost_of_change();
             if chosen == last || kept.cost(course, target).saturating_add(reading) <= budget {
                 break;
@@ -50,32 +59,45 @@ impl Spectra {
             chosen += 1;
         }
 
-        let kept = &mut self.0[chosen];
-        let mut steps = kept.seek(course, target, budget);
+        let kept = &mut self.kept[chosen];
+        steps += kept.seek(course, target, budget.saturating_sub(steps));
         // Where nearly no sample is left of a set that was transformed, the rounding of those that went is.
         let must_renew = LiveSpectrum::must_renew;
         if kept.after(target).is_some_and(must_renew) {
             steps += kept.make_anew(course, target);
         }
 
-        // Otherwise a run that is played would never have all frequencies again after a moment of many changes.
-        for finer in self.0[..chosen].iter_mut().rev() {
-            steps += finer.seek(course, target, budget.saturating_sub(steps));
+        // Otherwise a run that is played would never have all frequencies again after a moment of many changes. Those that the run
+        // leaves behind as quickly as they come nearer are not worth it.
+        let moved = self.target.abs_diff(target) as u64;
+        self.target = target;
+        for finer in self.kept[..chosen].iter_mut().rev() {
+            let left = budget.saturating_sub(steps);
+            if 2 * moved.saturating_mul(finer.cost_of_change()) < left {
+                steps += finer.seek(course, target, left);
+            }
         }
         Ok(steps)
     }
 
-    /// Makes the spectrum of a stride where there is none, and takes it from that of all frequencies where this is nearer.
-    fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<(), MeasureError> {
+    /// Makes the spectrum of a stride where there is none, and takes it from that of all frequencies where this is nearer: that was
+    /// shown while time stood still, and the others stayed behind. Returns the steps.
+    fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<u64, MeasureError> {
         let stride = index as u32 + 1;
-        let (finest, others) = self.0.split_at_mut(1);
-        if let Some(kept) = index.checked_sub(1).map(|index| &mut others[index]) {
-            // That of all frequencies was shown while time stood still, and the others stayed behind.
-            if kept.distance(target) > finest[0].distance(target) || kept.is_empty() {
-                kept.replace(&finest[0], |whole| whole.thinned(stride));
-            }
-        }
+        self.kept[index]
+            .begin(|| LiveSpectrum::new(course.plane(), course.most_samples(), stride))?;
+        let (finest, others) = self.kept.split_at_mut(1);
+        let Some(kept) = index.checked_sub(1).map(|index| &mut others[index]) else {
+            return Ok(0);
+        };
 
-        self.0[index].begin(|| LiveSpectrum::new(course.plane(), course.most_samples(), stride))
+        let change = kept.cost_of_change();
+        let thinning = THINNING_CHANGES * change;
+        let way = thinning + change * finest[0].distance(target) as u64;
+        if way >= kept.cost(course, target) {
+            return Ok(0);
+        }
+        kept.replace(&finest[0], |whole| whole.thinned(stride));
+        Ok(thinning)
     }
 }

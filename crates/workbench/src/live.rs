@@ -6,20 +6,15 @@ use std::sync::Arc;
 
 use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasuredSet;
-use tilescope_live::{Course, LiveMoment, MAX_SAMPLES, Wanted};
+use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped, sentence};
 
-/// In how many frames measures may try to catch up with a run that plays, before they are sent ahead in the background: a jump
-/// is nearly always caught up with sooner, or never. A page has no other thread, so that it waits for the moment to rest.
-const MAX_LATE_FRAMES: u32 = if cfg!(target_arch = "wasm32") {
-    u32::MAX
-} else {
-    8
-};
+/// The counted steps that all watches have in a frame.
+pub const WATCH_STEPS: u64 = FRAME_STEPS;
 
 /// Where the measures of a run are.
 #[derive(Default)]
@@ -27,9 +22,9 @@ enum Followed {
     /// Nothing asked for any.
     #[default]
     Nothing,
-    /// On their way to a moment that is too far for a frame.
-    Away(Job<Result<Box<LiveMoment>, String>>),
-    /// At the moment of the frame before, or near it.
+    /// The run is being read in the background: which sample comes or goes when.
+    Away(Job<Box<LiveMoment>>),
+    /// At the moment of the frame before, or on their way from there.
     Here(Box<LiveMoment>),
     /// There are none, and why.
     Refused(String),
@@ -41,15 +36,11 @@ pub struct Live {
     /// The generation of the session.
     generation: Option<u64>,
     followed: Followed,
-    /// The moment of the call before.
-    at: Option<Key>,
     /// The last moment of which anything is known.
     measured: Option<(Key, Arc<MeasuredSet>)>,
     /// The share of the frequencies in that.
     share: Option<f64>,
     steps: u64,
-    /// In how many calls in a row the measures did not get to the moment.
-    late_frames: u32,
 }
 
 impl Live {
@@ -86,14 +77,14 @@ impl Live {
         }
     }
 
-    /// Returns the counted steps of all frames so far. Those of a move in the background are not among them.
+    /// Returns the counted steps of all frames so far.
     #[must_use]
     pub const fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Brings what is wanted to a moment, in about so many counted steps at most. What is farther away gets there in the background,
-    /// once the moment rests from one call to the next, or did not get there in [`MAX_LATE_FRAMES`] calls.
+    /// Brings what is wanted to a moment, in about so many counted steps at most, on any machine: nothing that takes longer keeps a
+    /// frame waiting. What is farther away gets there in the frames that follow, of which each asks for the next.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -102,20 +93,19 @@ impl Live {
         steps: u64,
         wake: &Wake,
     ) {
-        let key = key_of(shown);
-        let rests = self.at.replace(key) == Some(key);
         if wanted == Wanted::default() {
             self.measured = None;
             return;
         }
         if self.generation != Some(session.generation) {
-            self.begin(session, key.1, wanted, wake);
+            self.begin(session, wake);
         }
         self.poll();
 
         let Followed::Here(moment) = &mut self.followed else {
             return;
         };
+        let key = key_of(shown);
         let moved = match moment.seek(key.1, wanted, steps) {
             Ok(moved) => moved,
             Err(error) => return self.refuse(sentence(&error.to_string())),
@@ -126,40 +116,22 @@ impl Live {
             self.measured = Some((key, Arc::new(measured(moment))));
             self.share = moment.spectrum().map(LiveSpectrum::share);
         }
-        if moved.arrived {
-            self.late_frames = 0;
-            return;
-        }
-        self.late_frames = self.late_frames.saturating_add(1);
-        if rests || self.late_frames > MAX_LATE_FRAMES {
-            self.late_frames = 0;
-            self.send(key.1, wanted, wake);
-        } else {
-            // Whether the moment rests shows in the next frame.
+        if !moved.arrived {
             wake();
         }
     }
 
     /// Begins to follow another session.
-    fn begin(&mut self, session: &Arc<Session>, cursor: usize, wanted: Wanted, wake: &Wake) {
+    fn begin(&mut self, session: &Arc<Session>, wake: &Wake) {
         (self.generation, self.measured) = (Some(session.generation), None);
         if let Some(why) = refusal(session) {
             return self.refuse(why);
         }
         let session = Arc::clone(session);
         let job = Job::start(wake, move |_| {
-            let course = Arc::new(course_of(&session));
-            moved(Box::new(LiveMoment::new(course)), cursor, wanted)
+            Box::new(LiveMoment::new(Arc::new(course_of(&session))))
         });
         self.followed = Followed::Away(job);
-    }
-
-    /// Sends the measures to a moment in the background.
-    fn send(&mut self, cursor: usize, wanted: Wanted, wake: &Wake) {
-        if let Followed::Here(moment) = std::mem::take(&mut self.followed) {
-            let job = Job::start(wake, move |_| moved(moment, cursor, wanted));
-            self.followed = Followed::Away(job);
-        }
     }
 
     fn poll(&mut self) {
@@ -170,8 +142,8 @@ impl Live {
         }
     }
 
-    fn take(&mut self, outcome: Result<Result<Box<LiveMoment>, String>, String>) {
-        match outcome.and_then(|moved| moved) {
+    fn take(&mut self, outcome: Result<Box<LiveMoment>, String>) {
+        match outcome {
             Ok(moment) => self.followed = Followed::Here(moment),
             Err(why) => self.refuse(sentence(&why)),
         }
@@ -181,7 +153,7 @@ impl Live {
         (self.measured, self.followed) = (None, Followed::Refused(why));
     }
 
-    /// Waits for a move in the background.
+    /// Waits until the run is read.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         if let Followed::Away(job) = &self.followed {
@@ -214,17 +186,6 @@ pub(crate) fn course_of(session: &Session) -> Course {
         // Of nested levels a moment is a prefix.
         None => Course::of_order(session.run().domain, &session.run().samples.points),
     }
-}
-
-/// Returns the measures at a cursor, however far away it is.
-fn moved(
-    mut moment: Box<LiveMoment>,
-    cursor: usize,
-    wanted: Wanted,
-) -> Result<Box<LiveMoment>, String> {
-    let moved = moment.seek(cursor, wanted, u64::MAX);
-    moved.map_err(|error| error.to_string())?;
-    Ok(moment)
 }
 
 /// Returns the measures of a moment as the panel shows them.

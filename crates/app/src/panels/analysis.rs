@@ -250,7 +250,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
 /// Says what share of the frequencies is shown while the run moves.
 fn share(shown: Option<f64>) -> String {
     match shown.map(f64::recip) {
-        None => "The spectrum follows at rest.".to_owned(),
+        None => "The spectrum follows.".to_owned(),
         Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
         Some(in_all) => format!("1 in {in_all:.0} frequencies is shown."),
     }

@@ -88,6 +88,53 @@ fn what_the_budget_does_not_reach_is_not_the_moments() {
     assert!(moment.pairs().is_none() && moment.measured().report.is_none());
 }
 
+/// No call does more than its budget and a slice, wherever it goes, and a moment that it reaches is that from nothing.
+#[test]
+fn a_far_moment_is_reached_in_slices_of_the_budget() {
+    const BUDGET: u64 = 5_000;
+    let all = Wanted {
+        spectrum: true,
+        ..DISTANCES
+    };
+    for parameters in variants() {
+        let course = course(&parameters);
+        let mut moment = LiveMoment::new(course.clone());
+        let mut most_calls = 0;
+
+        for cursor in cursors(course.events()) {
+            let mut calls = 0;
+            loop {
+                let moved = moment.seek(cursor, all, BUDGET).unwrap();
+                // A slice is a change at most, and that of a sample at the rim of a large hole takes a few thousand steps.
+                assert!(moved.steps <= 3 * BUDGET, "{cursor}: {}", moved.steps);
+                calls += 1;
+                assert!(calls < 10_000, "{cursor}");
+                if moved.arrived {
+                    break;
+                }
+            }
+            most_calls = most_calls.max(calls);
+            let expected = from_nothing(&course, cursor, &[Part::Report]);
+            let found = differences(&moment.measured(), &expected, Part::Report);
+            assert_eq!(found, Vec::<String>::new(), "{parameters:?} {cursor}");
+        }
+        assert!(most_calls > 4, "{most_calls}");
+    }
+}
+
+/// Time that goes back and forth does not wait for a measure that is being made for a moment which it has left.
+#[test]
+fn what_is_being_made_for_a_moment_that_was_left_is_given_up() {
+    let course = course(&variants()[0]);
+    let mut moment = LiveMoment::new(course.clone());
+    let (near, far) = (course.events() / 10, course.events());
+    moment.seek(near, DISTANCES, u64::MAX).unwrap();
+    assert!(!moment.seek(far, DISTANCES, 2_000).unwrap().arrived);
+
+    let moved = moment.seek(near, DISTANCES, u64::MAX).unwrap();
+    assert!(moved.arrived && moved.steps < 2_000, "{}", moved.steps);
+}
+
 #[test]
 fn nothing_is_computed_that_is_not_wanted() {
     let course = course(&variants()[0]);

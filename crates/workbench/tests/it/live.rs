@@ -2,12 +2,15 @@
 //! only what is shown is computed, in a bounded number of steps a frame.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use tilescope_analysis::measures::{Part, Periodogram, Spectrum};
 use tilescope_analysis::{VerifyOptions, verify};
 use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved};
-use tilescope_live::FRAME_STEPS;
+use tilescope_live::{FRAME_STEPS, Wanted};
 use tilescope_session::Session;
+use tilescope_session::jobs::Wake;
 use tilescope_session::layers::Layer;
 use tilescope_sets::region_in_radii;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, Which, WindowCommand};
@@ -15,6 +18,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::curve::{CurveFormat, CurveNumber};
 use tilescope_workbench::files::{Delivery, FileCommand};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::live::Live;
 use tilescope_workbench::state::{RunView, Settings};
 use tilescope_workbench::{Command, State};
 
@@ -159,6 +163,48 @@ fn the_steps_of_a_frame_are_bounded() {
         let taken = steps(&state) - before;
         // The last change of each of the three measures may go beyond the limit.
         assert!(taken <= 2 * FRAME_STEPS, "{cursor}: {taken}");
+    }
+}
+
+/// On any machine, also one without threads: nothing waits in the background, and no frame does more than its part.
+#[test]
+fn a_far_jump_at_rest_is_spread_over_frames() {
+    const STEPS: u64 = 20_000;
+    let mut state = opened();
+    let all = Wanted {
+        spectrum: true,
+        thinned: true,
+        pairs: true,
+        cover: true,
+    };
+    let wakes = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&wakes);
+    let wake: Wake = Arc::new(move || {
+        counted.fetch_add(1, Ordering::Relaxed);
+    });
+    let (mut live, end) = (Live::default(), state.runs().first.cursor().unwrap().1);
+    for cursor in [end, end / 3, end - 7] {
+        jump(&mut state, cursor);
+        let run = &state.runs().first;
+        let (session, shown) = (run.session.as_ref().unwrap(), run.shown().unwrap());
+
+        let mut frames = 0;
+        let is_there = |live: &Live| live.of(&shown).is_some_and(|set| set.spectrum.is_some());
+        while !is_there(&live) {
+            let (before, asked) = (live.steps(), wakes.load(Ordering::Relaxed));
+            live.follow(session, &shown, all, STEPS, &wake);
+            live.settle();
+            let taken = live.steps() - before;
+            assert!(taken <= 2 * STEPS, "{cursor}: {taken}");
+            // A moment that is not there yet asks for another frame; the first one waits for the run to be read.
+            let asks = wakes.load(Ordering::Relaxed) > asked;
+            assert!(is_there(&live) || asks || taken == 0, "{cursor}: {frames}");
+            frames += 1;
+            assert!(frames < 5_000, "{cursor}");
+        }
+        assert!(frames > 3, "{cursor}: {frames}");
+        let live = live.of(&shown).unwrap();
+        assert!(live.knows(Part::Report) && live.pairs.is_some());
     }
 }
 

@@ -205,6 +205,11 @@ impl RunView {
             self.finish_verification(outcome);
         }
         self.settle_prefix(context);
+        // Nothing waits for this frame.
+        let asked = Asked {
+            steps: u64::MAX,
+            ..asked
+        };
         // The first round ends work that was started for another moment, and the second sees that the moment rests.
         for _ in 0..3 {
             self.follow_moment(asked, context);
