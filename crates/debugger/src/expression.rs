@@ -9,7 +9,7 @@ use tilescope_core::R;
 
 use crate::event::NONE;
 use crate::query::{block, distance, verdict_name};
-use crate::recording::{NumberAt, NumberName, Recording};
+use crate::recording::{NumberAt, NumberName, NumberValue, Recording};
 use crate::state::State;
 
 /// The most operations of an evaluation.
@@ -83,6 +83,12 @@ pub enum ExpressionError {
     Evaluation {
         /// The fault.
         message: String,
+    },
+    /// A number that it names is not measured yet.
+    #[error("the number \"{name}\" is being measured")]
+    Pending {
+        /// The number's name.
+        name: &'static str,
     },
     /// A condition names a number that is for watches alone.
     #[error("a condition cannot have the number \"{name}\": {why}; watch it instead")]
@@ -197,6 +203,22 @@ impl Evaluator {
         Ok(shown(&self.evaluate(expression, state, |_| {})?))
     }
 
+    /// Returns the value of an expression at a state, as text, where its numbers take no more than about so many counted steps;
+    /// otherwise [`ExpressionError::Pending`], and calls that follow come nearer.
+    pub fn value_within(
+        &self,
+        expression: &Expression,
+        state: &State,
+        steps: u64,
+    ) -> Result<String, ExpressionError> {
+        Ok(shown(&self.evaluate_within(
+            expression,
+            state,
+            steps,
+            |_| {},
+        )?))
+    }
+
     /// Returns whether a condition holds at a state.
     pub fn holds(&self, expression: &Expression, state: &State) -> Result<bool, ExpressionError> {
         let value = self.evaluate(expression, state, |_| {})?;
@@ -213,9 +235,19 @@ impl Evaluator {
         state: &State,
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<Dynamic, ExpressionError> {
+        self.evaluate_within(expression, state, u64::MAX, add)
+    }
+
+    fn evaluate_within(
+        &self,
+        expression: &Expression,
+        state: &State,
+        steps: u64,
+        add: impl FnOnce(&mut Scope<'static>),
+    ) -> Result<Dynamic, ExpressionError> {
         let mut scope = scope(&self.recording, state);
         for number in &expression.numbers {
-            let value = self.number(number, state.cursor())?;
+            let value = self.number(number, state.cursor(), steps)?;
             scope.push_constant_dynamic(number.name, value);
         }
         add(&mut scope);
@@ -228,7 +260,12 @@ impl Evaluator {
     }
 
     /// Returns a number of the moment at a cursor.
-    fn number(&self, number: &NumberName, cursor: usize) -> Result<Dynamic, ExpressionError> {
+    fn number(
+        &self,
+        number: &NumberName,
+        cursor: usize,
+        steps: u64,
+    ) -> Result<Dynamic, ExpressionError> {
         let Some(numbers) = self.recording.numbers() else {
             return Ok(Dynamic::UNIT);
         };
@@ -237,13 +274,16 @@ impl Evaluator {
             .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
         let mut followed = followed.lock().unwrap_or_else(PoisonError::into_inner);
 
-        let value = followed(number.name, cursor).map_err(|why| ExpressionError::Evaluation {
-            message: format!("the number \"{}\": {why}", number.name),
+        let name = number.name;
+        let value = followed(name, cursor, steps).map_err(|why| ExpressionError::Evaluation {
+            message: format!("the number \"{name}\": {why}"),
         })?;
-        Ok(match value {
-            Some(count) if number.is_count => (count as i64).into(),
-            other => maybe(other),
-        })
+        match value {
+            NumberValue::Known(count) if number.is_count => Ok((count as i64).into()),
+            NumberValue::Known(value) => Ok(value.into()),
+            NumberValue::Undefined => Ok(Dynamic::UNIT),
+            NumberValue::Pending => Err(ExpressionError::Pending { name }),
+        }
     }
 }
 

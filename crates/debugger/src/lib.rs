@@ -58,7 +58,7 @@ pub use listing::{LineId, Listing, ListingError, ListingLine, Listings, by_id};
 pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
-pub use recording::{MomentNumbers, NumberAt, NumberName, Recording};
+pub use recording::{MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
 pub use sentence::{grouped, sentence, short};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,

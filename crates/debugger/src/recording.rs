@@ -36,9 +36,20 @@ pub struct NumberName {
     pub not_in_conditions: Option<&'static str>,
 }
 
-/// Returns a number, by its name, after the events before a cursor; `None` where it is not defined, and an error where it cannot
-/// be measured. The work of a call must be bounded: watches are evaluated in every frame, conditions at every breakpoint.
-pub type NumberAt = Box<dyn FnMut(&str, usize) -> Result<Option<f64>, String> + Send>;
+/// What is known of a number of a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NumberValue {
+    /// Its value.
+    Known(f64),
+    /// It is not defined there.
+    Undefined,
+    /// It takes more counted steps than there were; calls that follow go on.
+    Pending,
+}
+
+/// Returns a number, by its name, after the events before a cursor, in about so many counted steps at most; an error where it
+/// cannot be measured. Watches are evaluated in every frame, of which they take a part; conditions wait, at every breakpoint.
+pub type NumberAt = Box<dyn FnMut(&str, usize, u64) -> Result<NumberValue, String> + Send>;
 
 /// Numbers that can be had at every moment of a recording.
 pub struct MomentNumbers {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use tilescope_analysis::measures::{SetNumber, number};
-use tilescope_debugger::{MomentNumbers, NumberAt, NumberName, Recording};
+use tilescope_debugger::{MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
 
 use crate::course::Course;
 use crate::curve::MAX_SAMPLES_OF_SPECTRUM;
@@ -14,7 +14,7 @@ use crate::numbers::{is_of_spectrum, live_numbers, wanted_for};
 /// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
 ///
 /// A value takes at most the time of measuring its moment from nothing, and that of the changes since the value before where
-/// these are fewer: all conditions of a run from its start to its end take the time of the run's curve.
+/// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to its end take the time of the run's curve.
 pub static MOMENT_NUMBERS: LazyLock<MomentNumbers> = LazyLock::new(|| MomentNumbers {
     names: live_numbers().map(name).collect(),
     follow,
@@ -39,13 +39,13 @@ fn follow(recording: &Recording) -> NumberAt {
         let why = format!(
             "the run has {samples} samples; moments of at most {MAX_SAMPLES} are measured: take a larger radius"
         );
-        return Box::new(move |_, _| Err(why.clone()));
+        return Box::new(move |_, _, _| Err(why.clone()));
     }
 
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
-    Box::new(move |key, cursor| {
+    Box::new(move |key, cursor, steps| {
         let Some(number) = number(key) else {
-            return Ok(None);
+            return Ok(NumberValue::Undefined);
         };
         let most = moment.course().most_samples();
         // A watch is evaluated in every frame of a run that plays.
@@ -54,8 +54,11 @@ fn follow(recording: &Recording) -> NumberAt {
                 "the run has up to {most} samples at once; it can be watched in runs of at most {MAX_SAMPLES_OF_SPECTRUM}: take a larger radius"
             ));
         }
-        let moved = moment.seek(cursor, wanted_for(&[number]), u64::MAX);
-        moved.map_err(|error| error.to_string())?;
-        Ok(number.of(&moment.measured()))
+        let moved = moment.seek(cursor, wanted_for(&[number]), steps);
+        if !moved.map_err(|error| error.to_string())?.arrived {
+            return Ok(NumberValue::Pending);
+        }
+        let value = number.of(&moment.measured());
+        Ok(value.map_or(NumberValue::Undefined, NumberValue::Known))
     })
 }

@@ -1,7 +1,7 @@
 //! Watches: expressions over the variables in scope, with their current values or errors.
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
-use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
+use tilescope_debugger::{ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
@@ -9,6 +9,7 @@ use super::common::no_events;
 use super::content::{Content, Room};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
+use tilescope_workbench::live::WATCH_STEPS;
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
@@ -20,10 +21,15 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return;
     };
     heading(ui, "Watches");
-    for (index, (text, value)) in debugger.watch_values().into_iter().enumerate() {
+    for (index, (text, value)) in debugger.watch_values(WATCH_STEPS).into_iter().enumerate() {
         watch(ui, index, text, palette, commands);
         let label = match value {
             Ok(value) => ui.label(RichText::new(format!("= {value}")).monospace()),
+            Err(ExpressionError::Pending { .. }) => {
+                // The next frame goes on measuring.
+                ui.ctx().request_repaint();
+                ui.label(RichText::new("= \u{2026}").monospace())
+            }
             Err(error) => ui.label(RichText::new(error.to_string()).color(palette.conflict)),
         };
         label.known_as(format_args!("watch-{}.value", index + 1));

@@ -289,7 +289,7 @@ fn errors_of_expressions_are_values() {
     debugger.watches = ["1 + 2", "kind", "p", "nonsense", "1 +", "p + 1"]
         .map(String::from)
         .to_vec();
-    let values = debugger.watch_values();
+    let values = debugger.watch_values(u64::MAX);
     assert_eq!(values[0].1, Ok("3".to_owned()));
     assert_eq!(values[1].1, Ok("begin".to_owned()));
     assert_eq!(values[2].1, Ok("none".to_owned()));

@@ -71,6 +71,32 @@ fn watches_have_every_live_number_and_conditions_those_without_a_spectrum() {
     }
 }
 
+/// A watch never waits for more steps than it has, and has the same value in the end.
+#[test]
+fn a_watch_is_pending_until_its_number_is_measured() {
+    let (recording, mut debugger) = debugger();
+    let far = Course::of_recording(&recording).events() / 2;
+    debugger.jump(far);
+    debugger.watches.push("gaps".to_owned());
+    debugger.watches.push("inserted".to_owned());
+
+    let mut calls = 0;
+    let value = loop {
+        let values = debugger.watch_values(2_000);
+        // What takes no measuring is there at once.
+        assert!(values[1].1.is_ok());
+        match values[0].1.clone() {
+            Err(ExpressionError::Pending { name: "gaps" }) => calls += 1,
+            value => break value,
+        }
+        assert!(calls < 10_000);
+    };
+    assert!(calls > 5, "{calls}");
+    let expected = gaps(&Course::of_recording(&recording), far);
+    assert_eq!(value, Ok(expected.to_string()));
+    assert_eq!(debugger.evaluate("gaps"), value);
+}
+
 #[test]
 fn a_number_is_no_function_property_or_text() {
     let (_, debugger) = debugger();

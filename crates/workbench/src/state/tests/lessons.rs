@@ -335,7 +335,7 @@ fn told(state: &State) -> String {
         session.summary,
         session.stages,
         run.moment_texts(),
-        debugger.watch_values(),
+        debugger.watch_values(u64::MAX),
         events.collect::<Vec<String>>(),
     )
 }
