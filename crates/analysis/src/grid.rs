@@ -118,28 +118,13 @@ impl Grid {
         }
         starts.pop();
         starts.insert(0, 0);
-        let mut grid = Self {
+        sort_cells(&starts, &mut entries);
+        Self {
             domain,
             cells,
             rows,
             starts,
             entries,
-        };
-        grid.sort_cells();
-        grid
-    }
-
-    fn sort_cells(&mut self) {
-        let order = |a: &Entry, b: &Entry| {
-            (a.position.x.total_cmp(&b.position.x))
-                .then_with(|| a.position.y.total_cmp(&b.position.y))
-                .then_with(|| a.id.cmp(&b.id))
-        };
-        for bounds in self.starts.windows(2) {
-            let cell = &mut self.entries[bounds[0] as usize..bounds[1] as usize];
-            if cell.len() > 1 {
-                cell.sort_unstable_by(order);
-            }
         }
     }
 
@@ -211,6 +196,34 @@ impl Grid {
             .map(|(row, column)| self.run_range(row, &(column..column + 1)).len())
             .max()
             .unwrap_or(0)
+    }
+}
+
+/// Cells that are sorted on one thread.
+const CELLS_TOGETHER: usize = 4096;
+
+/// Sorts the entries of each of some cells that follow each other, by where these begin.
+fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
+    if starts.len() > CELLS_TOGETHER {
+        let middle = starts.len() / 2;
+        let (left, right) = entries.split_at_mut((starts[middle] - starts[0]) as usize);
+        rayon::join(
+            || sort_cells(&starts[..=middle], left),
+            || sort_cells(&starts[middle..], right),
+        );
+        return;
+    }
+
+    let order = |a: &Entry, b: &Entry| {
+        (a.position.x.total_cmp(&b.position.x))
+            .then_with(|| a.position.y.total_cmp(&b.position.y))
+            .then_with(|| a.id.cmp(&b.id))
+    };
+    for bounds in starts.windows(2) {
+        let [start, end] = [0, 1].map(|end| (bounds[end] - starts[0]) as usize);
+        if end > start + 1 {
+            entries[start..end].sort_unstable_by(order);
+        }
     }
 }
 

@@ -78,7 +78,7 @@ fn between(means: &[[f64; 2]], length: f64) -> f64 {
 fn rings(periodogram: &Periodogram) -> Vec<Vec<[f64; 2]>> {
     let most = periodogram.window.x.end - 1;
     let mut rings = vec![Vec::new(); (most / 2) as usize];
-    for [length, power] in periodogram.half_plane([most, most]) {
+    for [length, power] in periodogram.half_plane(most, 0..most + 1) {
         if let Some(ring) = rings.get_mut((0.5 * length) as usize) {
             ring.push([length, power]);
         }

@@ -2,7 +2,10 @@
 //! tapered, so that their border does not drown their structure. Averages over frequencies are in [`super::radial`] and
 //! [`super::coarse`]. The zero frequency is kept here and left out there.
 
+use std::ops::Range;
+
 use glam::DVec2;
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
 
@@ -155,13 +158,22 @@ impl Periodogram {
         let monitor = Monitor::begin(control, plan.work(points.len()))?;
         let set = Weighed::new(points, region, taper);
         let transform = plan.run(&set.samples, &monitor)?;
-        let power = |k| set.sum(k, transform.at(k)).norm_sqr() * set.scale;
+        let mut power = vec![0.0; window.columns() * window.rows()];
+        let rows = power.par_chunks_mut(window.columns()).enumerate();
+        rows.for_each(|(row, powers)| {
+            let ky = window.y.start + row as i64;
+            for (power, kx) in powers.iter_mut().zip(window.x.clone()) {
+                let k = [kx, ky];
+                *power = set.sum(k, transform.at(k)).norm_sqr() * set.scale;
+            }
+        });
+
         Ok(Self {
             window: window.clone(),
             region,
             samples: points.len() as f64,
             sets: 1,
-            power: window.frequencies().map(power).collect(),
+            power,
         })
     }
 
@@ -180,13 +192,21 @@ impl Periodogram {
         (kx as f64 * x).hypot(ky as f64 * y)
     }
 
-    /// Returns length and power of one frequency of each opposite pair, but zero, up to these frequencies along the axes;
-    /// those that the window has.
-    pub(super) fn half_plane(&self, [most_x, most_y]: [i64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    /// Returns length and power of one frequency of each opposite pair, but zero, in some rows from zero on, up to a frequency along
+    /// x; those that the window has.
+    pub(super) fn half_plane(
+        &self,
+        most_x: i64,
+        rows: Range<i64>,
+    ) -> impl Iterator<Item = [f64; 2]> {
+        let [x, y] = unit_lengths(self.region);
         let least_x = move |ky: i64| if ky == 0 { 1 } else { -most_x };
         let row = move |ky: i64| (least_x(ky)..=most_x).map(move |kx| [kx, ky]);
-        let each = (0..=most_y).flat_map(row);
-        each.filter_map(|k| Some([self.length(k), self.at(k)?]))
+        let each = rows.flat_map(row);
+        each.filter_map(move |[kx, ky]| {
+            let length = (kx as f64 * x).hypot(ky as f64 * y);
+            Some([length, self.at([kx, ky])?])
+        })
     }
 }
 

@@ -1,12 +1,16 @@
 //! Mean power and anisotropy of annuli of frequencies. Only annuli that the window holds whole, up to sign, are given;
 //! zero is in none.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::check_range;
 use super::error::MeasureError;
 use super::periodogram::{Periodogram, unit_lengths};
 use crate::region::Region;
+
+/// Rows of frequencies whose sums are added up apart, so that they do not depend on threads.
+const ROWS: i64 = 32;
 
 /// The frequencies whose length lies in a half-open interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
@@ -53,24 +57,29 @@ impl RadialProfile {
     /// [`MeasureError::OutOfRange`] for a width outside [`Self::WIDTHS`].
     pub fn of(periodogram: &Periodogram, width: f64) -> Result<Self, MeasureError> {
         check_range("the width of an annulus", width, Self::WIDTHS)?;
-        let (reach, most) = reach(periodogram);
+        let (reach, [most_x, most_y]) = reach(periodogram);
         let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
-        let mut sums = vec![AnnulusSums::default(); whole];
-        let mut lengths = vec![0.0; whole];
+        let parts = 0..(most_y / ROWS + 1) as usize;
+        let parts = parts.into_par_iter().map(|part| {
+            let mut sums = vec![AnnulusSums::default(); whole];
+            let first = part as i64 * ROWS;
+            let rows = first..(most_y + 1).min(first + ROWS);
+            for [length, power] in periodogram.half_plane(most_x, rows) {
+                if let Some(sums) = sums.get_mut(annulus_of(length, width)) {
+                    sums.add(length, power);
+                }
+            }
+            sums
+        });
 
-        for [length, power] in periodogram.half_plane(most) {
-            let annulus = annulus_of(length, width);
-            if let Some(sums) = sums.get_mut(annulus) {
-                sums.add(power);
-                lengths[annulus] += length;
+        let mut annuli = vec![AnnulusSums::default(); whole];
+        for part in parts.collect::<Vec<_>>() {
+            for (sums, more) in annuli.iter_mut().zip(part) {
+                sums.merge(more);
             }
         }
-
-        let annuli = sums.iter().zip(lengths);
         Ok(Self {
-            annuli: annuli
-                .filter_map(|(sums, length)| sums.annulus(length))
-                .collect(),
+            annuli: annuli.iter().filter_map(AnnulusSums::annulus).collect(),
             samples: periodogram.samples,
             sets: periodogram.sets,
         })
@@ -128,24 +137,38 @@ fn annulus_of(length: f64, width: f64) -> usize {
 #[derive(Clone, Copy, Default)]
 struct AnnulusSums {
     count: u64,
+    length: f64,
     mean: f64,
     squares: f64,
 }
 
 impl AnnulusSums {
-    fn add(&mut self, power: f64) {
+    fn add(&mut self, length: f64, power: f64) {
         self.count += 1;
+        self.length += length;
         let before = power - self.mean;
         self.mean += before / self.count as f64;
         self.squares += before * (power - self.mean);
     }
 
-    /// The annulus whose lengths have this sum.
-    fn annulus(&self, length: f64) -> Option<Annulus> {
+    /// Adds the sums of other frequencies, after Chan et al. 1979.
+    fn merge(&mut self, other: Self) {
+        let count = self.count + other.count;
+        if other.count == 0 {
+            return;
+        }
+        let (between, share) = (other.mean - self.mean, other.count as f64 / count as f64);
+        self.squares += other.squares + between * between * share * self.count as f64;
+        self.mean += between * share;
+        self.length += other.length;
+        self.count = count;
+    }
+
+    fn annulus(&self) -> Option<Annulus> {
         let variance = self.squares / (self.count.checked_sub(1)?) as f64;
         let ratio = variance / (self.mean * self.mean);
         Some(Annulus {
-            frequency: length / self.count as f64,
+            frequency: self.length / self.count as f64,
             power: self.mean,
             anisotropy_db: 10.0 * ratio.log10(),
             count: 2 * self.count,
@@ -159,7 +182,8 @@ pub(crate) struct AnnulusTable {
     /// The annulus of each frequency of a quarter, row by row; frequencies beyond the last annulus have the next index.
     annuli: Vec<u32>,
     columns: usize,
-    /// Sums of the lengths in each annulus.
+    /// The number of frequencies in each annulus, one of each pair, and the sum of their lengths.
+    counts: Vec<u64>,
     lengths: Vec<f64>,
 }
 
@@ -172,7 +196,7 @@ impl AnnulusTable {
         let whole = annulus_of((reach_x * x_unit).min(reach_y * y_unit), width);
 
         let mut annuli = Vec::with_capacity(columns * rows);
-        let mut lengths = vec![0.0; whole + 1];
+        let (mut counts, mut lengths) = (vec![0; whole + 1], vec![0.0; whole + 1]);
         for y in 0..rows {
             let along_y = (y * step) as f64 * y_unit;
             let length = |x: usize| ((x * step) as f64 * x_unit).hypot(along_y);
@@ -181,12 +205,15 @@ impl AnnulusTable {
             let first = annuli.len();
             annuli.extend((row.iter()).map(|length| annulus_of(*length, width).min(whole) as u32));
             for x in half_row(columns, y) {
-                lengths[annuli[first + x] as usize] += row[x];
+                let annulus = annuli[first + x] as usize;
+                counts[annulus] += 1;
+                lengths[annulus] += row[x];
             }
         }
         Self {
             annuli,
             columns,
+            counts,
             lengths,
         }
     }
@@ -195,7 +222,7 @@ impl AnnulusTable {
     pub fn sums(&self) -> ProfileSums<'_> {
         ProfileSums {
             table: self,
-            sums: vec![AnnulusSums::default(); self.lengths.len()],
+            sums: vec![[0.0; 2]; self.lengths.len()],
         }
     }
 }
@@ -208,35 +235,61 @@ fn half_row(columns: usize, row: usize) -> impl Iterator<Item = usize> {
     (1..below).rev().chain(above..columns)
 }
 
-/// A profile in the making: that of [`RadialProfile::of`] on the same powers.
+/// A profile in the making: that of [`RadialProfile::of`] on the same powers, but for rounding.
 pub(crate) struct ProfileSums<'a> {
     table: &'a AnnulusTable,
-    sums: Vec<AnnulusSums>,
+    /// Of each annulus the sums of the powers and of their squares: quicker than Welford's mean and spread, which divide by each
+    /// count. The spread loses digits where powers of an annulus are equal to more than half of theirs, as of one sample alone.
+    sums: Vec<[f64; 2]>,
 }
 
 impl ProfileSums<'_> {
-    /// Adds a row, zero or above, of powers from `x = 1 - columns` to `columns - 1`. Rows come one after the other.
+    /// Adds a row, zero or above, of powers from `x = 1 - columns` to `columns - 1`.
     pub fn add_row(&mut self, row: usize, powers: &[f64]) {
         let columns = self.table.columns;
         let annuli = &self.table.annuli[row * columns..][..columns];
-        // Opposite frequencies of the row of zero are one pair, and zero is in no annulus.
-        let first = if row == 0 { columns } else { 0 };
-
-        let columns = half_row(columns, row).map(|x| annuli[x]);
-        for (annulus, power) in columns.zip(&powers[first..]) {
-            self.sums[annulus as usize].add(*power);
+        let (below, above) = powers.split_at(columns - 1);
+        if row == 0 {
+            // Opposite frequencies of the row of zero are one pair, and zero is in no annulus.
+            for (annulus, power) in annuli.iter().zip(above).skip(1) {
+                self.add(*annulus, [*power, 0.0]);
+            }
+            return;
         }
+
+        self.add(annuli[0], [above[0], 0.0]);
+        let pairs = above[1..].iter().zip(below.iter().rev());
+        for (annulus, (one, other)) in annuli[1..].iter().zip(pairs) {
+            self.add(*annulus, [*one, *other]);
+        }
+    }
+
+    fn add(&mut self, annulus: u32, [one, other]: [f64; 2]) {
+        let [sum, squares] = &mut self.sums[annulus as usize];
+        *sum += one + other;
+        *squares += one * one + other * other;
     }
 
     /// Returns the profile of one set.
     pub fn profile(&self, samples: f64) -> RadialProfile {
+        let AnnulusTable {
+            counts, lengths, ..
+        } = self.table;
         // The last ones are beyond all whole annuli.
         let whole = self.sums.len() - 1;
-        let annuli = self.sums[..whole].iter().zip(&self.table.lengths);
+        let annuli = self.sums[..whole].iter().zip(counts).zip(lengths);
+        let annulus = |((&[sum, squares], &count), &length): ((&[f64; 2], &u64), &f64)| {
+            let mean = sum / count as f64;
+            let sums = AnnulusSums {
+                count,
+                length,
+                mean,
+                squares: (squares - sum * mean).max(0.0),
+            };
+            sums.annulus()
+        };
         RadialProfile {
-            annuli: annuli
-                .filter_map(|(sums, length)| sums.annulus(*length))
-                .collect(),
+            annuli: annuli.filter_map(annulus).collect(),
             samples,
             sets: 1,
         }

@@ -1,6 +1,7 @@
 //! Summaries of values and averages of curves over sets, with standard errors and confidence bands. Sums run in the
 //! sequence given, so the same values give the same bits.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::distributions::{chi_square_quantile, student_quantile};
@@ -37,7 +38,7 @@ impl Summary {
         for value in &values {
             average.push([*value]);
         }
-        values.sort_unstable_by(f64::total_cmp);
+        values.par_sort_unstable_by(f64::total_cmp);
         let (least, most) = (*values.first()?, *values.last()?);
         let at = |part: f64| {
             let rank = part * (values.len() - 1) as f64;
