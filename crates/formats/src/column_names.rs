@@ -101,11 +101,14 @@ pub(crate) fn chosen(
     count: usize,
 ) -> Result<[usize; 2], String> {
     let find = |wanted: &String| {
-        let exact = only(names, wanted, |name| name == wanted)?;
-        let alike = only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?;
+        // Of `x` and `X` each is chosen by its own name; only another spelling may be either.
+        let named = match only(names, wanted, |name| name == wanted)? {
+            None => only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?,
+            exact => exact,
+        };
         let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
         // A column may be called `2`: names are looked for before numbers.
-        let column = exact.or(alike).or_else(number);
+        let column = named.or_else(number);
         column.filter(|&column| column < count).ok_or_else(|| {
             let named = match names {
                 [] => String::new(),
@@ -303,6 +306,17 @@ mod tests {
             choose("lat", "3")
                 .expect_err("one column")
                 .contains("the same column")
+        );
+
+        let names = header("x,X,Y");
+        let choose = |a: &str| chosen(&[a.to_owned(), "y".to_owned()], &names, 3);
+        assert_eq!(choose("x"), Ok([0, 2]));
+        assert_eq!(choose("X"), Ok([1, 2]));
+        let names = header("xs,Xs,y");
+        let reason = chosen(&["XS".to_owned(), "y".to_owned()], &names, 3).expect_err("either");
+        assert!(
+            reason.contains("both \"xs\" and \"Xs\" may be XS"),
+            "{reason}"
         );
     }
 }

@@ -218,9 +218,9 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let mut remarks = Vec::new();
     let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
         let is_remark = is_remark(line);
-        if is_remark {
-            // The names in the last remark before the rows may be theirs.
-            remarks = names::in_remark(line).unwrap_or_default();
+        if is_remark && let Some(names) = names::in_remark(line) {
+            // The last names in a remark before the rows may be theirs, as when they are read.
+            remarks = names;
         }
         !line.is_empty() && !is_remark
     });
@@ -371,6 +371,7 @@ mod tests {
             ("a.txt", "sep=;\n0.5;0.25\n", Format::Csv),
             ("a.txt", "# x y\n0.5 0.25\n", Format::UtkText),
             ("a.txt", "# y x\n0.5 0.25\n", Format::Csv),
+            ("a.txt", "# y x\n# made by hand\n0.5 0.25\n", Format::Csv),
             ("a.txt", "# lon lat\n0.5 0.25\n", Format::Csv),
             ("a.txt", "0,5 0,25\n", Format::UtkText),
             ("a.txt", "1\n0.5 0.25\n", Format::PsaText),

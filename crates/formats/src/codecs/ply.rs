@@ -71,9 +71,22 @@ impl PlyColumns {
         set.points.push(point);
 
         if let (Some(columns), Some(provenance)) = (self.provenance, &mut set.provenance) {
-            // Only columns of type uint are taken, so that `as` alters a number only where an ASCII file breaks its own header.
-            let [block, index, iteration] = columns.map(value);
-            provenance.push([block? as u32, index? as u32, iteration? as u32].into());
+            let word = |column| {
+                let number = value(column)?;
+                // An ASCII file may have any number where its header promises an unsigned one.
+                if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
+                    let reason =
+                        format!("{number} is no uint, which the header says the column holds");
+                    return Err(FormatError::Malformed {
+                        format,
+                        place,
+                        reason,
+                    });
+                }
+                Ok(number as u32)
+            };
+            let [block, index, iteration] = columns.map(word);
+            provenance.push([block?, index?, iteration?].into());
         }
         Ok(())
     }
@@ -443,5 +456,22 @@ mod tests {
         assert!(message("0 0 0\n1 1\n").contains("line 9: 2 columns where 3"));
         assert!(message("0 0 0\n1 1 4\n").contains("line 9: z is 4"));
         assert!(message("0 o 0\n").contains("\"o\" is not a number"));
+
+        let start = start.replace(
+            "property float z",
+            "property uint block\nproperty uint index\nproperty uint iteration",
+        );
+        let outcome = |row: &str| {
+            let text = format!("{start}{row}\n1 1 3 4 5\n");
+            read(text.as_bytes(), Format::PlyAscii).map_err(|error| error.to_string())
+        };
+        assert!(outcome("0 0 4294967295 1 0").is_ok_and(|raw| raw.set.provenance.is_some()));
+        for wrong in ["-5", "1.5", "4294967296"] {
+            let reason = outcome(&format!("0 0 {wrong} 1 0")).err().expect(wrong);
+            assert!(
+                reason.contains(&format!("line 10: {wrong} is no uint")),
+                "{reason}"
+            );
+        }
     }
 }
