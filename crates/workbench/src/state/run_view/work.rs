@@ -205,11 +205,13 @@ impl RunView {
             self.finish_verification(outcome);
         }
         self.settle_prefix(context);
+
         // Nothing waits for this frame.
         let asked = Asked {
             steps: u64::MAX,
             ..asked
         };
+
         // The first round ends work that was started for another moment, and the second sees that the moment rests.
         for _ in 0..3 {
             self.follow_moment(asked, context);
@@ -220,6 +222,7 @@ impl RunView {
         while self.measuring.settle() {
             self.follow_moment(asked, context);
         }
+
         self.history_found.settle();
         if let Some(passes) = &mut self.passes {
             passes.settle();
