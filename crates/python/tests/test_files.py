@@ -294,10 +294,14 @@ def test_a_set_without_an_origin_has_a_certificate_of_version_1(small, trees, tm
     [
         ({"depth": 1.0}, "has the part `depth`, which this version knows but cannot judge"),
         ({"prefix": {"made": 0, "kept": 1, "factor": 1}}, "`prefix` is .*: from 1 to `made` points are kept"),
-        ({"judges": ["subdivision"]}, "has the part `judges: subdivision`, which this version knows but cannot judge"),
+        ({"judges": ["subdivision"]}, "version 2 needs an origin, or another part that version 1 lacks"),
+        (
+            {"shape": {"kind": "polygon", "rings": [[[0, 0], [1, 0], [0, 1]]]}, "covering_radius": None},
+            "its radius varies or it covers a shape",
+        ),
         ({"foo": 1}, "has the part `foo`, which this version does not know"),
     ],
-    ids=["depth", "prefix", "judge", "unknown"],
+    ids=["depth", "prefix", "judge", "shape", "unknown"],
 )
 def test_a_part_that_cannot_be_judged_is_not_passed_over(fields, refusal, small, tmp_path):
     path = tmp_path / "set.npy"

@@ -311,7 +311,7 @@ fn a_certificate_is_a_regular_file_of_few_bytes() {
     fs::remove_file(&path).unwrap();
     // A sparse file takes no room on the disk.
     fs::File::create(&path).unwrap().set_len(1 << 36).unwrap();
-    refused("exceed the limit of 4194304");
+    refused("exceed the limit of 16777216");
 }
 
 /// A sparse file that is too long is refused before it is read.
