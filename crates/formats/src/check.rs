@@ -346,7 +346,7 @@ impl Judged {
         control: Control<'_>,
     ) -> Result<Report, CheckError> {
         let report = match &self.varying {
-            Some(varying) => varying.judged.verify(points, &self.options, control),
+            Some(varying) => varying.verify(points, &self.options, control),
             None => verify(points, self.region, self.radius, &self.options, control),
         };
         report.map_err(|error| self.fault(error, format))

@@ -370,7 +370,7 @@ fn judge(
     let precision = target.format.precision(target.precision);
     let (region, radius, options) = (context.region, context.radius, &context.verify);
     let report = match &context.varying {
-        Some(varying) => varying.judged.verify(points, options, control),
+        Some(varying) => varying.verify(points, options, control),
         None => verify(points, region, radius, options, control),
     };
     report.map_err(|source| ExportError::Verify { precision, source })

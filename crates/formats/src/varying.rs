@@ -1,6 +1,6 @@
 //! What a set is judged in whose radius varies, or that covers a shape.
 
-use tilescope_analysis::VaryingRegion;
+use tilescope_analysis::{Control, Report, VaryingRegion, VerifyError, VerifyOptions};
 
 use crate::certificate::{CertifiedRadius, CertifiedShape};
 
@@ -17,6 +17,21 @@ pub struct VaryingDomain {
 }
 
 impl VaryingDomain {
+    /// Judges points in domain units. In WebAssembly it refuses.
+    pub(crate) fn verify(
+        &self,
+        points: &[[f64; 2]],
+        options: &VerifyOptions,
+        control: Control<'_>,
+    ) -> Result<Report, VerifyError> {
+        // A page cannot be given a field or a shape, and would load the judge for nothing.
+        if cfg!(target_arch = "wasm32") {
+            let reason = "a set of a field or a shape is judged by the command line alone";
+            return Err(VerifyError::WrongJudge(reason));
+        }
+        self.judged.verify(points, options, control)
+    }
+
     /// Returns the radius at each point, if it is not the same everywhere.
     pub(crate) fn column(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let varies = self.radius.is_field();
