@@ -386,7 +386,10 @@ fn a_spoiled_file_is_refused_and_the_difference_named() {
 
 /// Arguments that are refused, each with a part of the message.
 const BAD: &[(&[&str], &str)] = &[
-    (&["sample"], "<--radius <R>|--count <N>|--exactly <N>|--radius-expression <FORMULA>>"),
+    (
+        &["sample"],
+        "<--radius <R>|--count <N>|--exactly <N>|--radius-expression <FORMULA>>",
+    ),
     (
         &[
             "sample", "--width", ".7", "--height", ".7", "--radius", ".07",
