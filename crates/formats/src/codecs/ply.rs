@@ -459,7 +459,7 @@ mod tests {
 
         let start = start.replace(
             "property float z",
-            "property uint block\nproperty uint index\nproperty uint iteration",
+            "property uint block\nproperty uint pattern_index\nproperty uint iteration",
         );
         let outcome = |row: &str| {
             let text = format!("{start}{row}\n1 1 3 4 5\n");
