@@ -16,6 +16,6 @@ mod waves;
 pub use cover::LiveCover;
 pub use pairs::LivePairs;
 pub use plane::Plane;
-pub use renewal::{Renew, Renewal, Told};
+pub use renewal::{LiveSample, Renew, Renewal};
 pub use spectrum::{LiveSpectrum, SpectrumWork};
 pub use verdict::LiveVerdict;

@@ -116,9 +116,11 @@ fn scene(
         .filter(|radius| !radius.is_field());
     let radius = given.radius.or(stated.map(CertifiedRadius::least));
     let origin = given.origin().or(certificate.and_then(|c| c.origin));
+
     // Blocks of other sides or another radius are not those of this set.
     let as_certified =
         certificate.is_some_and(|c| c.region == region && Some(c.radius.least()) == radius);
+
     let sides = [("--width", region.width), ("--height", region.height)];
     let of_radius = radius.map(|radius| ("--radius", radius));
     for (name, length) in sides.into_iter().chain(of_radius) {
@@ -128,6 +130,7 @@ fn scene(
             Number(length)
         );
     }
+
     let block_of = |provenance: &Provenance| {
         Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
     };
@@ -143,6 +146,7 @@ fn scene(
         exposed: exposed.transpose()?.unwrap_or_default(),
         caption: caption(set.len(), radius, &arguments.file),
     };
+
     let options = PictureOptions {
         width: f64::from(arguments.size),
         palette: match arguments.theme {

@@ -28,7 +28,8 @@ mod present;
 use crate::parameters::PatternSpec;
 
 pub use darts::{Arrival, PatternDarts, PlacedDart};
-pub use engine::{exact_recorded, exact_sample};
+pub use engine::exact_sample;
+pub use engine::recorded::exact_recorded;
 pub use history::PatternHistory;
 pub use plane::{ExactPlane, exact_sample_parallel};
 

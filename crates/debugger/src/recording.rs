@@ -217,7 +217,7 @@ impl Recording {
         }
     }
 
-    /// Returns the last of the expected darts at a place that an event before `end` told.
+    /// Returns the last of the expected darts at a place, of those that an event before `end` made expected.
     fn expected_at(&self, point: Point, end: usize) -> Option<usize> {
         let key = (point.row_major(), end as u32);
         let is_before = |dart: &ExpectedDart| (dart.point.row_major(), dart.said) < key;

@@ -30,6 +30,8 @@ use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
 use crate::text::as_utf8;
 
+pub use self::geojson::may_be_degrees;
+
 /// What the caller knows about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hint<'a> {

@@ -47,7 +47,9 @@ pub use certificate::{
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
-pub use codecs::{CertificateUse, Hint, ReadSet, Target, decode, encode, refuse_degrees};
+pub use codecs::{
+    CertificateUse, Hint, ReadSet, Target, decode, encode, may_be_degrees, refuse_degrees,
+};
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};
 pub use detect::{Detection, Evidence, detect};

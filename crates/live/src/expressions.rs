@@ -14,7 +14,8 @@ use crate::numbers::{is_of_spectrum, live_numbers, wanted_for};
 /// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
 ///
 /// A value takes at most the time of measuring its moment from nothing, and that of the changes since the value before where
-/// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to its end take the time of the run's curve.
+/// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to
+/// its end take the time of the run's curve.
 pub static MOMENT_NUMBERS: LazyLock<MomentNumbers> = LazyLock::new(|| MomentNumbers {
     names: live_numbers().map(name).collect(),
     follow,

@@ -1,7 +1,7 @@
 //! A measure that is kept from moment to moment, with the changes that it has taken: it is never taken for that of another
 //! moment.
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, Renew, Renewal, Told};
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSample, LiveSpectrum, Renew, Renewal};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;
@@ -13,7 +13,7 @@ pub trait Follows: Renew {
 
     fn insert(&mut self, sample: u32, place: [i32; 2]) -> u64;
     fn remove(&mut self, sample: u32, place: [i32; 2]) -> u64;
-    fn rebuild(&mut self, samples: &[Told]) -> u64;
+    fn rebuild(&mut self, samples: &[LiveSample]) -> u64;
     fn cost_of_change(&self) -> u64;
     fn cost_of_rebuild(&self, count: usize) -> u64;
     fn prepare_reading(&mut self);
@@ -33,7 +33,7 @@ macro_rules! follows {
                 self.remove(sample, place).div_ceil($rate)
             }
 
-            fn rebuild(&mut self, samples: &[Told]) -> u64 {
+            fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
                 self.rebuild(samples).div_ceil($rate)
             }
 

@@ -14,7 +14,7 @@ import pytest
 import tilescope
 
 # Calls, with numbers to which their work is proportional: those of a long call. Where a stage is named, Ctrl-C is
-# pressed when the call tells that it is there, and else after half a second.
+# pressed when the call reports that stage, and else after half a second.
 LONG = {
     "sample": ("tilescope.sample({})", 150_000_000),
     "sequential": ("tilescope.sample({}, engine='sequential')", 20_000_000),
@@ -37,8 +37,8 @@ LONG = {
     "exact windows": ("tilescope.sample({}, method='exact', progress=press)", 6_000_000, "regions"),
 }
 
-# It computes as long as it is told to, and looks for no signals.
-DEAF = ("hashlib.pbkdf2_hmac('sha256', b'', b'', {})", 5_000_000)
+# Python's own hash function does not look for signals before it has ended.
+NEVER_LOOKS = ("hashlib.pbkdf2_hmac('sha256', b'', b'', {})", 5_000_000)
 
 
 def hundredths_after_ctrl_c(call, folder, delay):
@@ -103,7 +103,7 @@ def test_ctrl_c_stops_a_long_call_and_the_next_one_works(name, tmp_path):
 
 
 def test_a_call_that_does_not_look_for_ctrl_c_is_found(tmp_path):
-    after, _ = hundredths_after_ctrl_c(DEAF, tmp_path, 0.05)
+    after, _ = hundredths_after_ctrl_c(NEVER_LOOKS, tmp_path, 0.05)
     assert after > 25
 
 

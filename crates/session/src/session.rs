@@ -325,12 +325,15 @@ impl Session {
             RunSource::Recorded(recording) => recording.run(),
             RunSource::Run(run) => run,
         };
+
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
         let mut losses = Vec::new();
         if let RunSource::Recorded(recording) = &source {
             // This builds the index for searches, here in the background rather than at the first search.
             recording.prepare();
+
+            // A run that was stopped has the stages that it began, also the iteration in which it stopped.
             if run.result.is_empty() {
                 stages = begun_stages(recording, stages);
             }
@@ -341,16 +344,20 @@ impl Session {
                 let behind = stages.partition_point(|&stage| stage < Stage::Iterate(number));
                 stages.insert(behind, Stage::Iterate(number));
             }
+
             starts = stage_starts(recording, &stages);
             if recording.is_exact() {
                 losses = losses_by_stage(recording, &starts);
             }
             outline = Some(Outline::new(recording));
         }
+
+        // A run that kept only its result has no samples that were in conflict.
         let conflicts = match run.counted {
             Some(_) => Vec::new(),
             None => tiled_conflicts(run),
         };
+
         Self {
             stages,
             summary: run.summary(),

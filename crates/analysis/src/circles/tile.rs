@@ -358,6 +358,7 @@ impl Tile {
 
     /// Puts into `runs` the samples that may be neighbours of those of a cell and come after them: the rest of the row, from
     /// the first sample of all on, and the rows above.
+    #[inline]
     fn runs_ahead(
         &self,
         [column, row]: [usize; 2],

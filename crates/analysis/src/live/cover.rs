@@ -32,7 +32,7 @@ use glam::DVec2;
 use super::cell::{CellVertices, LiveCell, Vertex};
 use super::place_grid::{Occupant, PlaceGrid, check_plane};
 use super::plane::Plane;
-use super::renewal::{Renew, Told};
+use super::renewal::{LiveSample, Renew};
 use super::tournament::Tournament;
 use crate::circles::{CircleTest, open_arcs, unproven_circles};
 use crate::exact::covering_limit;
@@ -218,7 +218,7 @@ impl LiveCover {
     }
 
     /// Takes these samples in place of all others. Returns the counted steps.
-    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         self.clear();
         for &(_, place) in samples {
             self.put(place);
@@ -595,14 +595,14 @@ impl Renew for LiveCover {
 
     const BEGINNING: u64 = 1;
 
-    fn begin_anew(&self, samples: &[Told]) -> (Self, usize) {
+    fn begin_anew(&self, samples: &[LiveSample]) -> (Self, usize) {
         let mut empty = self.clone();
         empty.clear();
         empty.reaches = Tournament::new(samples.len());
         (empty, 0)
     }
 
-    fn next_slice(&mut self, work: &mut usize, samples: &[Told]) -> Option<u64> {
+    fn next_slice(&mut self, work: &mut usize, samples: &[LiveSample]) -> Option<u64> {
         let index = *work;
         *work += 1;
         if let Some(&(_, place)) = samples.get(index) {

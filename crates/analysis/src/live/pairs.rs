@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::place_grid::{Occupant, PlaceGrid, check_plane};
 use super::plane::Plane;
-use super::renewal::{Renew, Told};
+use super::renewal::{LiveSample, Renew};
 use super::tournament::Tournament;
 use crate::domain::Domain;
 use crate::measures::{MeasureError, PairCorrelation, largest_min_distance};
@@ -132,7 +132,7 @@ pub struct LivePairs {
     histogram: Histogram,
     grid: PlaceGrid,
     /// Samples by slot: id and place.
-    samples: Vec<Told>,
+    samples: Vec<LiveSample>,
     /// Slots without a sample.
     free: Vec<u32>,
     /// Of each sample the squared distance to the nearest other one, if that is at most `certain`: its complement, so that the
@@ -225,7 +225,7 @@ impl LivePairs {
     }
 
     /// Takes these samples in place of all others. Returns the counted steps.
-    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         self.clear(samples.len());
         let each = samples.iter();
         each.map(|&(id, place)| self.insert(id, place)).sum()
@@ -481,13 +481,13 @@ impl Renew for LivePairs {
 
     const BEGINNING: u64 = 1;
 
-    fn begin_anew(&self, samples: &[Told]) -> (Self, usize) {
+    fn begin_anew(&self, samples: &[LiveSample]) -> (Self, usize) {
         let mut empty = self.clone();
         empty.clear(samples.len());
         (empty, 0)
     }
 
-    fn next_slice(&mut self, work: &mut usize, samples: &[Told]) -> Option<u64> {
+    fn next_slice(&mut self, work: &mut usize, samples: &[LiveSample]) -> Option<u64> {
         let &(id, place) = samples.get(*work)?;
         *work += 1;
         Some(self.insert(id, place))

@@ -1,8 +1,8 @@
-//! Measures that are made anew in slices of counted steps, for whoever has little time at once. The old measure stays as it is
-//! until the new one takes its place.
+//! Measures that are made anew in slices of counted steps, so that no frame waits for one. The old measure stays as it is until
+//! the new one takes its place.
 
-/// A sample as measures are told of it: its id and its place.
-pub type Told = (u32, [i32; 2]);
+/// The id and the place of a sample.
+pub type LiveSample = (u32, [i32; 2]);
 
 /// A measure that can be made anew in slices.
 pub trait Renew: Sized {
@@ -13,10 +13,10 @@ pub trait Renew: Sized {
     const BEGINNING: u64;
 
     /// Returns the measure of no sample, and the work that makes it that of these.
-    fn begin_anew(&self, samples: &[Told]) -> (Self, Self::Work);
+    fn begin_anew(&self, samples: &[LiveSample]) -> (Self, Self::Work);
 
     /// Makes the next slice, a small part of a frame, and returns its counted steps; `None` once all are made.
-    fn next_slice(&mut self, work: &mut Self::Work, samples: &[Told]) -> Option<u64>;
+    fn next_slice(&mut self, work: &mut Self::Work, samples: &[LiveSample]) -> Option<u64>;
 
     /// Returns about the steps of all slices for so many samples.
     fn cost_of_slices(&self, count: usize) -> u64;
@@ -26,14 +26,14 @@ pub trait Renew: Sized {
 pub struct Renewal<M: Renew> {
     measure: M,
     work: M::Work,
-    samples: Vec<Told>,
+    samples: Vec<LiveSample>,
     steps: u64,
     is_made: bool,
 }
 
 impl<M: Renew> Renewal<M> {
     /// Begins to make a measure anew, of these samples.
-    pub fn of(measure: &M, samples: Vec<Told>) -> Self {
+    pub fn of(measure: &M, samples: Vec<LiveSample>) -> Self {
         let (measure, work) = measure.begin_anew(&samples);
         Self {
             measure,

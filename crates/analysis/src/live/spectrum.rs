@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use glam::DVec2;
 
 use super::plane::Plane;
-use super::renewal::{Renew, Told};
+use super::renewal::{LiveSample, Renew};
 use super::waves::{ONE, WaveChange, WaveSums, write_powers};
 use crate::domain::Domain;
 use crate::measures::{
@@ -157,7 +157,7 @@ impl LiveSpectrum {
 
     /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns them. By changes the
     /// powers have the same bits as ever; by a transform they are right to [`crate::measures::NUFFT_ERROR`].
-    pub fn rebuild(&mut self, samples: &[Told]) -> u64 {
+    pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;
         if self.is_quicker_transformed(samples.len())
             && let Ok(steps) = self.renew(samples, &|_| ControlFlow::Continue(()))
@@ -189,7 +189,11 @@ impl LiveSpectrum {
     /// # Errors
     ///
     /// [`MeasureError::Cancelled`] if `control` breaks. The old samples are still there then.
-    pub fn renew(&mut self, samples: &[Told], control: Control<'_>) -> Result<u64, MeasureError> {
+    pub fn renew(
+        &mut self,
+        samples: &[LiveSample],
+        control: Control<'_>,
+    ) -> Result<u64, MeasureError> {
         let plan = self.plan()?;
         let monitor = Monitor::begin(control, plan.work(samples.len()))?;
         let (weighed, squares) = self.all_weighed(samples);
@@ -209,7 +213,7 @@ impl LiveSpectrum {
     }
 
     /// Returns samples as a transform takes them, and the sum of their squared weights.
-    fn all_weighed(&self, samples: &[Told]) -> (Vec<Sample>, i128) {
+    fn all_weighed(&self, samples: &[LiveSample]) -> (Vec<Sample>, i128) {
         let (stride, mut squares) = (i64::from(self.stride), 0);
         let weighed = samples.iter().map(|(_, place)| {
             let (_, weights) = self.weighed(*place);
@@ -423,7 +427,7 @@ impl Renew for LiveSpectrum {
     /// Weighing the samples and sorting them by where they are spread is taken as half of spreading them.
     const BEGINNING: u64 = PRODUCTS_PER_SAMPLE / 2;
 
-    fn begin_anew(&self, samples: &[Told]) -> (Self, SpectrumWork) {
+    fn begin_anew(&self, samples: &[LiveSample]) -> (Self, SpectrumWork) {
         let [columns, rows] = counts(self.most, self.stride);
         let mut empty = Self {
             plane: self.plane,
@@ -456,7 +460,7 @@ impl Renew for LiveSpectrum {
     fn next_slice(
         &mut self,
         SpectrumWork(work): &mut SpectrumWork,
-        samples: &[Told],
+        samples: &[LiveSample],
     ) -> Option<u64> {
         let [columns, rows] = counts(self.most, self.stride);
 

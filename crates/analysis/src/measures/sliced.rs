@@ -1,4 +1,4 @@
-//! The transform of [`super::nufft`] in slices, for whoever has little time at once. Its values have the same bits.
+//! The transform of [`super::nufft`] in slices, so that no frame waits for all of it. Its values have the same bits.
 
 use std::sync::Arc;
 

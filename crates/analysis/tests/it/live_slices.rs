@@ -2,7 +2,7 @@
 
 use tilescope_analysis::Boundary;
 use tilescope_analysis::live::{
-    LiveCover, LivePairs, LiveSpectrum, LiveVerdict, Plane, Renew, Renewal, Told,
+    LiveCover, LivePairs, LiveSample, LiveSpectrum, LiveVerdict, Plane, Renew, Renewal,
 };
 
 use crate::support::{BOTH, Random};
@@ -16,8 +16,8 @@ fn plane(size: [u32; 2], boundary: Boundary) -> Plane {
 }
 
 /// Samples at random, one in ten of them where another is.
-fn samples(random: &mut Random, plane: &Plane, count: u32) -> Vec<Told> {
-    let mut all: Vec<Told> = Vec::new();
+fn samples(random: &mut Random, plane: &Plane, count: u32) -> Vec<LiveSample> {
+    let mut all: Vec<LiveSample> = Vec::new();
     for id in 0..count {
         let place = match all.last() {
             Some((_, place)) if random.uniform() < 0.1 => *place,
@@ -29,7 +29,7 @@ fn samples(random: &mut Random, plane: &Plane, count: u32) -> Vec<Told> {
 }
 
 /// Makes a measure anew, and returns it with the steps of its largest slice and of all.
-fn in_slices<M: Renew>(measure: &M, samples: &[Told]) -> (M, [u64; 2]) {
+fn in_slices<M: Renew>(measure: &M, samples: &[LiveSample]) -> (M, [u64; 2]) {
     let mut renewal = Renewal::of(measure, samples.to_vec());
     let expected = renewal.steps_left();
     let (mut largest, mut all) = (0, 0);

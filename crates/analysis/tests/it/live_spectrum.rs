@@ -9,7 +9,7 @@ use tilescope_analysis::measures::{MeasureError, Periodogram, Spectrum, anisotro
 use crate::support::{BOTH, Random, go_on};
 
 /// A sample as it is told to a live measure.
-type Told = (u32, [i32; 2]);
+type LiveSample = (u32, [i32; 2]);
 
 fn plane(size: [u32; 2], boundary: Boundary) -> Plane {
     Plane {
@@ -25,13 +25,13 @@ fn random_place(random: &mut Random, plane: &Plane) -> [i32; 2] {
         .map(|size| (random.uniform() * f64::from(size)) as i32)
 }
 
-fn random_samples(random: &mut Random, plane: &Plane, count: u32) -> Vec<Told> {
+fn random_samples(random: &mut Random, plane: &Plane, count: u32) -> Vec<LiveSample> {
     (0..count)
         .map(|id| (id, random_place(random, plane)))
         .collect()
 }
 
-fn live(plane: Plane, samples: &[Told], stride: u32) -> LiveSpectrum {
+fn live(plane: Plane, samples: &[LiveSample], stride: u32) -> LiveSpectrum {
     let mut live = LiveSpectrum::new(plane, samples.len(), stride).expect("a spectrum");
     for &(id, place) in samples {
         live.insert(id, place);
@@ -45,9 +45,9 @@ fn shown(live: &LiveSpectrum) -> String {
 }
 
 /// The periodogram by the transform, on the window that is shown.
-fn transformed(plane: &Plane, samples: &[Told]) -> Periodogram {
+fn transformed(plane: &Plane, samples: &[LiveSample]) -> Periodogram {
     let region = plane.region_in_radii();
-    let point = |(_, place): &Told| place.map(|x| f64::from(x) / f64::from(plane.radius));
+    let point = |(_, place): &LiveSample| place.map(|x| f64::from(x) / f64::from(plane.radius));
     let points: Vec<_> = samples.iter().map(point).collect();
     let window = Spectrum::window(points.len() as f64, region);
     Periodogram::of(&points, region, &window, &go_on).expect("a periodogram")
@@ -62,7 +62,12 @@ fn difference(found: &Periodogram, expected: &Periodogram) -> f64 {
 }
 
 /// Lets samples come and go at random, about as many as a number that rises and falls.
-fn next(random: &mut Random, plane: &Plane, samples: &mut Vec<Told>, live: &mut LiveSpectrum) {
+fn next(
+    random: &mut Random,
+    plane: &Plane,
+    samples: &mut Vec<LiveSample>,
+    live: &mut LiveSpectrum,
+) {
     let goes = random.uniform() * 160.0 < samples.len() as f64;
     if goes && samples.len() > 1 {
         let index = (random.uniform() * samples.len() as f64) as usize;
@@ -129,7 +134,7 @@ fn powers_depend_on_the_samples_alone() {
     let (id, place) = strangers[5];
     found.insert(id, place);
     assert_ne!(found.periodogram(), expected.periodogram());
-    let samples_and_one: Vec<Told> = samples.iter().copied().chain([strangers[6]]).collect();
+    let samples_and_one: Vec<LiveSample> = samples.iter().copied().chain([strangers[6]]).collect();
     let off = difference(
         &found.periodogram().expect("a periodogram"),
         &transformed(&plane, &samples_and_one),

@@ -4,9 +4,11 @@
 //! It works on a whole domain or on a part of the plane, beyond which nothing is known. There, a dart that no certain sample
 //! covers is *doubtful* if something unknown or something doubtful that is earlier may cover it.
 
-use std::sync::Arc;
+pub(super) mod recorded;
 
 use glam::{I64Vec2, IVec2};
+
+use self::recorded::KeptLevels;
 
 use crate::engine::parallel::claim::tiled_tag;
 use crate::engine::parallel::clip::{Clipper, PlacedBlock};
@@ -16,7 +18,7 @@ use crate::engine::parallel::gaps::inserted_tag;
 use crate::engine::parallel::sweep::sampled;
 use crate::engine::parallel::window_maker::WindowSamples;
 use crate::error::SampleError;
-use crate::exact::agenda::{Agenda, Arriving, What};
+use crate::exact::agenda::{Agenda, What};
 use crate::exact::bare::{MARK_SIDE, MarkedCells, OpenCells, PieceCell};
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
@@ -28,14 +30,10 @@ use crate::parameters::Parameters;
 use crate::pattern::Symmetry;
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
-use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
-use crate::run::{Iteration, Run};
-use crate::samples::{Fate, Origin, Sites};
+use crate::record::{Recorder, RunEvent, Unrecorded};
+use crate::run::Run;
 use crate::stage::Stage;
-use crate::stages::blocks::split_recorded;
 use crate::stages::darts::LAST_LEVEL;
-use crate::stages::disks::Cell;
-use crate::stages::tile::Tile;
 
 /// Returns the exact tiling of a domain with the pattern of `history`.
 ///
@@ -70,48 +68,6 @@ pub fn exact_sample(
     let summary = samples.counts.summary(samples.points.len() as u64);
     let sampled = sampled(samples.points, samples.tags, true);
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
-}
-
-/// Like [`exact_sample`], and reports events to `recorder`. The samples are the same; the run has all of them, also those
-/// that were lost, with the sample that covers each of these first.
-///
-/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
-/// or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival is an event.
-pub fn exact_recorded<T: Recorder>(
-    parameters: &Parameters,
-    history: &PatternHistory,
-    observer: &mut dyn Observer,
-    recorder: &mut T,
-) -> Result<Run, SampleError> {
-    if !T::ENABLED {
-        // The run has all samples and their fates, whoever listens.
-        return exact_recorded(parameters, history, observer, &mut Unheard);
-    }
-    let domain = parameters.validate_sequential()?;
-    let mut clipper = clipper(parameters, history)?;
-    clipper.count_blocks();
-    let pattern = Arc::clone(history.pattern());
-    let mut run = Run::new(&parameters.as_exact(), domain, pattern);
-
-    recorder.record(RunEvent::Begin(Stage::Blocks));
-    let (leaf, key) = (parameters.leaf_units()?, Key::from_seed(parameters.seed));
-    run.blocks = split_recorded(&domain, leaf, key, recorder);
-    let mut tiling = ExactTiling::new(history);
-    tiling.run(&clipper, Ground::whole(&domain), observer, recorder)?;
-
-    recorder.record(RunEvent::Begin(Stage::Finish));
-    tiling.into_run(&mut run);
-    recorder.record(RunEvent::Finish {
-        count: run.result.len() as u32,
-    });
-    Ok(run)
-}
-
-/// The recorder that is told all events, and forgets them.
-struct Unheard;
-
-impl Recorder for Unheard {
-    fn record(&mut self, _: RunEvent) {}
 }
 
 /// Returns what finds the blocks of a run, and the samples that they clip.
@@ -167,17 +123,6 @@ pub(crate) struct ExactTiling<'a> {
     kept: KeptLevels,
 }
 
-/// What a recorded tiling keeps beside its samples.
-#[derive(Default)]
-struct KeptLevels {
-    /// Lost samples, each with its first blocker.
-    losses: Vec<[u32; 2]>,
-    /// Iterations: the first has levels 0 and 1, the kth has level k.
-    iterations: Vec<Iteration>,
-    /// The last thing that was decided.
-    last: Option<Arriving>,
-}
-
 impl<'a> ExactTiling<'a> {
     /// Returns buffers for tilings with a pattern.
     pub(crate) fn new(history: &'a PatternHistory) -> Self {
@@ -228,33 +173,6 @@ impl<'a> ExactTiling<'a> {
         }
         self.end(recorder);
         Ok(())
-    }
-
-    /// Begins an iteration.
-    fn begin<T: Recorder>(&mut self, number: u32, recorder: &mut T) {
-        if T::ENABLED {
-            let first = self.present.samples().len() as u32;
-            self.kept.iterations.push(Iteration {
-                inserted: first..first,
-                ..Iteration::default()
-            });
-            recorder.record(RunEvent::Iteration {
-                number,
-                detectors: self.open.cells.len() as u32,
-            });
-        }
-    }
-
-    /// Ends the iteration that has begun last.
-    fn end<T: Recorder>(&mut self, recorder: &mut T) {
-        let number = self.kept.iterations.len() as u32;
-        if let Some(iteration) = self.kept.iterations.last_mut() {
-            iteration.inserted.end = self.present.samples().len() as u32;
-            recorder.record(RunEvent::IterationEnd {
-                number,
-                inserted: iteration.inserted.len() as u32,
-            });
-        }
     }
 
     /// Lays down every block's own samples.
@@ -470,22 +388,6 @@ impl<'a> ExactTiling<'a> {
         });
     }
 
-    /// Returns the verdict on a dart, with its first blocker if one covers it.
-    fn verdict(&self, dart: &PlacedDart, tile: u32, is_covered: bool) -> Verdict {
-        if is_covered {
-            let by = self.blocker(dart, tile);
-            Verdict::Covered { by }
-        } else {
-            Verdict::Accepted
-        }
-    }
-
-    /// Returns the id of the first blocker of a dart that an earlier sample covers.
-    fn blocker(&self, dart: &PlacedDart, tile: u32) -> u32 {
-        let first = self.present.first_blocker(dart, tile);
-        first.expect("an earlier sample covers it")
-    }
-
     /// Decides about samples again when they arrive.
     fn await_samples(&mut self, ids: &[u32]) {
         for &id in ids {
@@ -539,13 +441,6 @@ impl<'a> ExactTiling<'a> {
         }
     }
 
-    /// Returns where the domain has a cell of the pattern. At the border of a block a part of it is missing.
-    fn square(&self, cell: PieceCell, side: i32) -> Cell {
-        let placed = self.cells.placed(cell, side);
-        let min = placed.map_or(cell.min, |placed| placed.min);
-        Cell { min, side }
-    }
-
     /// Throws the darts of a level into the open cells from the one at `first` on, those later than `after`.
     fn throw<T: Recorder>(
         &mut self,
@@ -554,11 +449,8 @@ impl<'a> ExactTiling<'a> {
         after: Option<&PlacedDart>,
         recorder: &mut T,
     ) {
-        if let Some(iteration) = self.kept.iterations.pop() {
-            let cells = self.open.cells[first..].iter();
-            let squares = cells.map(|cell| self.square(*cell, self.side));
-            let cells = iteration.cells.into_iter().chain(squares).collect();
-            self.kept.iterations.push(Iteration { cells, ..iteration });
+        if T::ENABLED {
+            self.keep_cells(first);
         }
         for index in first..self.open.cells.len() {
             self.throw_into(self.open.cells[index], level, after, recorder);
@@ -668,49 +560,6 @@ impl<'a> ExactTiling<'a> {
     /// Returns the iteration in which a sample counts as inserted.
     fn iteration(&self, sample: &ArrivedSample) -> u32 {
         iteration_of(self.present.arrival(sample))
-    }
-
-    /// Moves all samples of a recorded tiling into its run, with their fates, and what was kept of the levels.
-    fn into_run(self, run: &mut Run) {
-        for sample in self.present.samples() {
-            let origin = match sample.pattern() {
-                Some(pattern) => Origin::Tiled {
-                    block: self.tiles[sample.tile as usize].block,
-                    pattern,
-                    own: true,
-                },
-                None => Origin::Inserted {
-                    iteration: self.iteration(sample),
-                    sites: Sites::Dart,
-                },
-            };
-            let place = self.present.in_domain(sample.tile, sample.place);
-            run.samples.push(place, origin, Fate::Kept);
-        }
-        for &[sample, by] in &self.kept.losses {
-            run.samples.fates[sample as usize] = Fate::Eliminated { by };
-        }
-
-        let all = self.present.ground().rect();
-        let on_ground = |block: &&PlacedBlock| block.rect.within(&all).is_some();
-        let starts = self
-            .blocks
-            .iter()
-            .filter(on_ground)
-            .map(|block| block.start);
-        let samples = self.present.samples();
-        let tiled = samples.partition_point(|sample| sample.pattern().is_some());
-        let first_of = |tile| samples[..tiled].partition_point(|sample| sample.tile < tile) as u32;
-        let tiles = (0..).zip(&self.tiles).zip(starts);
-        run.tiles = tiles
-            .map(|((tile, held), start)| Tile {
-                start,
-                symmetry: held.symmetry,
-                samples: first_of(tile)..first_of(tile + 1),
-            })
-            .collect();
-        run.iterations = self.kept.iterations;
-        run.result = run.samples.kept();
     }
 
     /// Counts what the window has.

@@ -97,7 +97,7 @@ impl Recorder for Counted {
     }
 }
 
-/// Asserts that a recorded run has the samples and the counts of one that nobody listens to.
+/// Asserts that a recorded run has the samples and the counts of one that is not recorded.
 fn check_recorded(parameters: &Parameters, expected: &Run) {
     let mut events = Counted::default();
     let recorded = exact_recorded(

@@ -57,7 +57,8 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws each block enlarged by r, dashed, as it is laid on the pattern: that of exact tiling has no margin. While blocks are tiled, only the current one.
+/// Draws each block enlarged by r, dashed, as it is laid on the pattern: that of exact tiling has no margin. While
+/// blocks are tiled, only the current one.
 pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     let is_tiling = scene.stage == Stage::Tile && !scene.shown.ends_stage();
     let context = scene.shown.context().filter(|_| is_tiling);

@@ -78,13 +78,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut points = Vec::new();
     add(&content, &mut points)?;
 
-    // Longitudes reach from -180 to 180 degrees, latitudes from -90 to 90.
-    let degrees = points
-        .iter()
-        .all(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0);
+    // Small planar sets fit, too: only beside a domain is it decided.
+    let degrees = may_be_degrees(&points);
     let mut raw = Raw::new(points, Precision::Double);
     raw.degrees = degrees;
     Ok(raw)
+}
+
+/// Returns whether positions may be longitudes, from -180 to 180 degrees, and latitudes, from -90 to 90.
+#[must_use]
+pub fn may_be_degrees<'a>(positions: impl IntoIterator<Item = &'a [f64; 2]>) -> bool {
+    let mut positions = positions.into_iter();
+    positions.all(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0)
 }
 
 fn refuse_others(outline: &Outline) -> Result<(), FormatError> {

@@ -69,7 +69,7 @@ impl Expression {
             depth: 0,
             steps: Vec::new(),
         };
-        // Before anything is kept of it.
+        // A text without end is refused before it is parsed.
         if text.len() > MAX_EXPRESSION {
             parser.at = MAX_EXPRESSION;
             let reason = format!(
@@ -132,11 +132,17 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn sum(&mut self) -> Result<(), VaryingError> {
+    /// Counts a call within a call, and refuses those that would take the stack beyond its end.
+    fn go_deeper(&mut self) -> Result<(), VaryingError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             return Err(self.fault(format!("it is nested more than {MAX_DEPTH} deep")));
         }
+        Ok(())
+    }
+
+    fn sum(&mut self) -> Result<(), VaryingError> {
+        self.go_deeper()?;
         self.product()?;
         while let Some(sign) = self.take(b"+-") {
             self.product()?;
@@ -173,10 +179,7 @@ impl Parser<'_> {
         }
         self.atom()?;
         if self.take(b"^").is_some() {
-            self.depth += 1;
-            if self.depth > MAX_DEPTH {
-                return Err(self.fault(format!("it is nested more than {MAX_DEPTH} deep")));
-            }
+            self.go_deeper()?;
             self.signed()?;
             self.depth -= 1;
             self.steps.push(Step::Two(libm::pow));

@@ -1,7 +1,7 @@
 //! Polygons from `GeoJSON`, in the coordinates of a plane.
 
 use serde_json::Value;
-use tilescope_formats::bytes_digest;
+use tilescope_formats::{bytes_digest, may_be_degrees};
 
 use super::error::VaryingError;
 
@@ -63,6 +63,7 @@ impl PlanarPolygon {
             let name = name.to_owned();
             return Err(VaryingError::Corners { name, corners });
         }
+
         if self.rings.is_empty() {
             return Err(fault("it holds no polygon".to_owned()));
         }
@@ -79,12 +80,12 @@ impl PlanarPolygon {
 
         // The unit square is the usual domain of this program, and holds no town.
         let all = || self.rings.iter().flatten();
-        let may_be_degrees = all().all(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0);
         let beyond = all().find(|corner| !corner.iter().all(|value| (0.0..=1.0).contains(value)));
-        if let Some(&corner) = beyond.filter(|_| may_be_degrees && !planar) {
+        if let Some(&corner) = beyond.filter(|_| !planar && may_be_degrees(all())) {
             let name = name.to_owned();
             return Err(VaryingError::Degrees { name, corner });
         }
+
         if let Some([a, b]) = self.crossing() {
             let shown = |edge: RingEdge| {
                 let ([x0, y0], [x1, y1]) = (edge.from, edge.to);
@@ -95,7 +96,8 @@ impl PlanarPolygon {
                 "the edges {a} and {b} cross; edges may only touch"
             )));
         }
-        // Only then, as a ring that crosses itself may have no area, too.
+
+        // A ring that crosses itself may have no area either, and that it crosses is the better message.
         let mut rings = self.rings.iter();
         refuse_ring(rings.position(|ring| doubled_area(ring) == 0.0))
     }

@@ -100,7 +100,7 @@ mod tests {
         assert_eq!(found, Ok(Vec::new()));
     }
 
-    /// Whoever stops it is asked before each piece, and within it: no other piece begins afterwards.
+    /// The observer is asked before each piece and within it, and no other piece begins after it stops.
     #[test]
     fn the_observer_stops_it_between_pieces_and_within_one() {
         for (looks, stop_at, begun) in [(0, 3, 2), (0, 9, 8), (1, 3, 1), (1, 4, 2), (4, 2, 1)] {
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// Threads beside the one that is told to stop see it within their pieces: else these would have no end.
+    /// Threads beside the one whose observer stops see it within their pieces: otherwise these would have no end.
     #[test]
     fn other_threads_stop_within_their_pieces() {
         let begun = AtomicUsize::new(0);
