@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex;
 
 use super::error::MeasureError;
 use super::kernel::{Kernel, WIDTH};
-use super::nufft::{Scratch, TOGETHER, TransformPlan};
+use super::nufft::{Scratch, TOGETHER, TransformPlan, zeros};
 use super::spread::{Sample, Tiles, first_grid_point};
 use crate::monitor::Monitor;
 
@@ -68,7 +68,7 @@ fn back_along_x(
     let factors = axis.factors();
     let fft = FftPlanner::new().plan_fft_inverse(axis.size);
 
-    let mut half = vec![Complex::default(); axis.size * plan.rows()];
+    let mut half = zeros(axis.size * plan.rows());
     let lines = half.par_chunks_mut(axis.size).enumerate();
     let rows = lines.zip(values.par_chunks(axis.count()));
     rows.try_for_each_init(

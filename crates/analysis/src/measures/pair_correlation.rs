@@ -27,6 +27,9 @@ const PARTS: usize = 64;
 /// The pairs of a cell with more samples than this are counted on several threads.
 const CROWD: usize = 1 << 10;
 
+/// Pairs whose bins are found together.
+const PAIRS: usize = 16;
+
 /// Cells along the largest distance: with more, fewer samples are compared in vain, but more cells are visited.
 const CELLS_ALONG: f64 = 5.0;
 
@@ -285,16 +288,22 @@ impl PairSearch<'_> {
     /// the compared pairs are, and a branch would be mispredicted as often.
     fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut PairSums) {
         let domain = &self.neighbors.grid.domain;
-        let per_length = self.bins as f64 / self.distance;
-        for b in run {
-            let offset = self.neighbors.offset(a, b);
-            let length = offset.length();
-            let bin = ((length * per_length) as usize).min(self.bins);
-            let new = once || a.id < b.id;
-            found.counts[bin] += u64::from(new);
-            if !domain.periodic && new && bin < self.bins {
-                let overlap = (domain.extent - offset).element_product();
-                found.weights[bin] += 1.0 / overlap;
+        let (per_length, beyond) = (self.bins as f64 / self.distance, self.bins as f64);
+        for run in run.chunks(PAIRS) {
+            // First the bins, without a write to the counts between them, so that roots of several pairs are under way at once.
+            let mut bins = [0_u32; PAIRS];
+            for (bin, b) in bins.iter_mut().zip(run) {
+                let length = self.neighbors.offset(a, b).length();
+                *bin = (length * per_length).min(beyond) as u32;
+            }
+
+            for (bin, b) in bins.into_iter().map(|bin| bin as usize).zip(run) {
+                let new = once || a.id < b.id;
+                found.counts[bin] += u64::from(new);
+                if !domain.periodic && new && bin < self.bins {
+                    let overlap = (domain.extent - self.neighbors.offset(a, b)).element_product();
+                    found.weights[bin] += 1.0 / overlap;
+                }
             }
         }
     }

@@ -193,7 +193,7 @@ mod tests {
         for seed in 1..=sets {
             let points = noise(seed, region);
             let one = Periodogram::of(&points, region, &window, &|_| ControlFlow::Continue(()));
-            mean.add(&one.unwrap()).unwrap();
+            mean.add(one.unwrap()).unwrap();
         }
         Spectrum::of(&mean.mean().unwrap()).unwrap()
     }

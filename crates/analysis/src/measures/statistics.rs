@@ -151,21 +151,13 @@ pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
 }
 
 /// The mean of the periodograms of several sets of one region on one window.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeanPeriodogram {
+    /// The first set's; without its powers once they are part of the average.
     first: Option<Periodogram>,
+    /// From the second set on: the powers of one alone are its mean, and those of a million samples take 200 MB.
+    powers: Option<Average>,
     samples: f64,
-    powers: Average,
-}
-
-impl Default for MeanPeriodogram {
-    fn default() -> Self {
-        Self {
-            first: None,
-            samples: 0.0,
-            powers: Average::new(0),
-        }
-    }
 }
 
 impl MeanPeriodogram {
@@ -174,40 +166,48 @@ impl MeanPeriodogram {
     /// # Errors
     ///
     /// [`MeasureError::Differs`] where its window or its region is not that of the first.
-    pub fn add(&mut self, periodogram: &Periodogram) -> Result<(), MeasureError> {
-        if self.first.is_none() {
-            self.powers = Average::new(periodogram.power.len());
+    pub fn add(&mut self, periodogram: Periodogram) -> Result<(), MeasureError> {
+        let samples = periodogram.samples;
+        match &mut self.first {
+            None => self.first = Some(periodogram),
+            Some(first) => {
+                if first.window != periodogram.window {
+                    return Err(MeasureError::Differs { name: "the window" });
+                }
+                if first.region != periodogram.region {
+                    return Err(MeasureError::Differs { name: "the region" });
+                }
+
+                let powers = self.powers.get_or_insert_with(|| {
+                    let mut powers = Average::new(first.power.len());
+                    powers.push(std::mem::take(&mut first.power));
+                    powers
+                });
+                powers.push(periodogram.power);
+            }
         }
-        let first = self.first.get_or_insert_with(|| Periodogram {
-            power: Vec::new(),
-            ..periodogram.clone()
-        });
-        if first.window != periodogram.window {
-            return Err(MeasureError::Differs { name: "the window" });
-        }
-        if first.region != periodogram.region {
-            return Err(MeasureError::Differs { name: "the region" });
-        }
-        self.powers.add(&periodogram.power)?;
-        self.samples += periodogram.samples;
+        self.samples += samples;
         Ok(())
     }
 
     /// Returns the mean periodogram; none before the first set.
     #[must_use]
-    pub fn mean(&self) -> Option<Periodogram> {
-        let first = self.first.as_ref()?;
+    pub fn mean(self) -> Option<Periodogram> {
+        let first = self.first?;
+        let Some(powers) = self.powers else {
+            return Some(first);
+        };
         Some(Periodogram {
-            samples: self.samples / self.powers.sets() as f64,
-            sets: self.powers.sets(),
-            power: self.powers.means().to_vec(),
-            ..first.clone()
+            samples: self.samples / powers.sets as f64,
+            sets: powers.sets,
+            power: powers.means,
+            ..first
         })
     }
 
-    /// Returns the average behind the mean, with errors and bands for each frequency.
+    /// Returns the average behind the mean, with errors and bands for each frequency; none below two sets.
     #[must_use]
-    pub fn powers(&self) -> &Average {
-        &self.powers
+    pub fn powers(&self) -> Option<&Average> {
+        self.powers.as_ref()
     }
 }

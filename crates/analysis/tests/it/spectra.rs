@@ -16,7 +16,7 @@ fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) ->
 fn mean(sets: impl IntoIterator<Item = Periodogram>) -> Periodogram {
     let mut mean = MeanPeriodogram::default();
     for set in sets {
-        mean.add(&set).expect("the same window");
+        mean.add(set).expect("the same window");
     }
     mean.mean().expect("a set")
 }

@@ -91,7 +91,7 @@ impl Population {
             }
             _ => self.lacks_smooth = true,
         }
-        self.periodograms.add(&set.periodogram)?;
+        self.periodograms.add(set.periodogram)?;
         let average = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
         average.add(&set.powers)?;
         let correlation: Vec<f64> = set.pairs.iter().map(|point| point[1]).collect();

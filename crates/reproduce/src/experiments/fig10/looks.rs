@@ -51,7 +51,7 @@ pub fn spectrum(
 
     for index in 0..sets {
         let points = sampler.points(count, index, settings, control)?;
-        periodograms.add(&Periodogram::of(
+        periodograms.add(Periodogram::of(
             &points,
             region,
             &window,

@@ -96,7 +96,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         let window = Spectrum::window(group.samples(), set.region);
         let periodogram = Periodogram::of(&set.points, set.region, &window, &go_on)?;
         alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
-        periodograms.add(&periodogram)?;
+        periodograms.add(periodogram)?;
 
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
