@@ -64,9 +64,13 @@ impl<const TAGS: bool> Region<TAGS> {
         } else {
             2 * R
         };
+
         let (depth, target) = (i64::from(depth), self.frame.tiled());
+
+        // Nothing can eliminate these: they are copied without a test.
         for block in &blocks {
             let interior = block.rect.grown(-depth - 1, -depth);
+            // A tag is kept beside its slot, so that only samples without tags go to their cells eight at a time.
             if TAGS {
                 clipper.clip(block, &interior, &target, |x, y, id| {
                     self.insert(x, y, tiled_tag(block.index, id));
@@ -78,6 +82,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 });
             }
         }
+
         match turns {
             Turns::Index => {
                 for block in &blocks {
@@ -97,6 +102,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.claim_sorted(simd, clipper, ranking, &blocks, depth, &target);
             }
         }
+
         self.blocks = blocks;
     }
 
@@ -115,6 +121,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
         }
+
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
             self.claim_one(simd, x, y, tag);
@@ -135,11 +142,14 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
         }
+
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
             if self.frame.holds(x, y) {
                 self.claim_one(simd, x, y, tag);
             } else {
+                // Outside of a bounded domain. It is lost like an eliminated one: places that it covered may now be
+                // bare.
                 self.lose(x, y, Loss::Certain);
             }
         }
@@ -158,17 +168,20 @@ impl<const TAGS: bool> Region<TAGS> {
         for block in blocks {
             let own = frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth));
             let margin = frame_between(&block.rect.grown(R.into(), R.into()), &block.rect);
+
             for (part, is_own) in own
                 .map(|p| (p, true))
                 .into_iter()
                 .chain(margin.map(|p| (p, false)))
             {
                 clipper.clip(block, &part, target, |x, y, id| {
+                    // Outside of a bounded domain samples are dropped: they take no part in the elimination.
                     if !self.frame.holds(x, y) {
                         self.lose(x, y, Loss::Certain);
                         return;
                     }
                     contested.push(Contested {
+                        // Drawn for the place in the domain, so that all windows rank a sample alike.
                         rank: ranking.rank(self.frame.point(x, y), is_own),
                         sequence: block.sequence,
                         row: i64::from(y) - block.rect.min[1],
@@ -180,6 +193,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 });
             }
         }
+
+        // No two are equal, as the position is compared too.
         contested.sort_unstable();
         for sample in &contested {
             self.claim_one(simd, sample.x, sample.y, sample.tag);
@@ -194,6 +209,9 @@ impl<const TAGS: bool> Region<TAGS> {
             self.lose(x, y, Loss::Certain);
             return;
         }
+
+        // Flags are read first: few samples are near the edge or one of unknown fate, and only there is more to look
+        // at.
         let cell = self.frame.cell_at(x, y);
         let flags = self.flags[cell];
         if flags & (flag::EDGE | flag::NEAR_UNKNOWN) != 0 && self.is_unknown(x, y, cell) {
@@ -202,15 +220,18 @@ impl<const TAGS: bool> Region<TAGS> {
             self.flag_around(cell, flag::NEAR_UNKNOWN);
             return;
         }
+
         self.insert(x, y, tag);
     }
 
     /// Returns whether a sample before (x, y) in the order that may cover it has no known fate.
     #[cold]
     fn is_unknown(&self, x: i32, y: i32, cell: usize) -> bool {
+        // Samples beyond the edge are not known, and one of them may come first.
         if self.flags[cell] & flag::EDGE != 0 {
             return true;
         }
+
         let stride = self.frame.stride();
         let rows = [cell - stride, cell, cell + stride];
         rows.into_iter()

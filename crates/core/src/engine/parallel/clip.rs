@@ -26,7 +26,7 @@ pub struct CellPattern {
     pub starts: Vec<u32>,
     /// Abscissas, cell by cell, and eight more, so that eight can be read from any of them on.
     pub xs: Vec<u32>,
-    /// Ordinates, as many.
+    /// Ordinates in the same sequence, with eight more, too.
     pub ys: Vec<u32>,
     /// The samples' indices in the pattern.
     pub ids: Vec<u32>,
@@ -39,6 +39,8 @@ impl CellPattern {
         let cells = |side: i32| ((side - 1) >> CELL_BITS) as usize + 1;
         let (columns, rows) = (cells(shape.width), cells(shape.height));
         let cell = |p: Point| (p.y >> CELL_BITS) as usize * columns + (p.x >> CELL_BITS) as usize;
+
+        // Sorted by cell; a cell's samples begin where those of all cells before it end.
         let mut samples = std::mem::take(&mut shape.samples);
         samples.sort_by_key(|(p, _)| cell(*p));
         let mut starts = vec![0_u32; columns * rows + 1];
@@ -48,6 +50,7 @@ impl CellPattern {
         for k in 1..starts.len() {
             starts[k] += starts[k - 1];
         }
+
         Self {
             shape,
             columns,
@@ -87,6 +90,7 @@ impl CellPattern {
         mut visit: impl FnMut(&Rect, Point),
     ) {
         let (period_x, period_y) = (self.shape.width, self.shape.height);
+
         let mut from_y = start.y.rem_euclid(i64::from(period_y)) as i32;
         let mut up = 0;
         while up < height {
@@ -101,6 +105,7 @@ impl CellPattern {
                 };
                 visit(&piece, Point::new(corner.x + right, corner.y + up));
                 right += columns;
+                // Beyond an edge the pattern begins again.
                 from_x = 0;
             }
             up += rows;
@@ -115,11 +120,14 @@ impl CellPattern {
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
         let (width, height) = (piece.width() as u32, piece.height() as u32);
         let (left, bottom) = (piece.min.x as u32, piece.min.y as u32);
+
         for row in cell(piece.min.y)..=cell(piece.max.y - 1) {
             let start = row * self.columns;
             let range = self.starts[start + first] as usize..self.starts[start + last + 1] as usize;
             let points = self.xs[range.clone()].iter().zip(&self.ys[range.clone()]);
             for ((x, y), &id) in points.zip(&self.ids[range]) {
+                // Unsigned, a place left of the piece or below it is far to the right or above: one comparison an
+                // axis does.
                 let (x, y) = (x.wrapping_sub(left), y.wrapping_sub(bottom));
                 if x < width && y < height {
                     visit(corner.x + x as i32, corner.y + y as i32, id);
@@ -140,12 +148,15 @@ impl CellPattern {
     ) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
+
         let width = u32x8::splat(simd, piece.width() as u32);
         let height = u32x8::splat(simd, piece.height() as u32);
+
         let low = R as u32 - 1;
         // Beyond the padding, so that no coordinate is negative.
         let (right, up) = (corner.x + (PAD << CELL_BITS), corner.y + (PAD << CELL_BITS));
         let stride = u32x8::splat(simd, frame.stride() as u32);
+
         for row in cell(piece.min.y)..=cell(piece.max.y - 1) {
             let start = row * self.columns;
             let (from, to) = (
@@ -153,20 +164,28 @@ impl CellPattern {
                 self.starts[start + last + 1] as usize,
             );
             let (xs, ys) = (&self.xs[from..to + LANES], &self.ys[from..to + LANES]);
+
             for k in (0..to - from).step_by(LANES) {
                 let x = u32x8::from_slice(simd, &xs[k..k + LANES]) - piece.min.x as u32;
                 let y = u32x8::from_slice(simd, &ys[k..k + LANES]) - piece.min.y as u32;
+                // As unsigned numbers, so that places left of the piece or below it are not inside either.
                 let inside = (x.simd_lt(width) & y.simd_lt(height)).to_bitmask() as u32;
+
+                // The last group reads on into the samples of other cells, or into the eight at the end.
                 let rest = to - from - k;
                 let inside = if rest < LANES {
                     inside & ((1 << rest) - 1)
                 } else {
                     inside
                 };
+
                 let (x, y) = (x + right as u32, y + up as u32);
                 let cells = (y >> CELL_BITS) * stride + (x >> CELL_BITS);
                 let slots = ((y & low) << CELL_BITS) | (x & low);
                 let (cells, slots): ([u32; LANES], [u32; LANES]) = (cells.into(), slots.into());
+
+                // Only groups at the border of the piece have samples outside of it: the others need no look at the
+                // bits.
                 if inside == (1 << LANES) - 1 {
                     for (cell, slot) in cells.into_iter().zip(slots) {
                         visit(cell as usize, slot);
@@ -274,16 +293,21 @@ impl Clipper {
         let target = frame.tiled();
         let mut stack: Vec<Visit> = vec![(Node::root(&self.domain, self.key), 0, 0)];
         let mut sequence = 0;
+
         while let Some((node, split, leaf)) = stack.pop() {
             let images = Images::of(&node.block.rect, frame, &target);
+            // No block below it reaches into the frame, as blocks lie in their nodes.
             if images.is_empty() {
                 continue;
             }
+
             if let Some(cut) = node.cut(self.leaf) {
                 let lower = self
                     .counts
                     .as_ref()
                     .map_or(0, |counts| counts[split as usize]);
+                // A side of `lower` leaves has one split fewer, and the split between the sides comes before both.
+                // The lower side is pushed last, to be visited first: it has the smaller indices.
                 stack.push((cut.upper, split + lower, leaf + lower));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
@@ -364,6 +388,7 @@ fn count(node: &Node, leaf: i32, counts: &mut Vec<u32>) -> u32 {
     let Some(cut) = node.cut(leaf) else {
         return 1;
     };
+
     let at = counts.len();
     counts.push(0);
     let lower = count(&cut.lower, leaf, counts);
@@ -385,6 +410,7 @@ impl Images {
         let sides = I64Vec2::from(frame.sides.map(i64::from));
         let reach = rect.grown(R.into(), R.into());
         let (low, high) = (I64Vec2::from(target.min), I64Vec2::from(target.max));
+
         let shifts = std::array::from_fn(|axis| {
             if frame.periodic {
                 // min + k side < high and low < max + k side.
@@ -395,9 +421,11 @@ impl Images {
             } else if reach.min[axis] < high[axis] && low[axis] < reach.max[axis] {
                 [0, 0]
             } else {
+                // No image: the last shift is below the first.
                 [1, 0]
             }
         });
+
         Self {
             rect,
             sides,

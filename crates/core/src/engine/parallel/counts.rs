@@ -63,21 +63,27 @@ impl<const TAGS: bool> Region<TAGS> {
             let cell = Point::new(x >> CELL_BITS, y >> CELL_BITS);
             window.contains(Point::new(x, y)) && !but.iter().any(|cells| cells.contains(cell))
         };
+
         let mut counts = WindowCounts::default();
         for block in &self.blocks {
             let min = block.rect.min;
             let is_inside = Rect64::from(window).contains(min);
+            // A far corner does not fit 32 bits, but one inside of the window does.
             counts.blocks += u64::from(is_inside && counted(min.x as i32, min.y as i32));
         }
+
+        // A sample of unknown fate lies in an unsure cell, and the repairing region counts those.
         for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
             if self.frame.holds(lost.x, lost.y) {
                 counts.eliminated += u64::from(counted(lost.x, lost.y));
             } else {
+                // A dropped sample lies in no window: that with the nearest place of the domain counts it.
                 let [width, height] = self.frame.end;
                 let nearest = [lost.x.clamp(0, width - 1), lost.y.clamp(0, height - 1)];
                 counts.dropped += u64::from(counted(nearest[0], nearest[1]));
             }
         }
+
         for inserted in &self.gaps.inserted {
             if counted(inserted.x, inserted.y) {
                 counts.insert(inserted.iteration as usize - 1, 1);

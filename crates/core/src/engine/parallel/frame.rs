@@ -43,32 +43,40 @@ impl Frame {
         let periodic = domain.is_periodic();
         let low = [window.min.x, window.min.y];
         let high = [window.max.x, window.max.y];
+
         let mut frame = Self {
             sides,
             periodic,
             ..Self::default()
         };
+
         let mut min = [0; 2];
         for axis in 0..2 {
             let mut first = i64::from(low[axis] >> CELL_BITS) - i64::from(halo);
             let mut last = i64::from((high[axis] - 1) >> CELL_BITS) + i64::from(halo);
+
             frame.goes_on[axis] = [true; 2];
             if !periodic {
+                // No cells beyond a closed border. Where the halo reaches it, the plane does not go on.
                 let last_cell = i64::from((end[axis] - 1) >> CELL_BITS);
                 frame.goes_on[axis] = [first > 0, last < last_cell];
                 first = first.max(0);
                 last = last.min(last_cell);
             }
+
             frame.origin[axis] = first << CELL_BITS;
             frame.cells[axis] = (last - first + 1) as i32;
             let full = frame.cells[axis] << CELL_BITS;
+            // A bounded domain may end within its last cell.
             frame.end[axis] = if periodic {
                 full
             } else {
                 full.min((i64::from(end[axis]) - frame.origin[axis]) as i32)
             };
+
             min[axis] = (i64::from(low[axis]) - frame.origin[axis]) as i32;
         }
+
         frame.border = Border::of(domain, frame.origin);
         let [x, y] = min;
         frame.window = Rect {

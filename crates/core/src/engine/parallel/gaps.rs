@@ -31,7 +31,6 @@ const USUAL: i32 = 2;
 pub(crate) struct Rules {
     pub domain: Domain,
     pub search: Search,
-    /// The run's key.
     pub key: Key,
     /// How many cells away from a lost sample an uncovered place may be: 1 for a place that it covered, more with a
     /// pattern that leaves lattice points uncovered.
@@ -118,20 +117,25 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
+
         self.mark(&mut gaps, rules);
         self.spread(simd, &mut gaps, rules, false);
         self.first_detection(simd, &mut gaps, rules);
+
         let mut iteration = 1;
         loop {
             let first = gaps.inserted.len();
             self.insert_candidates(simd, &mut gaps, rules, iteration);
+            // Cells that have become unsure without an insertion must mark their surroundings, too.
             if gaps.inserted.len() == first && self.spread == self.unsure.len() {
                 break;
             }
+
             iteration += 1;
             self.spread(simd, &mut gaps, rules, true);
             self.detect_again(simd, &mut gaps, first, rules);
         }
+
         self.gaps = gaps;
     }
 
@@ -147,6 +151,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let reach = rules.reach();
         let known = self.unsure.len();
         let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
+
         for k in self.spread..known {
             let (column, row) = self.frame.column_row(self.unsure[k] as usize);
             for row in (row - reach).max(0)..=(row + reach).min(rows - 1) {
@@ -154,6 +159,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     let cell = self.frame.cell(column, row);
                     if self.flags[cell] & flag::REACHED == 0 {
                         self.flags[cell] |= flag::REACHED;
+                        // Only a cell with an open place depends on samples that are yet unknown.
                         if again && self.is_still_open(simd, gaps, cell, column, row) {
                             self.make_hot(cell);
                         }
@@ -174,9 +180,12 @@ impl<const TAGS: bool> Region<TAGS> {
         row: i32,
     ) -> bool {
         let (column, row) = ((column + PAD) as usize, (row + PAD) as usize);
+        // Only cells with an open pixel at the first detection can have an open place: samples are never taken away
+        // after that.
         if gaps.open[row * self.words() + column / 64] >> (column % 64) & 1 == 0 {
             return false;
         }
+
         gaps.near
             .gather(&self.slots, self.frame.stride(), cell, USUAL);
         let pixels = pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]);

@@ -79,7 +79,7 @@ impl Near {
             let start = (cell as i64 + i64::from(row) * stride as i64 - i64::from(reach)) as usize;
             let cells = &slots[start..=start + 2 * reach as usize];
             for (slots, column) in cells.iter().zip(-reach..) {
-                // Write all four, and keep as many as there are.
+                // All four are written, and those beyond the cell's count are overwritten by the next cell.
                 let (left, bottom) = (column * R, row * R);
                 let right = slots.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
                 let up = slots.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
@@ -89,6 +89,7 @@ impl Near {
             }
         }
         self.count = count;
+        // The last group is filled up with samples that are near no place.
         xs[count..count + LANES].fill(FAR);
         ys[count..count + LANES].fill(FAR);
     }

@@ -71,11 +71,13 @@ impl Plane {
     pub fn new(parameters: &Parameters, pattern: &Pattern) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
         parameters.check_parallel()?;
+
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;
         let clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);
         clipper.check_blocks()?;
         pattern.check_domain(&domain)?;
+
         // A block that is as long as a periodic domain is its own neighbour.
         let short = domain.width() / 2 < leaf || domain.height() / 2 < leaf;
         let rules = Rules {
@@ -85,6 +87,7 @@ impl Plane {
             lost_reach: lost_reach(pattern, &domain, parameters.insertion),
             insertion: parameters.insertion,
         };
+
         Ok(Self {
             domain,
             order: parameters.order,
@@ -137,16 +140,21 @@ impl Plane {
                 radii: f64::from(HALO << MAX_REPAIRS),
             });
         }
+
         while scratch.0.len() <= depth {
             scratch.0.push(Box::default());
         }
+
         let region = &mut *scratch.0[depth];
         let frame = Frame::new(&self.domain, window, HALO << depth);
+        // Uncertainty may spread around a small periodic domain without end, whatever the halo: such a domain is run
+        // as a whole.
         if let Some(whole) = &self.whole
             && (is_last || depth > 0 && whole.is_shorter(&frame))
         {
             return whole.show(region, &self.domain, window);
         }
+
         region.reset(frame, self.rules.reach());
         self.clipper.blocks(&region.frame, &mut region.blocks)?;
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
@@ -157,6 +165,9 @@ impl Plane {
                 Insertion::Uniform => region.fill_uniformly(simd, &self.rules),
             }
         });
+
+        // One window in some hundred has such cells. A halo that always suffices would cost all windows more than
+        // repairs cost those.
         let unsure = region.unsure_in_window(NEIGHBOURS);
         let mut counts = region.count(&unsure);
         for cells in &unsure {
@@ -166,6 +177,7 @@ impl Plane {
             let (known, wider) = scratch.0.split_at_mut(depth + 1);
             known[depth].adopt(&wider[0], cells);
         }
+
         Ok(counts)
     }
 }

@@ -34,7 +34,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) enum Loss {
     /// Eliminated by a survivor, or dropped outside a bounded domain.
     Certain,
-    /// Its fate depends on what lies beyond the frame.
+    /// Its fate depends on the plane beyond the frame.
     Unknown,
 }
 
@@ -99,6 +99,7 @@ impl<const TAGS: bool> Region<TAGS> {
             let whole = bottom && row < depth || top && row >= rows - depth;
             let start = self.frame.cell(0, row);
             let cells = &mut self.flags[start..start + columns as usize];
+            // All of a row at the lower or upper rim, the ends of the others.
             if whole {
                 set(cells, flag);
                 continue;
@@ -219,20 +220,26 @@ impl<const TAGS: bool> Region<TAGS> {
         let cells = self.frame.window_cells();
         let width = (cells.max.x - cells.min.x) as usize;
         let window = self.frame.window;
+
         // If a window ends inside its cells, samples of its outermost cells must be tested.
         let aligned = |v: i32| v & (R - 1) == 0;
         let whole =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
+
         let mut line = vec![Point::default(); 3 * width + 4];
+
         for row in cells.min.y..cells.max.y {
             let start = self.frame.cell(cells.min.x, row);
             let mut count = 0;
             for (slots, k) in self.slots[start..start + width].iter().zip(0..) {
+                // The window lies in the domain, so that sums have 32 bits, whatever the frame's origin has.
                 let (x, y) = (
                     (self.frame.origin[0] as i32).wrapping_add((cells.min.x + k) << CELL_BITS),
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
                 );
-                // Free slots are the largest values. Write all four, and keep as many as there are.
+
+                // Slots compare by row, then column, and free ones are the largest. All four are written, and those beyond
+                // the count are overwritten by the next cell.
                 let [mut a, mut b, mut c, free] = *slots;
                 if !free >= 2 {
                     (a, b) = (a.min(b), a.max(b));
@@ -246,9 +253,11 @@ impl<const TAGS: bool> Region<TAGS> {
                 line[count..count + 4].copy_from_slice(&points);
                 count += !free as usize & 3;
             }
+
             if TAGS {
                 self.emit_tags(start, width, tags);
             }
+
             let line = &line[..count];
             let is_outermost = row == cells.min.y || row == cells.max.y - 1 || width < 2;
             if whole {
@@ -256,11 +265,13 @@ impl<const TAGS: bool> Region<TAGS> {
             } else if TAGS || is_outermost {
                 self.emit_inside(line, out, tags);
             } else {
+                // Of an inner row only the first and the last cell may have samples outside of the window.
                 let [first, last] = [start, start + width - 1].map(|cell| held(&self.slots[cell]));
                 self.emit_inside(&line[..first], out, tags);
                 out.extend_from_slice(&line[first..count - last]);
                 self.emit_inside(&line[count - last..], out, tags);
             }
+
             rows.push(out.len() as u32);
         }
     }
@@ -282,8 +293,8 @@ impl<const TAGS: bool> Region<TAGS> {
     fn emit_inside(&self, line: &[Point], out: &mut Vec<Point>, tags: &mut Vec<u64>) {
         let origin = self.frame.origin;
         let inside = |p: &Point| {
-            let at = I64Vec2::from(*p) - origin;
-            let at = Point::new(at.x as i32, at.y as i32);
+            let offset = I64Vec2::from(*p) - origin;
+            let at = Point::new(offset.x as i32, offset.y as i32);
             self.frame.window.contains(at)
         };
         if TAGS {
@@ -361,9 +372,11 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     // Lengths beyond R + 1 are cut there: the sum stays above R^2 and in 32 bits.
     const UNSIGNED: i32 = i32::MAX >> (CELL_BITS - 1);
     let [a, b, c] = [slots[first], slots[first + 1], slots[first + 2]];
+
     let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
-    let two = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
-    let two = i32x8::simd_from(simd, two);
+    let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
+    let two = i32x8::simd_from(simd, packed);
+
     let most = i32x8::splat(simd, R + 1);
     let across = ((two & (R - 1)) + i32x8::simd_from(simd, left))
         .abs()
@@ -371,6 +384,7 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     let up = (((two >> CELL_BITS) & UNSIGNED) - y).abs().min(most);
     let beyond = across * across - R_SQUARED as i32 + up * up;
     let covers = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
+
     let third = i32x4::simd_from(simd, c.map(|slot| slot as i32));
     let most = i32x4::splat(simd, R + 1);
     let across = ((third & (R - 1)) + (R - x)).abs().min(most);

@@ -37,9 +37,9 @@ const MAX_DENSITY: f64 = 0.71;
 pub struct SweepState {
     /// Rows of cells that have been computed.
     pub rows: u32,
-    /// Samples in them.
+    /// How many samples these rows hold.
     pub count: u64,
-    /// Their counts.
+    /// The counts of their windows, added up.
     pub counts: WindowCounts,
 }
 
@@ -113,6 +113,7 @@ impl<P: WindowMaker> Sweep<P> {
         let sides = cells.map(|cells: i32| {
             (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
         });
+
         Self {
             plane,
             sources,
@@ -161,7 +162,7 @@ impl<P: WindowMaker> Sweep<P> {
         self.counts.summary(self.count)
     }
 
-    /// Computes the next bands, as many as keep all threads at work, and returns their samples, or
+    /// Computes the next bands, enough to keep all threads at work, and returns their samples, or
     /// `None` at the end.
     ///
     /// Uses the current rayon pool. Fails when `observer`, asked before, stops the run, and when a
@@ -170,8 +171,10 @@ impl<P: WindowMaker> Sweep<P> {
         let Some(bands) = self.next(observer)? else {
             return Ok(None);
         };
+
         let mut joined = JoinedSamples::default();
         joined.append(&bands);
+
         self.take_back(bands);
         Ok(Some(sampled(joined.points, joined.tags, self.sources)))
     }
@@ -242,6 +245,7 @@ impl<P: WindowMaker> Sweep<P> {
         let wanted = WINDOWS_A_THREAD * rayon::current_num_threads();
         let (mut bands, mut count, mut bottom) =
             (Vec::new(), 0, i64::from(self.done) * i64::from(R));
+
         while bottom < i64::from(max.y) && count < wanted {
             let top = (bottom + height).min(max.y.into());
             let lefts = (0..i64::from(max.x)).step_by(width as usize);
@@ -302,6 +306,7 @@ impl JoinedSamples {
             let rows = pieces.first().map_or(0, |piece| piece.rows.len());
             for row in 0..rows {
                 for piece in pieces {
+                    // Rows of cells of a band follow each other over all of its windows: that is the canonical order.
                     let first = if row == 0 {
                         0
                     } else {

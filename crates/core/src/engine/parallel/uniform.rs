@@ -41,11 +41,14 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
         self.mark(&mut gaps, rules);
+
         for k in 0..self.unsure.len() {
             self.reach_around(self.unsure[k] as usize, rules.lost_reach);
         }
         let mut active = self.first_cells(simd, &mut gaps, rules);
+
         let key = gap_key(rules.key);
+        // Cells of level 1 have sides of `GAP_SIDE`, half a radius.
         let mut level = 1;
         while !active.is_empty() {
             let side = R >> level;
@@ -62,6 +65,7 @@ impl<const TAGS: bool> Region<TAGS> {
             active = self.quarters(rules, &active, side);
             level += 1;
         }
+
         self.gaps = gaps;
     }
 
@@ -86,6 +90,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let stamps = Stamps::get();
         let mut active = Vec::new();
         let mut unsure = Vec::new();
+
         self.list_marked(&gaps.marked, &mut gaps.listed);
         for &(cell, column, row) in &gaps.listed {
             let cell = cell as usize;
@@ -93,18 +98,22 @@ impl<const TAGS: bool> Region<TAGS> {
             if open == 0 {
                 continue;
             }
+
+            // Unknown samples may fill a reached cell: it is unsure if it has an open place.
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
                 if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
                 }
             } else if rules.is_exact() {
+                // A lost sample covered every uncovered place, so that open pixels of marked cells hold them all.
                 for (x, y) in each_bit(open).map(corner) {
                     let low = [(column << CELL_BITS) + x, (row << CELL_BITS) + y];
                     self.cells_in(low, low.map(|v| v + PIXEL_SIDE), &mut active);
                 }
             }
         }
+
         if !rules.is_exact() {
             // The samples then depend on the cells, not only on the gaps.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
@@ -112,11 +121,14 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.cells_in(low, low.map(|v| v + 2 * (R + SLACK) + 1), &mut active);
             }
         }
+
         for cell in unsure {
             self.make_hot(cell);
         }
+
         active.sort_unstable();
         active.dedup();
+        // The darts of a cell that one sample covers would all be refused.
         active.retain(|a| !self.is_covered(a, GAP_SIDE));
         active
     }
@@ -126,9 +138,12 @@ impl<const TAGS: bool> Region<TAGS> {
         // Starts of the domain's cells along an axis: in the frame and in the domain.
         let starts = |axis: usize| {
             let (side, frame) = (self.frame.sides[axis], &self.frame);
+            // A bounded domain has the places on its far border, too.
             let extent = if frame.periodic { side } else { side + 1 };
+
             let limit = high[axis].min(frame.end[axis]);
             let mut at = low[axis].max(0);
+
             std::iter::from_fn(move || {
                 (at < limit).then(|| {
                     let plane = frame.origin[axis] + i64::from(at);
@@ -139,11 +154,13 @@ impl<const TAGS: bool> Region<TAGS> {
                     } as i32;
                     let first = domain / GAP_SIDE * GAP_SIDE;
                     let start = (at - (domain - first), first);
+                    // The last cell of a periodic axis may be shorter.
                     at = start.0 + GAP_SIDE.min(extent - first);
                     start
                 })
             })
         };
+
         for (y, domain_y) in starts(1) {
             out.extend(starts(0).map(|(x, domain_x)| Active {
                 y,
@@ -165,10 +182,13 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         let domain = rules.domain.rect();
         let mut darts = Vec::new();
+
         for cell in active {
             let min = Point::new(cell.domain_x, cell.domain_y);
             for (rank, p) in cell_darts(key, Cell { min, side }, DartDraws::One) {
                 let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
+                // Darts that a sample covers now are refused in any turn, and need not be sorted. Cells at the far
+                // ends reach beyond the domain.
                 if domain.contains(p) && self.frame.holds(x, y) && !self.covered(simd, x, y) {
                     darts.push(RankedDart {
                         rank,
@@ -179,16 +199,21 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
         }
+
         darts.sort_unstable();
         for RankedDart { x, y, .. } in darts {
             let cell = self.frame.cell_at(x, y);
+            // Unsure cells are computed again, and reached ones have no open place if they are not unsure.
             if self.flags[cell] & (flag::REACHED | flag::UNSURE) != 0 || self.covered(simd, x, y) {
                 continue;
             }
+
+            // An unknown sample, beside it or in its own cell, may come first and cover it.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;
             }
+
             self.insert(x, y, inserted_tag(level));
             gaps.inserted.push(Inserted {
                 x,
@@ -238,6 +263,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let closed = i32::from(!self.frame.periodic);
         let right = side.min(width + closed - cell.domain_x) - 1;
         let top = side.min(height + closed - cell.domain_y) - 1;
+
         let columns = (cell.x - R) >> CELL_BITS..=(cell.x + right + R) >> CELL_BITS;
         let rows = (cell.y - R) >> CELL_BITS..=(cell.y + top + R) >> CELL_BITS;
         rows.into_iter().any(|row| {

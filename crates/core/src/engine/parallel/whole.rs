@@ -64,17 +64,22 @@ impl Whole {
         let run = self.run.get_or_init(|| {
             let engine = Sequential::new(&self.parameters, Arc::clone(&self.pattern))?;
             let run = engine.finish(&mut Unobserved)?;
+            // Iterations are not read here, and need not be kept.
             Ok(Run {
                 iterations: Vec::new(),
                 ..run
             })
         });
         let run = run.as_ref().map_err(Clone::clone)?;
+
+        // Without a halo, as all samples are known.
         region.reset(Frame::new(domain, window, 0), 0);
         let origin = region.frame.origin;
+
         let mut counts = WindowCounts::default();
         let corners = run.blocks.leaves.iter().map(|block| block.rect.min);
         counts.blocks = corners.filter(|&corner| window.contains(corner)).count() as u64;
+
         let samples = &run.samples;
         for (id, point) in samples.points.iter().enumerate() {
             if !window.contains(*point) {
@@ -87,15 +92,18 @@ impl Whole {
                     inserted_tag(iteration)
                 }
             };
+
             match samples.fates[id] {
                 Fate::Kept => {
                     let at = I64Vec2::from(*point) - origin;
                     region.insert(at.x as i32, at.y as i32, tag);
                 }
                 Fate::Eliminated { .. } => counts.eliminated += 1,
+                // A periodic domain drops no sample, and a finished run has decided all.
                 Fate::Dropped | Fate::Undecided => {}
             }
         }
+
         Ok(counts)
     }
 }

@@ -13,9 +13,9 @@ const MARGIN: i64 = 4;
 /// of the whole; those of a periodic domain may come twice, if it is longer than the domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WidenedWindow {
-    /// The samples.
+    /// The samples of the window and of its margin.
     pub positions: Vec<[f64; 2]>,
-    /// Width and height.
+    /// The width and the height of the window with its margin, in user units.
     pub size: [f64; 2],
     /// The lowest and the highest corner of the window, as the verifier takes them.
     pub window: [[f64; 2]; 2],
@@ -33,20 +33,27 @@ impl WidenedWindow {
         let periodic = domain.is_periodic();
         let sides = [domain.width(), domain.height()];
         let unit = domain.unit();
+
         let mut wide = Window {
             min: window.min - margin,
             max: window.max + margin,
         };
+        // Beyond a closed border there are no samples.
         if !periodic {
             wide.min = wide.min.max(I64Vec2::ZERO);
             wide.max = wide.max.min(domain.rect().max.into());
         }
+
         let user = |offset: I64Vec2| (offset.as_dvec2() * unit).to_array();
+
+        // A window is at most as long as the domain, and with its margins shorter than two domains of 10 r and more:
+        // no sample has more than two images in it.
         let images = |v: i32, axis: usize| {
             let (side, first) = (i64::from(sides[axis]), i64::from(v) - wide.min[axis]);
             let (first, step) = if periodic {
                 (first.rem_euclid(side), side)
             } else {
+                // One image: the second is far beyond the window.
                 (first, i64::MAX / 2)
             };
             let length = wide.max[axis] - wide.min[axis];
@@ -55,12 +62,14 @@ impl WidenedWindow {
                 .filter(move |&offset| offset < length)
                 .map(move |offset| offset as f64 * unit[axis])
         };
+
         let shown = |p: &Point| {
             let xs = images(p.x, 0);
             images(p.y, 1)
                 .flat_map(move |y| xs.clone().map(move |x| [x, y]))
                 .collect::<Vec<_>>()
         };
+
         let samples = samples(&wide)?;
         // The border of a bounded domain is its last unit.
         let last = i64::from(!periodic);

@@ -45,18 +45,25 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         let (left, bottom) = corner(searched.number);
         let inside = |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
+        // A place in another pixel is found when that one is searched.
         if !inside(place.x, left) || !inside(place.y, bottom) {
             return;
         }
+
         let (column, row) = self.frame.column_row(searched.cell);
         let x = (column << CELL_BITS) + place.x as i32;
         let y = (row << CELL_BITS) + place.y as i32;
+        // The last pixels of a bounded domain reach beyond its border.
         if !self.frame.holds(x, y) {
             return;
         }
+
+        // The definition asks that no sample covers the place, and that none is nearer than its own by more than the
+        // slack.
         let distance = |site: &I64Vec2| site.distance_squared(place);
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
+
         let near = if searched.wide {
             &gaps.wide
         } else {
@@ -68,6 +75,7 @@ impl<const TAGS: bool> Region<TAGS> {
         ) {
             return;
         }
+
         match self.is_found(gaps, rules, searched, place, sites) {
             Known::No => {}
             Known::Unknown => unsure.push(searched.cell),
@@ -100,21 +108,27 @@ impl<const TAGS: bool> Region<TAGS> {
             } else {
                 self.site_point(searched.cell, *site)
             };
+
             let reach = Reach::new(&rules.domain, rules.search, point);
             let within = |other: I64Vec2, reach: i32| {
                 site.distance_squared(other) <= i64::from(reach) * i64::from(reach)
             };
+
+            // By definition a detector finds places within its radius, made by samples within its search radius
+            // (paper, Algorithm 4, line 17).
             if !within(place, reach.radius)
                 || !sites.iter().all(|other| within(*other, reach.search))
             {
                 continue;
             }
+
             match self.is_detector(gaps, searched, *site) {
                 Known::Yes => return Known::Yes,
                 Known::Unknown => known = Known::Unknown,
                 Known::No => {}
             }
         }
+
         known
     }
 
@@ -149,9 +163,11 @@ impl<const TAGS: bool> Region<TAGS> {
         if around.any(|c| self.lost_in(c).any(proves)) {
             return Known::Yes;
         }
+
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
         let [columns, rows] = self.frame.cells;
         let [[left, right], [bottom, top]] = self.frame.goes_on;
+
         let mut known = Known::No;
         // Beyond the frame nothing is known.
         if left && column < 3
@@ -161,6 +177,8 @@ impl<const TAGS: bool> Region<TAGS> {
         {
             known = Known::Unknown;
         }
+
+        // The reach, 2 r and 4 units, ends at most three cells away. Dropped samples lie in the padding.
         for row in (row - 3).max(-PAD)..=(row + 3).min(rows + PAD - 1) {
             for column in (column - 3).max(-PAD)..=(column + 3).min(columns + PAD - 1) {
                 for lost in self.lost_in(self.frame.cell(column, row)) {
@@ -190,18 +208,24 @@ impl<const TAGS: bool> Region<TAGS> {
             let (y, x) = candidate.row_major;
             candidate.rank = key.draw_at(x, y)[0];
         }
+
+        // Several triples of samples may make one place, which is one candidate.
         gaps.candidates.sort_unstable();
         gaps.candidates.dedup();
+
         for k in 0..gaps.candidates.len() {
             let RankedCandidate { x, y, .. } = gaps.candidates[k];
+            // By a sample that was inserted before, as candidates are uncovered when they are found.
             if self.covered(simd, x, y) {
                 continue;
             }
             let cell = self.frame.cell_at(x, y);
+            // An unknown sample, beside it or in its own cell, may come first and cover it.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;
             }
+
             self.insert(x, y, inserted_tag(iteration));
             gaps.inserted.push(Inserted { x, y, iteration });
         }

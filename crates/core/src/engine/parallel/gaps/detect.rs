@@ -30,19 +30,24 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.farthest = 0.0;
         gaps.candidates.clear();
         gaps.open_index.resize(self.frame.cell_count(), 0);
+
         self.find_open(gaps);
         let mut unsure = Vec::new();
         let masks = std::mem::take(&mut gaps.masks);
+
         for &(cell, open) in &masks {
             let cell = cell as usize;
             gaps.near
                 .gather(&self.slots, self.frame.stride(), cell, USUAL);
+            // Candidates here may depend on unknown samples: the cell is unsure if it has an open place, and sure as
+            // it is if not.
             if self.flags[cell] & flag::REACHED != 0 {
                 if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
                 }
                 continue;
             }
+
             let first = self.keep_open(simd, gaps, cell, open);
             for k in first..gaps.pixels.len() {
                 let pixel = gaps.pixels[k];
@@ -56,6 +61,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 );
             }
         }
+
         gaps.masks = masks;
         for cell in unsure {
             self.make_hot(cell);
@@ -86,6 +92,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.open_index[cell] = gaps.first_pixels.len() as u32;
         let first = gaps.pixels.len();
         gaps.first_pixels.push(first as u32);
+
         for number in each_bit(open) {
             let (x, y) = centre(number);
             let measured = gaps.near.measure(simd, x, y);
@@ -131,15 +138,19 @@ impl<const TAGS: bool> Region<TAGS> {
         todo.clear();
         gaps.candidates.clear();
         gaps.detectors.clear();
+
         for k in first..gaps.inserted.len() {
             let Inserted { x, y, .. } = gaps.inserted[k];
             gaps.detectors
                 .push(site_key(self.frame.cell_at(x, y), pack(x, y)));
             self.concerned_pixels(gaps, x, y, &mut todo);
         }
+
+        // Pixels by cell, so that the samples around a cell are gathered once. Two new samples may concern one pixel.
         gaps.detectors.sort_unstable();
         todo.sort_unstable();
         todo.dedup();
+
         let mut gathered = usize::MAX;
         for &(cell, number) in &todo {
             let cell = cell as usize;
@@ -148,6 +159,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     .gather(&self.slots, self.frame.stride(), cell, USUAL);
                 gathered = cell;
             }
+
             let (x, y) = centre(number);
             let measured = gaps.near.measure(simd, x, y);
             if !measured.covered {
@@ -155,6 +167,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.search_measured(simd, gaps, rules, at, Detectors::Inserted, &mut unsure);
             }
         }
+
         gaps.todo = todo;
         for cell in unsure {
             self.make_hot(cell);
@@ -166,15 +179,18 @@ impl<const TAGS: bool> Region<TAGS> {
     fn concerned_pixels(&self, gaps: &GapBuffers, x: i32, y: i32, todo: &mut Vec<(u32, u8)>) {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
+
         // Three cells away everything is 2r away.
         let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < (2 * R) as f32 {
             2
         } else {
             reach_cells(self.frame.periodic)
         };
+
         // The padding is never open: a row of bits has 2 reach + 1 of interest, in one word or two.
         let first = (column + PAD - reach) as usize;
         let ones = (1_u64 << (2 * reach + 1)) - 1;
+
         for row in row - reach..=row + reach {
             let start = (row + PAD) as usize * words + first / 64;
             let low = gaps.open[start] >> (first % 64);
@@ -182,17 +198,22 @@ impl<const TAGS: bool> Region<TAGS> {
                 .open
                 .get(start + 1)
                 .map_or(0, |&next| next << 1 << (63 - first % 64));
+
             for bit in each_bit((low | high) & ones) {
                 let column = column - reach + i32::from(bit);
                 let cell = self.frame.cell(column, row);
+                // A reached cell inserts nothing: it has no open place, or is unsure already.
                 if self.flags[cell] & flag::REACHED != 0 {
                     continue;
                 }
+
                 let dx = (x - (column << CELL_BITS)) as f32;
                 let dy = (y - (row << CELL_BITS)) as f32;
                 for pixel in pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]) {
                     let (cx, cy) = centre(pixel.number);
                     let squared = (dx - cx) * (dx - cx) + (dy - cy) * (dy - cy);
+                    // A pixel that the sample covers as a whole has no open place left. `nearest` was measured before
+                    // later insertions, which can only make it smaller, so that the limit is large enough.
                     let covers = R as f32 - HALF_DIAGONAL;
                     let limit = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
                     if squared > covers * covers && squared <= limit * limit {

@@ -23,10 +23,12 @@ impl<const TAGS: bool> Region<TAGS> {
         if all != 0 {
             return;
         }
-        // Three cells to each side lie in one word or two.
+        // A sample covers places of its own cell and of the eight around it. Three cells of a row lie in one word or
+        // two.
         for lost in &self.lost {
             let column = ((lost.x >> CELL_BITS) + PAD - 1) as usize;
             let row = ((lost.y >> CELL_BITS) + PAD) as usize;
+
             let (word, bit) = (column / 64, column % 64);
             for row in row - 1..=row + 1 {
                 let at = row * words + word;

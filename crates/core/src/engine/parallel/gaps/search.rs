@@ -104,10 +104,12 @@ impl<const TAGS: bool> Region<TAGS> {
                 gaps.near.offset(gaps.sites[k])
             }
         };
+
         for i in 0..n {
             for m in i + 1..n {
                 for k in m + 1..n {
                     let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
+                    // A filter in floats: integers compute the centre of those that pass it.
                     if may_make(three, searched.number) {
                         let sites = three.map(DVec2::as_i64vec2);
                         let [a, b, c] = sites;
@@ -119,6 +121,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
         }
+
+        // The border makes candidates too, in the pixels through which it runs.
         if !rules.domain.is_periodic() && self.frame.border.meets(&self.pixel_rect(searched)) {
             self.search_border(simd, gaps, rules, searched, unsure);
         }
