@@ -3,7 +3,7 @@
 //!
 //! *Definition.* A pattern is random sequential addition of keyed darts ([`PatternDarts`]). A block holds every dart of
 //! the pattern whose image lies in the block itself: no margin around it. Darts arrive in the order of [`PlacedDart`],
-//! and each is a sample unless a sample that arrived before covers it. That is a unique set, whoever computes it.
+//! and each is a sample unless a sample that arrived before covers it. That is a unique set, on every engine.
 //!
 //! *Why it has no bias.* Independent Poisson processes in disjoint rectangles are one Poisson process, and blocks and
 //! offsets do not depend on the darts. So the darts of all blocks are distributed as the reference sampler's, and with

@@ -135,7 +135,7 @@ pub struct Parameters {
     pub boundary: Boundary,
     /// Seed of every draw.
     pub seed: u64,
-    /// What blocks clip.
+    /// Whether blocks clip samples, or darts with their order of arrival.
     #[serde(default)]
     pub method: TilingMethod,
     /// Shortest edge of a building block, in radii.
@@ -228,17 +228,19 @@ impl Parameters {
             TilingMethod::Exact => {
                 let domain =
                     Domain::from_size([self.width, self.height], self.radius, self.boundary);
+                // Parameters without a domain are refused elsewhere: any pattern will do for them.
                 let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
                 PatternSpec::for_exact(samples, self.seed)
             }
         };
+
         PatternSpec {
             boundary: self.pattern.boundary,
             ..usual
         }
     }
 
-    /// Refuses what has no meaning in exact tiling.
+    /// Refuses parameters that have no meaning in exact tiling.
     fn check_exact(&self) -> Result<(), ParameterError> {
         let plain = self.as_exact();
         let differs = |parameter: &Parameter| parameter.value(self) != parameter.value(&plain);

@@ -8,7 +8,7 @@ use crate::stage::Stage;
 /// The progress of a run: `done` of `total` pieces of work of `stage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// The current stage.
+    /// The stage whose pieces are counted.
     pub stage: Stage,
     /// Pieces done; 0 when the stage begins, `total` when it has ended.
     pub done: u64,
@@ -81,7 +81,7 @@ impl<'a> Meter<'a> {
         self.progress.total = total;
     }
 
-    /// Counts one piece.
+    /// Counts one piece, and asks the observer if it is due.
     #[inline]
     pub(crate) fn tick(&mut self) -> Result<(), SampleError> {
         self.progress.done += 1;

@@ -168,7 +168,7 @@ pub enum RunEvent {
     },
     /// A dart that the pattern refused is to be asked again, since the sample that refused it first is missing.
     Wake {
-        /// Where it lies.
+        /// The place of the dart in the domain.
         point: Point,
         /// That sample's id if it was eliminated; `u32::MAX` if the block lacks it from the beginning.
         behind: u32,

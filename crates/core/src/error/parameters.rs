@@ -147,7 +147,7 @@ pub enum ParameterError {
         "the {name} has no meaning in exact tiling, which keeps whatever arrived first; leave it at its default"
     )]
     NotOfExact {
-        /// The parameter's name.
+        /// The parameter's name in options, in Python and in lessons.
         name: &'static str,
     },
     /// Engines of KDRT clip samples, and exact tiling clips darts.

@@ -1,4 +1,5 @@
-//! What is to be decided, in the order of arrival. Levels follow each other; while one is decided, more of it may come up.
+//! Questions about samples and darts, in the order of arrival. Levels follow each other; while one is decided, more
+//! questions of it may come up.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,14 +7,14 @@ use std::collections::BinaryHeap;
 use crate::exact::darts::PlacedDart;
 use crate::stages::darts::LAST_LEVEL;
 
-/// Something that may be another way than in the pattern, to be decided when its dart arrives.
+/// A question whose answer may differ from that in the pattern, to be decided when its dart arrives.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Arriving {
     pub(crate) dart: PlacedDart,
     pub(crate) what: What,
 }
 
-/// What is to be decided.
+/// The question that a dart's arrival brings up.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum What {
     /// Whether an earlier sample covers a present one, given by its id.
@@ -22,31 +23,32 @@ pub(crate) enum What {
     Dart(u32),
 }
 
-/// What is to be decided, level by level.
+/// All questions, level by level.
 #[derive(Default)]
 pub(crate) struct Agenda {
-    /// What arrives with each level.
+    /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
     deciding: Option<u32>,
     /// How much of the level that is being decided is done.
     done: usize,
-    /// What has come up since that level began, and belongs to it.
+    /// The questions of that level that came up since it began.
     sudden: BinaryHeap<Reverse<Arriving>>,
 }
 
 impl Agenda {
-    /// Removes everything.
+    /// Removes all questions, so that another tiling can begin.
     pub(crate) fn clear(&mut self) {
         self.levels.iter_mut().for_each(Vec::clear);
         self.sudden.clear();
         self.deciding = None;
     }
 
-    /// Adds what is to be decided when its dart arrives.
+    /// Adds a question, to be decided when its dart arrives.
     #[inline]
     pub(crate) fn add(&mut self, dart: PlacedDart, what: What) {
         let level = dart.arrival.level();
         let arriving = Arriving { dart, what };
+
         if self.deciding == Some(level) {
             self.sudden.push(Reverse(arriving));
         } else {
@@ -74,6 +76,7 @@ impl Agenda {
         let level = self.deciding?;
         let known = self.levels[level as usize].get(self.done);
         let sudden = self.sudden.peek().map(|Reverse(sudden)| sudden);
+        // A question that came up late still comes in its turn: an earlier dart has its answer first.
         if sudden.is_some_and(|sudden| known.is_none_or(|known| sudden < known)) {
             return self.sudden.pop().map(|Reverse(sudden)| sudden);
         }

@@ -40,19 +40,18 @@ pub(crate) struct MarkedCells {
 }
 
 impl MarkedCells {
-    /// Returns the pieces.
     pub(crate) fn pieces(&self) -> &[SourcePiece] {
         &self.pieces
     }
 
-    /// Removes all pieces.
+    /// Removes all pieces with their marks.
     pub(crate) fn clear(&mut self) {
         self.pieces.clear();
         self.firsts.clear();
         self.marks.clear();
     }
 
-    /// Adds a piece.
+    /// Adds a piece of which no cell is marked.
     pub(crate) fn add(&mut self, piece: SourcePiece) {
         let [columns, rows] = spans(&piece.sources).map(|span| span.len());
         self.firsts.push(self.marks.len());
@@ -65,11 +64,14 @@ impl MarkedCells {
     pub(crate) fn mark_border(&mut self, piece: u32, part: &Rect, out: &mut Vec<PieceCell>) {
         let held = &self.pieces[piece as usize];
         let sources = held.sources;
+
+        // A first blocker is at most r from its dart: deeper than that in the part, it lies in the part too.
         let Rect { min, max } = held.placed(&sources);
         let deeper = Rect {
             min: Point::new(min.x.max(part.min.x + R + 1), min.y.max(part.min.y + R + 1)),
             max: Point::new(max.x.min(part.max.x - R), max.y.min(part.max.y - R)),
         };
+
         let is_thin = deeper.width() <= 0 || deeper.height() <= 0;
         let deep = if is_thin {
             Rect::default()
@@ -105,6 +107,7 @@ impl MarkedCells {
         for piece in pieces {
             let SourcePiece { sources, .. } = self.pieces[piece as usize];
             let centre = self.pieces[piece as usize].source(place);
+
             let box_around = Rect {
                 min: Point::new(
                     centre.x.saturating_sub(R).max(sources.min.x),
@@ -172,12 +175,15 @@ impl MarkedCells {
         let Some(placed) = self.placed(cell, side) else {
             return;
         };
+
         let extent = IVec2::new(placed.width() - 1, placed.height() - 1);
         let corner = placed.min - from;
         let covers = |offset: &IVec2| covers_offset(farthest(*offset - corner, extent));
+
         if near.certain.iter().any(covers) {
             return;
         }
+
         // What one doubtful sample covers is not looked at again: without the sample, any dart there may be one.
         if near.doubtful.iter().any(covers) {
             out.doubtful.push((cell, side));
@@ -203,6 +209,7 @@ impl MarkedCells {
             min: Point::new(min.x.max(low.x), min.y.max(low.y)),
             max: Point::new((min.x + side).min(end.x), (min.y + side).min(end.y)),
         };
+
         let is_empty = held.width() <= 0 || held.height() <= 0;
         (!is_empty).then(|| piece.placed(&held))
     }

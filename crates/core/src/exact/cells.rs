@@ -6,7 +6,7 @@ use crate::lattice::{Point, R, Rect};
 /// Numbers in one part of a cell. Four samples more than R apart fit into no cell, but those of several blocks do.
 const SLOTS: usize = 3;
 
-/// A free slot.
+/// The number that stands in a slot without any.
 const FREE: u32 = u32::MAX;
 
 /// Part of a cell: its first one, or more of a crowded one.
@@ -57,10 +57,12 @@ impl NumberCells {
                 numbers,
                 next,
             } = &mut self.parts[part];
+            // A removal may have left a slot free before the last part.
             if let Some(slot) = numbers.iter().position(|&held| held == FREE) {
                 (places[slot], numbers[slot]) = (place, number);
                 return;
             }
+
             part = match *next {
                 0 => self.append(part),
                 next => next as usize,
@@ -95,6 +97,7 @@ impl NumberCells {
     #[inline]
     pub(crate) fn any_in(&self, rect: &Rect, mut visit: impl FnMut(u32, Point) -> bool) -> bool {
         let columns = (rect.min.x / R) as usize..=((rect.max.x - 1) / R) as usize;
+
         for row in (rect.min.y / R) as usize..=((rect.max.y - 1) / R) as usize {
             let start = row * self.columns;
             let parts = &self.parts[start + columns.start()..=start + columns.end()];
@@ -102,6 +105,7 @@ impl NumberCells {
                 let mut part = first;
                 loop {
                     for (&number, &place) in part.numbers.iter().zip(&part.places) {
+                        // Removals leave free slots between others, so that all are looked at.
                         if number != FREE && visit(number, place) {
                             return true;
                         }

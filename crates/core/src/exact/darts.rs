@@ -48,7 +48,7 @@ impl Arrival {
 /// each other by their places in the domain, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlacedDart {
-    /// Its arrival.
+    /// When it arrives, as a dart of the pattern.
     pub arrival: Arrival,
     /// Its place in the pattern.
     pub source: Point,
@@ -117,6 +117,7 @@ impl PatternDarts {
                 key: throw_key(spec.key(), level, number),
             })
         });
+
         Ok(Self {
             rect: Domain::from_units(side, side, spec.boundary).rect(),
             throws: throws.collect(),
@@ -153,6 +154,7 @@ impl PatternDarts {
             let darts = throw.into_cell(min).filter(|(_, at)| *at == place);
             darts.map(|(arrival, _)| arrival).min()
         };
+
         let mut found = self.throws.iter().filter_map(earliest);
         found
             .next()

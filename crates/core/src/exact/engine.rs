@@ -58,13 +58,16 @@ pub fn exact_sample(
 ) -> Result<Run, SampleError> {
     let domain = parameters.validate_sequential()?;
     let mut clipper = clipper(parameters, history)?;
+    // Sources name blocks by their indices, which blocks have only once they are counted.
     clipper.count_blocks();
 
     let mut tiling = ExactTiling::new(history);
     let ground = Ground::whole(&domain);
     tiling.run(&clipper, ground, observer, &mut Unrecorded)?;
+
     let mut samples = WindowSamples::default();
     tiling.emit(true, &mut samples);
+
     let summary = samples.counts.summary(samples.points.len() as u64);
     let sampled = sampled(samples.points, samples.tags, true);
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
@@ -159,6 +162,7 @@ impl<'a> ExactTiling<'a> {
         for level in 0..LATE_LEVEL {
             self.settle(level, Stage::Iterate(1), observer, recorder)?;
         }
+
         // Those of later levels are thrown where something changed.
         self.open_borders();
         for level in LATE_LEVEL..=LAST_LEVEL {
@@ -188,6 +192,7 @@ impl<'a> ExactTiling<'a> {
         self.fresh.clear();
         self.open.cells.clear();
         self.side = R;
+
         let blocks = std::mem::take(&mut self.blocks);
         let all = self.present.ground().rect();
         let mut meter = Meter::begin(observer, Stage::Tile, blocks.len() as u64)?;
@@ -201,6 +206,7 @@ impl<'a> ExactTiling<'a> {
             }
             meter.tick()?;
         }
+
         self.blocks = blocks;
         meter.end()
     }
@@ -221,6 +227,7 @@ impl<'a> ExactTiling<'a> {
                 self.cells.add(piece);
             }
         }
+
         self.tiles.push(ExactTile {
             block: block.index,
             rect,
@@ -234,12 +241,14 @@ impl<'a> ExactTiling<'a> {
     fn clip<T: Recorder>(&mut self, clipper: &Clipper, block: &PlacedBlock, recorder: &mut T) {
         let tile = self.tiles.len() as u32 - 1;
         let rect = self.tiles[tile as usize].rect;
+
+        // A sample at most r outside may be the first blocker of darts inside.
         let reach = i64::from(R);
         let around = Rect64::from(rect).grown(reach, reach);
-        let target = self.present.ground().rect();
+        let ground = self.present.ground().rect();
         let target = Rect {
-            min: Point::new(target.min.x - R, target.min.y - R),
-            max: Point::new(target.max.x + R, target.max.y + R),
+            min: Point::new(ground.min.x - R, ground.min.y - R),
+            max: Point::new(ground.max.x + R, ground.max.y + R),
         };
 
         clipper.clip(block, &around, &target, |x, y, pattern| {
@@ -255,7 +264,7 @@ impl<'a> ExactTiling<'a> {
                 block: block.index,
                 inside: true,
             });
-            // A sample of another block can cover only what is within r of the border. In a recording all arrive.
+            // A sample of another block covers only places within r of the border. In a recording all samples arrive.
             if T::ENABLED || rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
@@ -311,8 +320,9 @@ impl<'a> ExactTiling<'a> {
     ) -> Result<(), SampleError> {
         let known = self.agenda.begin(level);
         let mut meter = Meter::begin(observer, stage, known as u64)?;
+
         while let Some(next) = self.agenda.next() {
-            // What is to be decided twice, which changes nothing, arrives once.
+            // A question may be asked twice, which changes nothing. A recording has it once.
             if !T::ENABLED || self.kept.last.replace(next) != Some(next) {
                 match next.what {
                     What::Sample(id) => self.decide_sample(id, &next.dart, recorder),
@@ -327,9 +337,11 @@ impl<'a> ExactTiling<'a> {
     /// Loses a sample if an earlier one covers it. Everything earlier is final.
     fn decide_sample<T: Recorder>(&mut self, id: u32, dart: &PlacedDart, recorder: &mut T) {
         let sample = *self.present.get(id);
+        // A dart that became a sample here was decided when it arrived, and a lost or doubtful sample stays so.
         let (Some(pattern), Presence::Certain) = (sample.pattern(), sample.presence) else {
             return;
         };
+
         match self.present.presence(dart, sample.tile) {
             Presence::Certain => {
                 let rest =
@@ -348,10 +360,13 @@ impl<'a> ExactTiling<'a> {
             }
         }
 
+        // Darts that it refused are asked again, and its disk may be bare. Only cells of its own block are marked:
+        // those of others lie within r of their borders, and are all marked.
         self.wake(sample.tile, sample.place, pattern, id, recorder);
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
         self.cells.mark_disk(pieces, dart.place, &mut self.fresh);
+
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
             // What the cells threw before would have been refused by others.
@@ -363,9 +378,11 @@ impl<'a> ExactTiling<'a> {
 
     /// Makes a dart a sample if it is none, and no earlier one covers it.
     fn decide_dart<T: Recorder>(&mut self, dart: &PlacedDart, tile: u32, recorder: &mut T) {
+        // The dart of a present sample is no second one.
         if self.present.has(dart, tile) {
             return;
         }
+
         let presence = self.present.presence(dart, tile);
         if T::ENABLED {
             recorder.record(RunEvent::Dart {
@@ -374,13 +391,16 @@ impl<'a> ExactTiling<'a> {
                 verdict: self.verdict(dart, tile, presence == Presence::Lost),
             });
         }
+
         if presence == Presence::Lost {
             return;
         }
 
+        // Samples laid down that arrive later may be covered by it: they are decided again when their turn comes.
         let mut later = Vec::new();
         self.present.later(dart, tile, |id| later.push(id));
         self.await_samples(&later);
+
         let id = self.present.insert(*dart, tile, presence);
         recorder.record(RunEvent::Insert {
             sample: id,
@@ -422,6 +442,7 @@ impl<'a> ExactTiling<'a> {
             self.cut_cell(cell, MARK_SIDE, level, recorder);
         }
         self.fresh = fresh;
+
         self.add_zones(after.map_or(Arrival::new(level, 0, 0), |after| after.arrival));
     }
 
@@ -480,23 +501,30 @@ impl<'a> ExactTiling<'a> {
     ) {
         let history = self.history;
         let piece = self.cells.pieces()[cell.piece as usize];
+
         for (arrival, source) in history.darts().of_cell(level, cell.min) {
+            // A cell at the border of a piece reaches beyond it, to darts that the piece does not have.
             if !piece.sources.contains(source) {
                 continue;
             }
+
             let dart = PlacedDart {
                 arrival,
                 source,
                 place: piece.place(source),
             };
+            // The sample that was lost did not refuse earlier darts: others cover these.
             if after.is_some_and(|after| dart <= *after) {
                 continue;
             }
+
             // A present sample's own dart: in a recording it arrives as the sample.
             if T::ENABLED && self.present.has(&dart, piece.tile) {
                 continue;
             }
 
+            // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its
+            // turn.
             let decided = self.present.before(Arrival::new(level, 0, 0));
             let is_covered = decided.covers(piece.tile, dart.place);
             if T::ENABLED {
@@ -512,7 +540,7 @@ impl<'a> ExactTiling<'a> {
         }
     }
 
-    /// Returns whether the samples of the window depend on what lies beyond the ground.
+    /// Returns whether the samples of the window depend on the plane beyond the ground.
     pub(crate) fn is_doubtful(&self) -> bool {
         let ground = self.present.ground();
         ground.has_unknown() && self.present.is_doubtful(&ground.frame.window)
@@ -525,19 +553,23 @@ impl<'a> ExactTiling<'a> {
         self.count(&mut out.counts);
         let Frame { window, .. } = self.present.ground().frame;
         let cells = self.present.ground().frame.window_cells();
+
         let mut held = Vec::new();
         for row in cells.min.y..cells.max.y {
             for column in cells.min.x..cells.max.x {
                 held.clear();
                 self.present.in_cell(column, row, |sample| {
+                    // The outermost cells reach beyond the window.
                     if window.contains(sample.place) {
                         held.push(*sample);
                     }
                 });
+
                 // Most cells have one.
                 if held.len() > 1 {
                     held.sort_unstable_by_key(|sample| sample.place.row_major());
                 }
+
                 for sample in &held {
                     out.points
                         .push(self.present.in_domain(sample.tile, sample.place));
@@ -546,6 +578,7 @@ impl<'a> ExactTiling<'a> {
                     }
                 }
             }
+
             out.rows.push(out.points.len() as u32);
         }
     }
@@ -575,6 +608,7 @@ impl<'a> ExactTiling<'a> {
             match (sample.presence, sample.pattern()) {
                 (Presence::Lost, _) => counts.eliminated += 1,
                 (Presence::Certain, None) => counts.insert(self.iteration(sample) as usize - 1, 1),
+                // Tiled samples follow from the other counts, and a window with doubtful ones is not given out.
                 (Presence::Certain, Some(_)) | (Presence::Doubtful, _) => {}
             }
         }

@@ -15,7 +15,7 @@ pub(crate) struct Ground {
     pub(crate) frame: Frame,
     /// The sides of a periodic domain that is worked on as a whole, so that opposite ends are joined.
     joined: Option<Point>,
-    /// What is known: the frame, and all of the plane on the sides where a domain ends.
+    /// The known part of the plane, if not all of it is known: the frame, and everything on the sides where a domain ends.
     known: Option<Rect>,
 }
 
@@ -42,12 +42,16 @@ impl Ground {
         let frame = Frame::new(domain, window, halo);
         let [[left, right], [bottom, top]] = frame.goes_on;
         let [width, height] = frame.end;
+        // Where a domain ends there are no samples beyond: that part of the plane is known, however far.
         let reach = |goes_on: bool| if goes_on { 0 } else { FAR };
+
         let known = Rect {
             min: Point::new(-reach(left), -reach(bottom)),
             max: Point::new(width + reach(right), height + reach(top)),
         };
+
         let is_whole = !frame.goes_on.as_flattened().contains(&true);
+
         Self {
             frame,
             joined: None,
@@ -58,11 +62,13 @@ impl Ground {
     /// Returns how far a block is moved from where the domain has it to where the ground has it.
     pub(crate) fn moved(&self, block: &PlacedBlock) -> IVec2 {
         let mut at = block.rect.min + self.frame.origin;
+
         if self.frame.periodic {
             let [width, height] = self.frame.sides.map(i64::from);
             // No block crosses the domain's ends.
             at = I64Vec2::new(at.x.rem_euclid(width), at.y.rem_euclid(height));
         }
+
         // Only the sum of a place and this fits into 32 bits.
         let moved = block.rect.min - at;
         IVec2::new(moved.x as i32, moved.y as i32)
@@ -83,6 +89,7 @@ impl Ground {
         let Some(known) = self.known else {
             return Rect { min, max };
         };
+
         Rect {
             min: Point::new(
                 min.x.max(known.min.x.saturating_add(R + 1)),
@@ -103,7 +110,7 @@ impl Ground {
         self.known.is_some_and(|known| known.depth(place) <= reach)
     }
 
-    /// Calls `visit` with the parts of a rectangle that lie on the ground, and how far what is found there must be moved to
+    /// Calls `visit` with the parts of a rectangle that lie on the ground, and how far samples found there must be moved to
     /// be beside the rectangle: opposite ends may be joined. Stops when `visit` returns `true`; returns whether it did.
     #[inline]
     pub(crate) fn any_part(
@@ -123,6 +130,7 @@ impl Ground {
     #[cold]
     fn any_cut_part(&self, rect: &Rect, visit: &mut dyn FnMut(&Rect, IVec2) -> bool) -> bool {
         let all = self.rect();
+        // Where ends are joined, the rectangle is also looked for a side farther, either way.
         let shifts = |side: Option<i32>| side.map_or([0; 3], |side| [0, -side, side]);
         let count = if self.joined.is_some() { 3 } else { 1 };
         let (xs, ys) = (
@@ -142,6 +150,7 @@ impl Ground {
                 if rows.is_empty() || columns.is_empty() {
                     continue;
                 }
+
                 let found = Rect {
                     min: Point::new(columns.start, rows.start),
                     max: Point::new(columns.end, rows.end),

@@ -54,7 +54,6 @@ impl Refused {
 /// A dart that waits behind its first blocker.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WaitingDart {
-    /// Its arrival.
     pub(crate) arrival: Arrival,
     /// Its place in the pattern.
     pub(crate) source: Point,
@@ -93,8 +92,10 @@ impl PatternHistory {
         let arrivals: Vec<Arrival> = samples.iter().map(|&p| darts.first_at(p)).collect();
 
         let mut blocked = blocked(&pattern, &darts, &arrivals, &grid, observer)?;
+        // Darts that wait behind one sample follow each other, so that two indices name them.
         blocked.sort_unstable_by_key(|(blocker, _)| *blocker);
         let begins = |id: u32| blocked.partition_point(|(blocker, _)| *blocker < id) as u32;
+
         Ok(Self {
             starts: (0..=samples.len() as u32).map(begins).collect(),
             refused: blocked.iter().map(|(_, refused)| *refused).collect(),
@@ -104,7 +105,7 @@ impl PatternHistory {
         })
     }
 
-    /// Returns the pattern.
+    /// Returns the pattern whose history it is.
     #[must_use]
     pub const fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
@@ -166,6 +167,7 @@ fn blocked(
     let samples = pattern.samples();
     let cells = tiling_cells(darts.rect(), R).count();
     let mut meter = Meter::begin(observer, Stage::Pattern, 5 * cells as u64)?;
+
     // Four throws into these cells and one into four times as many, of 0.85 darts.
     let mut blocked = Vec::with_capacity(7 * cells);
 

@@ -1,4 +1,4 @@
-//! Where a block has which place of the pattern. A block longer than what is left of the pattern has parts of several copies.
+//! Where a block has each place of the pattern. A block that reaches beyond the pattern's end has parts of several copies.
 
 use glam::{I64Vec2, IVec2};
 
@@ -60,7 +60,9 @@ pub(crate) fn pieces(
 ) -> Vec<SourcePiece> {
     let corner = symmetry.corner(pattern.max);
     let extent = IVec2::new(pattern.max.x, pattern.max.y);
+    // A symmetry may swap the sides.
     let period = symmetry.turn(extent).abs().as_i64vec2();
+
     // The block's lowest place, and the first beyond it, in the turned pattern that repeats.
     let first = start + i64::from(R);
     let end = first + I64Vec2::new(rect.width().into(), rect.height().into());
@@ -73,10 +75,12 @@ pub(crate) fn pieces(
                 (first - copy).max(I64Vec2::ZERO),
                 (end - copy).min(period) - 1,
             ];
+
             let back = |turned: I64Vec2| {
                 let source = symmetry.turn_back(turned.as_ivec2() - corner);
                 Point::new(source.x, source.y)
             };
+
             let origin = I64Vec2::from(rect.min) - (first - copy) + corner.as_i64vec2();
             pieces.push(SourcePiece {
                 tile,

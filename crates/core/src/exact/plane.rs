@@ -23,8 +23,8 @@ const MAX_HALO: i32 = HALO << 7;
 /// The plane of an exact tiling, from which any window can be computed alone.
 ///
 /// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number of
-/// threads. A window has a halo around it. What lies beyond is unknown, and so is what depends on it; if that reaches into
-/// the window, the halo grows.
+/// threads. A window has a halo around it. The plane beyond is unknown, and so are samples that depend on it; if one of
+/// them lies in the window, the halo grows.
 ///
 /// ```
 /// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved, WindowMaker};
@@ -86,17 +86,21 @@ impl WindowMaker for ExactPlane<'_> {
         out: &mut WindowSamples,
     ) -> Result<(), SampleError> {
         let mut tiling = self.idle.take_or(|| ExactTiling::new(self.history));
+
         let mut halo = HALO;
         loop {
             let ground = Ground::around(&self.domain, window, halo);
             tiling.run(&self.clipper, ground, &mut Unobserved, &mut Unrecorded)?;
+            // Doubt that stays outside of the window changes none of its samples.
             if !tiling.is_doubtful() {
                 break;
             }
+
             if halo == MAX_HALO {
                 let radii = f64::from(halo);
                 return Err(SampleError::Entangled { radii });
             }
+
             halo *= 2;
         }
 

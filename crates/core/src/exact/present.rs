@@ -11,12 +11,12 @@ use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::stages::disks::farthest;
 
-/// What is known of a sample.
+/// How much is known about a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Presence {
     /// It is present, and will be unless an earlier sample turns out to cover it.
     Certain,
-    /// Whether it is one depends on what lies beyond the ground.
+    /// Whether it is one depends on the plane beyond the ground.
     Doubtful,
     /// An earlier sample covers it, so that it is none.
     Lost,
@@ -73,7 +73,7 @@ pub(crate) struct PresentSamples<'a> {
 }
 
 impl<'a> PresentSamples<'a> {
-    /// Returns no samples.
+    /// Returns an empty set, for tilings with the pattern of a history.
     pub(crate) fn new(history: &'a PatternHistory) -> Self {
         Self {
             history,
@@ -101,7 +101,6 @@ impl<'a> PresentSamples<'a> {
         self.zones.clear();
     }
 
-    /// Returns the ground.
     pub(crate) const fn ground(&self) -> &Ground {
         &self.ground
     }
@@ -156,7 +155,6 @@ impl<'a> PresentSamples<'a> {
             });
     }
 
-    /// Returns a sample.
     pub(crate) fn get(&self, id: u32) -> &ArrivedSample {
         &self.samples[id as usize]
     }
@@ -236,13 +234,15 @@ impl<'a> PresentSamples<'a> {
         SamplesBefore { all: self, end }
     }
 
-    /// Returns what is known of a dart once everything earlier is decided. It is lost if an earlier sample covers it.
+    /// Returns the presence of a dart once everything earlier is decided. It is lost if an earlier sample covers it.
     pub(crate) fn presence(&self, dart: &PlacedDart, tile: u32) -> Presence {
         let place = self.on_ground(tile, dart.place);
         let mut is_doubtful = false;
+
         let is_lost = self.any_near(&single(place), |id, offset| {
             covers_offset(offset) && {
                 let sample = self.get(id);
+                // A later sample covers the dart in vain.
                 let is_met = self.order(sample, dart).is_lt();
                 is_doubtful |= is_met && sample.presence == Presence::Doubtful;
                 is_met && sample.presence == Presence::Certain
@@ -274,12 +274,13 @@ impl<'a> PresentSamples<'a> {
 
     /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.
     fn is_in_doubt(&self, place: Point, arrival: Arrival) -> bool {
-        // Late darts are not thrown within R of what is unknown: any place there may be a sample.
+        // Late darts are not thrown within R of the unknown: any place there may be a sample.
         let reach = if arrival.level() < LATE_LEVEL {
             R
         } else {
             2 * R
         };
+
         self.ground.is_near_unknown(place, reach) || self.is_near_zone(place, arrival)
     }
 
@@ -305,8 +306,10 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn add_zone(&mut self, rect: Rect, from: Arrival, mut visit: impl FnMut(u32)) {
         self.zone_cells.add(rect.min, self.zones.len() as u32);
         self.zones.push(Zone { rect, from });
+
         self.any_near(&rect, |id, offset| {
             let is_met = covers_offset(offset - nearest(offset, &rect));
+            // Earlier samples stay, whatever darts the zone has.
             if is_met && from <= self.arrival(self.get(id)) {
                 visit(id);
             }
@@ -319,6 +322,7 @@ impl<'a> PresentSamples<'a> {
         let is_doubtful = |sample: &ArrivedSample| sample.presence == Presence::Doubtful;
         let mut doubtful = self.samples.iter().filter(|sample| is_doubtful(sample));
         let meets = |zone: &Zone| Rect64::from(zone.rect).within(rect).is_some();
+
         doubtful.any(|sample| rect.contains(sample.place)) || self.zones.iter().any(meets)
     }
 
@@ -401,16 +405,21 @@ impl SamplesBefore<'_, '_> {
     pub(crate) fn near_rect(&self, tile: u32, rect: &Rect, near: &mut SamplesNear) -> bool {
         near.certain.clear();
         near.doubtful.clear();
+
         let rect = self.all.rect_on_ground(tile, rect);
         let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
         self.all.any_near(&rect, |id, offset| {
+            // Not even its nearest place is covered.
             if !covers_offset(offset - nearest(offset, &rect)) {
                 return false;
             }
+
             let sample = self.all.get(id);
+            // Such a sample may yet be lost.
             if self.all.arrival(sample) >= self.end {
                 return false;
             }
+
             match sample.presence {
                 Presence::Certain => {
                     near.certain.push(offset);

@@ -12,7 +12,7 @@ pub const MAX_FIELD_RADIUS: i32 = 64 * R;
 /// The largest pitch of nodes, and of the pixels of a mask, is two to this power.
 pub const MAX_PITCH_BITS: u32 = 20;
 
-/// Sides of a periodic domain are longer than so many of its largest radii, so that what is near a place is
+/// Sides of a periodic domain are longer than so many of its largest radii, so that a sample near a place is
 /// found once, and not again as its own image.
 const MIN_PERIODIC_RADII: i32 = 4;
 
@@ -25,9 +25,9 @@ pub enum FieldError {
         "the radius {radius} at node {node} is not from {R} to {MAX_FIELD_RADIUS} units: the largest radius is at most 64 times the smallest"
     )]
     Radius {
-        /// The radius.
+        /// The refused radius, in units.
         radius: i32,
-        /// The node's index.
+        /// The index of its node, row by row.
         node: usize,
     },
     /// The pitch is too large.
@@ -41,7 +41,7 @@ pub enum FieldError {
         "a side of the periodic domain has {side} units, which is no multiple of the 2^{bits} units between nodes"
     )]
     Uneven {
-        /// The side.
+        /// The length of such a side, in units.
         side: i32,
         /// The binary logarithm of the pitch.
         bits: u32,
@@ -49,7 +49,7 @@ pub enum FieldError {
     /// There are too few or too many nodes.
     #[error("{given} nodes are given; the domain has {columns} x {rows}")]
     Count {
-        /// Nodes given.
+        /// How many nodes are given.
         given: usize,
         /// Nodes of a row that are needed.
         columns: usize,
@@ -61,9 +61,9 @@ pub enum FieldError {
         "the shorter side of the periodic domain has {side} units; more than {MIN_PERIODIC_RADII} times the largest radius, {radius}, are needed"
     )]
     Period {
-        /// The shorter side.
+        /// The length of the shorter side, in units.
         side: i32,
-        /// The largest radius.
+        /// The largest radius of the field, in units.
         radius: i32,
     },
 }
@@ -143,6 +143,7 @@ impl RadiusField {
             });
         }
 
+        // A periodic domain has a cell for each node, the last of which ends at the first nodes again.
         let cells = [columns, rows].map(|count| count - usize::from(!domain.is_periodic()));
         let mut around = Vec::with_capacity((cells[0] + 1) * (cells[1] + 1));
         for row in 0..=cells[1] {
@@ -161,11 +162,13 @@ impl RadiusField {
         if bits > MAX_PITCH_BITS {
             return Err(FieldError::Pitch { bits });
         }
+
         let sides = [domain.width(), domain.height()];
         let uneven = sides.into_iter().find(|side| side % (1 << bits) != 0);
         if let Some(side) = uneven.filter(|_| domain.is_periodic()) {
             return Err(FieldError::Uneven { side, bits });
         }
+
         let closed = usize::from(!domain.is_periodic());
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
@@ -190,8 +193,11 @@ impl RadiusField {
             nodes,
             levels: Vec::new(),
         };
+
         field.build_levels();
+        // Blocks come first, since the largest radius is read from them.
         let (side, radius) = (domain.width().min(domain.height()), field.whole().greatest);
+
         if domain.is_periodic() && side <= MIN_PERIODIC_RADII * radius {
             return Err(FieldError::Period { side, radius });
         }
@@ -203,20 +209,23 @@ impl RadiusField {
         while below != [1, 1] {
             let [columns, rows] = below.map(|count| count.div_ceil(2));
             let size = self.levels.len();
+
             let mut ranges = Vec::with_capacity(columns * rows);
             for row in 0..rows {
                 for column in 0..columns {
-                    let last = [2 * column + 1, 2 * row + 1];
-                    let last = [0, 1].map(|axis| last[axis].min(below[axis] - 1));
+                    let end = [2 * column + 1, 2 * row + 1];
+                    // An odd count leaves its last block with half of its cells.
+                    let last = [0, 1].map(|axis| end[axis].min(below[axis] - 1));
                     ranges.push(self.blocks(size, [2 * column, 2 * row], last));
                 }
             }
+
             self.levels.push(RadiusBlocks { columns, ranges });
             below = [columns, rows];
         }
     }
 
-    /// Returns the domain.
+    /// Returns the domain at whose places the radii are.
     #[must_use]
     pub const fn domain(&self) -> &Domain {
         &self.domain
@@ -284,6 +293,7 @@ impl RadiusField {
         if let Some(corners) = self.corners(cell) {
             return RadiusRange::of(corners);
         }
+
         let last = i64::from(cell.side) - 1;
         let min = [i64::from(cell.min.x), i64::from(cell.min.y)];
         let columns =
@@ -315,14 +325,18 @@ impl RadiusField {
         let count = self.cells[axis] as i64;
         let cells = |first: i64, last: i64| Some([first as usize, last as usize]);
         if !self.domain.is_periodic() {
+            // Beyond a closed border there are no samples: the nearest cells stand for those there.
             return [
                 cells(first.clamp(0, count - 1), last.clamp(0, count - 1)),
                 None,
             ];
         }
+
+        // A span longer than the axis meets all cells, and names each once.
         if last - first + 1 >= count {
             return [cells(0, count - 1), None];
         }
+
         let (first, last) = (first.rem_euclid(count), last.rem_euclid(count));
         if first <= last {
             [cells(first, last), None]
@@ -336,8 +350,9 @@ impl RadiusField {
         // Of blocks of this size three or fewer on each axis hold all cells.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
-        let size = (0..self.levels.len()).find(|&size| spread(size));
-        let size = size.unwrap_or(self.levels.len());
+        let size = (0..self.levels.len())
+            .find(|&size| spread(size))
+            .unwrap_or(self.levels.len());
         self.blocks(
             size,
             first.map(|cell| cell >> size),

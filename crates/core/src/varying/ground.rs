@@ -19,7 +19,7 @@ pub(super) struct VaryingGround<'a> {
     samples: Octaves,
 }
 
-/// What is known of the place of a dart.
+/// The radius at the place of a dart, and the samples that can be near it.
 #[derive(Clone, Copy)]
 pub(super) struct DartPlace {
     radius: i32,
@@ -48,6 +48,7 @@ impl<'a> VaryingGround<'a> {
             let range = self.field.range(cell);
             return ([range.least; 4], range.greatest);
         };
+
         // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii are
         // not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
         let [ab, ac, bd, cd] = [a + b, a + c, b + d, c + d].map(|sum| sum / 2);
@@ -115,6 +116,7 @@ impl DartGround for VaryingGround<'_> {
         let half = square.side / 2;
         let middle = Point::new(square.min.x + half, square.min.y + half);
         let (least, greatest) = self.bounds(square);
+
         near.clear();
         // A sample that is near all places of a quarter is near its corner beside the middle, too, less than 2 units from that.
         self.samples
@@ -131,9 +133,11 @@ impl DartGround for VaryingGround<'_> {
 
         let rect = self.field.domain().rect();
         for (quarter, least) in square.quarters().into_iter().zip(least) {
+            // A quarter that begins beyond the domain has no place of it.
             if !rect.contains(quarter.min) {
                 continue;
             }
+
             let corner = quarter.min - square.min;
 
             let covered = near.iter().any(|disk| {
@@ -144,7 +148,7 @@ impl DartGround for VaryingGround<'_> {
                 continue;
             }
 
-            // What lies inside as a whole has no place outside.
+            // A cell that lies inside as a whole has no quarter outside.
             let class = match cell.class {
                 Class::Inside => Class::Inside,
                 Class::Mixed | Class::Outside => self.shape.class(quarter),

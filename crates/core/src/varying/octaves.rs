@@ -28,7 +28,7 @@ const EMPTY: Disk = Disk {
 pub(super) struct Sight {
     /// The binary logarithms of the first and of the last octave.
     pub octaves: [u8; 2],
-    /// The largest radius.
+    /// No sample in sight is larger, in units.
     pub largest: i32,
 }
 
@@ -63,6 +63,7 @@ impl Octaves {
                 cells: vec![[EMPTY; SLOTS]],
             }
         };
+
         let first = octave_of(range.least);
         Self {
             first,
@@ -79,6 +80,7 @@ impl Octaves {
             *listed = octave.cells.len() as u32;
             octave.cells.push([EMPTY; SLOTS]);
         }
+
         let cell = &mut octave.cells[*listed as usize];
         let free = cell.iter_mut().find(|disk| disk.radius == 0);
         free.map(|disk| *disk = Disk { at, radius }).is_some()
@@ -105,13 +107,15 @@ impl Octaves {
                     return false;
                 }
 
+                // No radius of the octave reaches twice the side of its cells.
                 let end = 2 << (octave + first + usize::from(self.first));
                 let reach = reach(sight.largest.min(end - 1), radius) + slack;
                 held.grid.any_range(from, reach, |range, shift| {
                     let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
                     held.index[range].iter().any(|&listed| {
-                        let disks = held.cells[listed as usize].iter();
-                        let mut disks = disks.take_while(|disk| disk.radius > 0);
+                        let mut disks = held.cells[listed as usize]
+                            .iter()
+                            .take_while(|disk| disk.radius > 0);
                         disks.any(|disk| {
                             let at =
                                 IVec2::new(disk.at.x.wrapping_add(x), disk.at.y.wrapping_add(y));

@@ -6,10 +6,9 @@ use super::shape::{Class, Shape};
 use crate::lattice::Point;
 use crate::stages::disks::Cell;
 
-/// An active cell.
+/// A square into which darts are thrown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct VaryingCell {
-    /// Its lowest point.
     pub min: Point,
     /// The binary logarithms of the sides of the base cell of which it is a part, and of its own.
     pub base_bits: u8,
@@ -34,8 +33,10 @@ impl VaryingCell {
 pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell> {
     let mut base = Vec::new();
     let mut stack = Vec::new();
+
     // No base cell is wider than the largest radius.
     let top = octave_of(field.whole().greatest);
+
     let rect = field.domain().rect();
     for row in 0..=(rect.max.y - 1) >> top {
         for column in 0..=(rect.max.x - 1) >> top {
@@ -47,9 +48,11 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
         let side = 1 << bits;
         let cell = Cell { min, side };
         let class = shape.class(cell);
+        // No dart exists there.
         if class == Class::Outside {
             continue;
         }
+
         let range = field.range(cell);
         if side <= range.least {
             let sight = sight_of(field, cell, range.greatest);
@@ -62,9 +65,12 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
             });
         } else {
             let quarters = cell.quarters().map(|quarter| (quarter.min, bits - 1));
+            // Those beyond the domain's far borders hold no place of it. The sequence of the cells does not matter to
+            // the process of darts.
             stack.extend(quarters.into_iter().filter(|(min, _)| rect.contains(*min)));
         }
     }
+
     base
 }
 

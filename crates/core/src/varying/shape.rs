@@ -20,7 +20,7 @@ pub enum ShapeError {
     /// A ring is too short.
     #[error("ring {ring} has {corners} corners; at least {MIN_CORNERS} are needed")]
     Ring {
-        /// The ring's index.
+        /// The index of the first such ring.
         ring: usize,
         /// How many corners it has.
         corners: usize,
@@ -28,7 +28,7 @@ pub enum ShapeError {
     /// The pixels of a mask are no whole rows.
     #[error("{pixels} pixels are no rows of {columns}")]
     Pixels {
-        /// Pixels given.
+        /// How many pixels are given.
         pixels: usize,
         /// Pixels of a row.
         columns: usize,
@@ -165,6 +165,8 @@ impl Polygon {
                 } else {
                     [ends[1], ends[0]]
                 };
+                // From the lower end to the upper: `inside` asks which rows an edge crosses, and on which side of it
+                // a place lies.
                 edges.push(Edge { low, high });
             }
         }
@@ -173,10 +175,13 @@ impl Polygon {
         let highest = edges.iter().map(|edge| edge.high[1]).max().unwrap_or(-1);
         let most = edges.len().clamp(1, MAX_BANDS);
         let count = |bits: u32| ((highest - lowest).max(0) >> bits) as usize + 1;
+
+        // The lowest bands of which there are not too many, so that a place is compared with few edges.
         let bits = (0..u64::BITS - 1)
             .find(|&bits| count(bits) <= most)
             .unwrap_or(0);
         let mut bands = vec![Vec::new(); count(bits)];
+
         for edge in edges {
             let [first, last] =
                 [edge.low, edge.high].map(|end| ((end[1] - lowest) >> bits) as usize);
@@ -184,6 +189,7 @@ impl Polygon {
                 .iter_mut()
                 .for_each(|band| band.push(edge));
         }
+
         Self {
             rows: [lowest, highest],
             bits,
@@ -221,6 +227,7 @@ impl Polygon {
         let max = min.map(|value| value + i64::from(side) - 1);
         let meets = |edge: &Edge| {
             let corners = [[min[0], min[1]], [max[0], min[1]], [min[0], max[1]], max];
+            // Corners on both sides of an edge's line, or one on it: the edge may cross the cell.
             let sides = corners.map(|[x, y]| edge.area(x, y).signum());
             sides[0] == 0 || sides.iter().any(|&side| side != sides[0])
         };

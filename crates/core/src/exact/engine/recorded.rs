@@ -77,7 +77,7 @@ pub(super) struct KeptLevels {
 }
 
 impl ExactTiling<'_> {
-    /// Begins an iteration.
+    /// Begins an iteration, if the tiling is recorded.
     pub(super) fn begin<T: Recorder>(&mut self, number: u32, recorder: &mut T) {
         if T::ENABLED {
             let first = self.present.samples().len() as u32;
@@ -136,7 +136,7 @@ impl ExactTiling<'_> {
         first.expect("an earlier sample covers it")
     }
 
-    /// Moves all samples of a recorded tiling into its run, with their fates, and what was kept of the levels.
+    /// Moves all samples of a recorded tiling into its run, with their fates and the iterations.
     fn into_run(self, run: &mut Run) {
         for sample in self.present.samples() {
             let origin = match sample.pattern() {
@@ -153,6 +153,7 @@ impl ExactTiling<'_> {
             let place = self.present.in_domain(sample.tile, sample.place);
             run.samples.push(place, origin, Fate::Kept);
         }
+
         for &[sample, by] in &self.kept.losses {
             run.samples.fates[sample as usize] = Fate::Eliminated { by };
         }
@@ -165,11 +166,13 @@ impl ExactTiling<'_> {
             .iter()
             .filter(on_ground)
             .map(|block| block.start);
+
         // Tiles have their samples one after the other, and before all that were inserted.
         let samples = self.present.samples();
         let tiled = samples.partition_point(|sample| sample.pattern().is_some());
         let first_of = |tile| samples[..tiled].partition_point(|sample| sample.tile < tile) as u32;
         let tiles = (0..).zip(&self.tiles).zip(starts);
+
         run.tiles = tiles
             .map(|((tile, held), start)| Tile {
                 start,
@@ -177,6 +180,7 @@ impl ExactTiling<'_> {
                 samples: first_of(tile)..first_of(tile + 1),
             })
             .collect();
+
         run.iterations = self.kept.iterations;
         run.result = run.samples.kept();
     }
