@@ -37,6 +37,7 @@ pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyErro
     }
 
     let judges = vec![Judge::Delaunay, Judge::Circles];
+    // Where they differ on this alone, the covering radius is within rounding of the limit.
     Ok(if first.maximal() == second.maximal() {
         Report { judges, ..first }
     } else {

@@ -165,6 +165,7 @@ pub(crate) fn visit(
             let count = visit.tile.count as u64;
             let seen = match inspect(task, visit, monitor)? {
                 Ok(places) => (places, Vec::new()),
+                // Only the grid of a stream lacks rows: the tile waits for them.
                 Err(postponed) => return Ok((Places::new(task.witnesses), vec![postponed])),
             };
             monitor.advance(count)?;
@@ -189,10 +190,12 @@ fn inspect(
             Err(wants) => return Ok(Err(Visit { tile, halo, wants })),
         };
         let mut survey = Survey::of_sides(task, &tile, &window);
+        // The proof at the head of this file: the window shows every sample that matters.
         if survey.side_reach <= window.halo {
             survey.add_vertices(task, &tile, window.points)?;
             return Ok(Ok(Places::of_tile(task, &tile, survey)));
         }
+
         monitor.advance(0)?;
         // The reach is infinite while no sample is in the window of a side.
         halo = survey.side_reach.min(16.0 * halo);

@@ -44,14 +44,19 @@ pub fn verify_cut(
     control: Control<'_>,
 ) -> Result<CutReport, VerifyError> {
     let options = VerifyOptions {
+        // All gaps are listed, to be told apart by their places.
         witnesses: MAX_GAPS,
         ..options.clone()
     };
+
     let whole = verify(points, region, radius, &options, control)?;
+
     let is_outside = |place: [f64; 2]| {
         let within = |axis: usize| (low[axis]..=high[axis]).contains(&place[axis]);
         !(within(0) && within(1))
     };
+
+    // Beyond the window, samples of the large set are missing: gaps there are made by the cut.
     let listed = whole.worst_gaps.iter().map(|gap| gap.center);
     let outside = listed.filter(|center| is_outside(*center)).count() as u64;
     let gaps = whole.gaps - outside;

@@ -15,10 +15,12 @@ pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
 ) -> Result<Option<DelaunayTriangulation<V>>, String> {
     let failed = |error: spade::InsertionError| error.to_string();
     sites.iter().try_for_each(validate_vertex).map_err(failed)?;
+
     order(&mut sites);
     if !begin_with_a_triangle(&mut sites) {
         return Ok(None);
     }
+
     let count = sites.len();
     let mut found = DelaunayTriangulation::with_capacity(count, 3 * count, 2 * count);
     for site in sites {
@@ -50,7 +52,9 @@ fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
         state ^= state << 17;
         sites.swap(index, (state % (index as u64 + 1)) as usize);
     }
+
     let mut end = sites.len();
+    // From the last round, half of all sites, back to the first.
     while end > FIRST {
         let begin = end / 2;
         along_a_tree(&mut sites[begin..end]);
@@ -63,17 +67,21 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     if sites.len() < 3 {
         return;
     }
+
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for site in sites.iter() {
         let at = position(site);
         low = at.min(low);
         high = at.max(high);
     }
+
     let axis = (high - low).max_position();
     let middle = sites.len() / 2;
+    // The halves are parted, not sorted: the next cut of a half is along an axis of its own.
     sites.select_nth_unstable_by(middle, |a, b| {
         position(a)[axis].total_cmp(&position(b)[axis])
     });
+
     let (before, after) = sites.split_at_mut(middle);
     along_a_tree(before);
     along_a_tree(after);

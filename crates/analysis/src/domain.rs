@@ -14,7 +14,7 @@ const MIN_RELATIVE_RADIUS: f64 = Region::MIN_EXTENT;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Domain {
-    /// Width and height.
+    /// The width and the height, in the unit of the domain.
     pub extent: DVec2,
     pub periodic: bool,
     /// Multiplies the caller's lengths.

@@ -14,9 +14,9 @@ pub enum VerifyError {
     /// The set has more samples than 32-bit indices can name.
     #[error("{count} samples exceed the limit of {limit} samples")]
     TooMany {
-        /// Samples given.
+        /// How many samples are given.
         count: usize,
-        /// Samples allowed.
+        /// How many samples are allowed.
         limit: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -24,7 +24,7 @@ pub enum VerifyError {
     NotFinite {
         /// Index of the first such sample.
         index: usize,
-        /// Its position.
+        /// The position of that sample.
         point: [f64; 2],
     },
     /// A sample lies outside the region; there is no tolerance.
@@ -35,9 +35,9 @@ pub enum VerifyError {
     OutOfRegion {
         /// Index of the first such sample.
         index: usize,
-        /// Its position.
+        /// The position of that sample.
         point: [f64; 2],
-        /// The region.
+        /// The region that it should lie in.
         region: Region,
     },
     /// A sample lies outside the shape that is to be covered; there is no tolerance.
@@ -45,7 +45,7 @@ pub enum VerifyError {
     OutOfShape {
         /// Index of the first such sample.
         index: usize,
-        /// Its position.
+        /// The position of that sample.
         point: [f64; 2],
     },
     /// The radius is not a positive number within 2^-100 to 2^100 times the longer extent.
@@ -54,13 +54,13 @@ pub enum VerifyError {
         Number(*.radius)
     )]
     BadRadius {
-        /// The radius given.
+        /// The radius that was given, in the unit of the samples.
         radius: f64,
     },
     /// The covering tolerance is not a finite number of at least zero.
     #[error("the covering tolerance {} is not a finite number of at least 0", Number(*.tolerance))]
     BadTolerance {
-        /// The tolerance given.
+        /// The tolerance that was given.
         tolerance: f64,
     },
     /// An extent of the region, or the ratio of both, is outside the supported range.
@@ -70,9 +70,9 @@ pub enum VerifyError {
         Number(*.width), Number(*.height)
     )]
     BadRegion {
-        /// The width given.
+        /// The width that was given.
         width: f64,
-        /// The height given.
+        /// The height that was given.
         height: f64,
     },
     /// The triangulation refused a coordinate. Validation makes that impossible; should it happen
@@ -92,7 +92,7 @@ pub enum VerifyError {
     OutOfOrder {
         /// Index of the first such sample.
         index: usize,
-        /// Its ordinate.
+        /// The ordinate of that sample.
         value: f64,
         /// The lowest ordinate that could still come.
         limit: f64,
@@ -115,9 +115,9 @@ pub enum VerifyError {
          its rows have too many cells; the set must be verified in memory"
     )]
     BandTooLarge {
-        /// Samples held.
+        /// How many samples the stream holds.
         samples: usize,
-        /// Samples allowed.
+        /// How many samples are allowed.
         limit: usize,
     },
     /// Rows of a stream are crowded.
@@ -153,7 +153,7 @@ pub enum VerifyError {
     /// Bytes are not the saved state of a verifier of this question.
     #[error("the saved state of the verifier cannot be used: {reason}")]
     BadState {
-        /// What is wrong with it.
+        /// The reason, as a part of a sentence.
         reason: &'static str,
     },
     /// The judge does not judge sets of this kind.

@@ -101,7 +101,9 @@ impl Grid {
             let [column, row] = cell_at(&domain, cells, entry(index).position);
             (rows.index(row, cells[1])).map_or(NOT_HELD, |row| (row * cells[0] + column) as u32)
         };
+
         let keys: Vec<u32> = (0..count).into_par_iter().map(key).collect();
+
         let mut starts = vec![0; cells[0] * rows.count + 1];
         for &key in keys.iter().filter(|&&key| key != NOT_HELD) {
             starts[key as usize + 1] += 1;
@@ -109,6 +111,7 @@ impl Grid {
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
         }
+
         let mut entries = vec![Entry::default(); starts[starts.len() - 1] as usize];
         // `starts[c]` serves as the cursor of cell c and ends as the start of cell c + 1.
         for (index, &key) in keys.iter().enumerate().filter(|(_, key)| **key != NOT_HELD) {
@@ -116,9 +119,13 @@ impl Grid {
             entries[*cursor as usize] = entry(index);
             *cursor += 1;
         }
+
         starts.pop();
         starts.insert(0, 0);
+
+        // By place, so that the sequence within a cell does not depend on that in which samples came.
         sort_cells(&starts, &mut entries);
+
         Self {
             domain,
             cells,
@@ -214,11 +221,13 @@ fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
         return;
     }
 
+    // Equal places are told apart by the index: an unstable sort then has one result.
     let order = |a: &Entry, b: &Entry| {
         (a.position.x.total_cmp(&b.position.x))
             .then_with(|| a.position.y.total_cmp(&b.position.y))
             .then_with(|| a.id.cmp(&b.id))
     };
+
     for bounds in starts.windows(2) {
         let [start, end] = [0, 1].map(|end| (bounds[end] - starts[0]) as usize);
         if end > start + 1 {

@@ -43,7 +43,7 @@ pub enum JudgeChoice {
     /// Both up to [`Self::BOTH_UP_TO`] samples, covered circles for more.
     #[default]
     Automatic,
-    /// Delaunay triangulation.
+    /// Delaunay triangulation, for any number of samples.
     Delaunay,
     /// Covered circles. A set that this judge declines goes to the other one, and the report says so.
     Circles,

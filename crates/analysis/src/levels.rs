@@ -10,7 +10,7 @@ use crate::verify::{VerifyOptions, verify};
 /// What should hold for the first samples of a sequence, however many.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PrefixClaim {
-    /// How many samples.
+    /// How many samples the prefix has.
     pub count: usize,
     /// No two of them are closer than this.
     pub distance: f64,
@@ -21,7 +21,7 @@ pub struct PrefixClaim {
 /// The verdict on the first samples of a sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrefixReport {
-    /// What should hold.
+    /// The claim that was judged.
     pub claim: PrefixClaim,
     /// The report on these samples, judged with [`PrefixClaim::radius`].
     pub report: Report,
@@ -130,10 +130,12 @@ pub fn verify_levels(
     control: Control<'_>,
 ) -> Result<Vec<PrefixReport>, VerifyError> {
     let judged = |&claim: &PrefixClaim| {
+        // The report on all samples answers a claim about all of them for the same radius.
         if claim.count == points.len() && claim.covering == Some(whole.radius) {
             let report = whole.clone();
             return Ok(PrefixReport { claim, report });
         }
+
         verify_prefix(points, whole.region, claim, options, control)
     };
     claims.iter().map(judged).collect()

@@ -1,6 +1,6 @@
 //! Measures that are kept while samples come and go one by one, so that they move with a run. Each takes steps that are
-//! counted, never timed: a caller chooses by them between changes and a new beginning. They see places alone, nothing of
-//! what put the samples there.
+//! counted, never timed: a caller chooses by them between changes and a new beginning. They see places alone, and nothing that
+//! shows how the samples came there.
 
 mod cell;
 mod cover;

@@ -82,9 +82,11 @@ pub(crate) fn search(
     monitor: &Monitor<'_>,
 ) -> Result<Pairs, VerifyError> {
     let least = radius * (1.0 + 4.0 * Grid::ROUNDING);
+    // The scan looks into touching cells alone: a large radius needs cells as wide.
     let coarse = (least > cell_side(&grid.domain, points.len()))
         .then(|| Grid::new(points, grid.domain, least));
     let scanned = coarse.as_ref().unwrap_or(grid);
+
     let mut pairs = if scanned.is_crowded() {
         sweep::search(grid, radius, witnesses, monitor)?
     } else {
@@ -92,6 +94,7 @@ pub(crate) fn search(
         widen(scanned, points, &mut pairs, monitor)?;
         pairs
     };
+
     if grid.domain.periodic {
         add_own_copies(grid, radius, &mut pairs);
     }
@@ -111,6 +114,7 @@ fn widen(
         side *= 2.0;
         let coarse = Grid::new(points, grid.domain, side);
         monitor.advance(0)?;
+        // Conflicts are all counted: only the smallest distance is sought, and the work is not counted twice.
         let found = scan(&coarse, 0..coarse.cells[1], 0.0, 0, &monitor.uncounted())?;
         pairs.min_distance = pairs.min_distance.min(found.min_distance);
         side = certain_distance(&coarse);
@@ -157,6 +161,7 @@ pub(crate) fn scan(
 ) -> Result<Pairs, VerifyError> {
     let empty = || Scan::new(grid, radius, witnesses);
     let (first, end) = (rows.start * grid.cells[0], rows.end * grid.cells[0]);
+
     let scan = (0..(end - first).div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
@@ -168,7 +173,9 @@ pub(crate) fn scan(
             monitor.advance(work as u64)?;
             Ok(scan)
         })
+        // In any sequence: counts, the minimum and the worst pairs do not depend on it.
         .try_reduce(empty, |left, right| Ok(left.merge(right)))?;
+
     Ok(scan.pairs)
 }
 
@@ -220,12 +227,16 @@ impl<'a> Scan<'a> {
         if own.is_empty() {
             return 0;
         }
+
         let mut stretches: [Option<Stretch>; 9] = Default::default();
         let used = self.stretches(column, row, &mut stretches);
+        // In so few columns a sample may be closer around the torus than straight on: no shift is right for all.
         let ambiguous = grid.domain.periodic && grid.cells[0] < 3;
+
         for index in own.clone() {
             let entry = &grid.entries()[index];
             let rest = Stretch {
+                // Those before it in the cell have been compared with it.
                 range: index + 1..own.end,
                 shift: (!ambiguous).then_some(0.0),
             };
@@ -298,6 +309,7 @@ impl<'a> Scan<'a> {
             let end = run.partition_point(|other| along(other) <= reach);
             run = &run[start..end];
         }
+
         for other in run {
             let offset = offset(self.periods, entry, other);
             if offset.length_squared() <= self.threshold {

@@ -24,9 +24,9 @@ pub enum Boundary {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Extent along x.
+    /// The extent along x, in the unit of the samples.
     pub width: f64,
-    /// Extent along y.
+    /// The extent along y, in the unit of the samples.
     pub height: f64,
     /// What the border means.
     pub boundary: Boundary,
@@ -59,7 +59,7 @@ impl Region {
         }
     }
 
-    /// Width and height.
+    /// Returns the width and the height.
     #[must_use]
     pub const fn size(&self) -> [f64; 2] {
         [self.width, self.height]

@@ -14,9 +14,9 @@ use crate::witness::{Conflict, Gap};
 pub struct Report {
     /// Who judged. Where both did, they agree, and the numbers are those of the first.
     pub judges: Vec<Judge>,
-    /// Number of samples.
+    /// How many samples were judged.
     pub count: usize,
-    /// The region judged.
+    /// The region in which they were judged.
     pub region: Region,
     /// The radius `r` judged against.
     pub radius: f64,
@@ -55,21 +55,27 @@ impl Report {
         scale: f64,
         found: Findings,
     ) -> Self {
+        // The scale is a power of two, so that lengths come back without rounding.
         let conflict = |conflict: Conflict| Conflict {
             distance: conflict.distance / scale,
             ..conflict
         };
+
         let gap = |gap: Gap| Gap {
             center: gap.center.map(|value| value / scale),
             distance: gap.distance / scale,
             ..gap
         };
+
         let (conflicts, gaps) = (
             found.worst_conflicts.into_sorted(),
             found.worst_gaps.into_sorted(),
         );
+
         let min_distance = found.min_distance / scale;
+        // The smallest distance of so many samples in the densest packing, the hexagonal one.
         let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
+
         Self {
             judges: vec![found.judge],
             count,
@@ -121,7 +127,7 @@ impl Report {
         self.gaps == 0 && (self.is_of_squares() || self.covering_radius <= limit)
     }
 
-    /// Whether the counts alone decide: where the radius varies, no single distance says what is near or covered.
+    /// Whether the counts alone decide: where the radius varies, no single distance tells conflicts and gaps.
     fn is_of_squares(&self) -> bool {
         self.judges == [Judge::Subdivision]
     }

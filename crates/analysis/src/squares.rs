@@ -57,7 +57,7 @@ pub struct LatticeRegion {
 /// The radius at each place, in units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Radii<'a> {
-    /// The same everywhere.
+    /// The same radius everywhere.
     Constant(i32),
     /// Integers at nodes, bilinear between them and rounded down.
     Nodes {
@@ -74,7 +74,7 @@ pub enum Radii<'a> {
 /// Which lattice points of the region have to be covered. Samples lie at such points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// All of them.
+    /// All lattice points of the region.
     Rectangle,
     /// Those inside closed rings by the even-odd rule, and those on a ring.
     Polygon {
@@ -95,16 +95,16 @@ pub enum Shape {
 /// A lattice point of the domain that no sample is near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UncoveredPlace {
-    /// The point.
+    /// The place of that lattice point.
     pub place: [i32; 2],
-    /// The radius there.
+    /// The radius at that place, in units.
     pub radius: i32,
 }
 
 /// The verdict of the judge by squares.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SquaresReport {
-    /// Number of samples.
+    /// How many samples were judged.
     pub count: usize,
     /// Number of pairs that are near each other, each pair once; [`MAX_CONFLICTS`] stand for that many or more.
     pub conflicts: u64,
@@ -216,11 +216,13 @@ impl SquaresJudge {
             let count = samples.len();
             return Err(SquaresError::TooMany { count, limit });
         }
+
         let outside = samples.iter().position(|&place| !self.contains(place));
         if let Some(index) = outside {
             let place = samples[index];
             return Err(SquaresError::Outside { index, place });
         }
+
         search::search(self, samples, witnesses, control)
     }
 

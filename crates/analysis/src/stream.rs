@@ -146,8 +146,8 @@ impl StreamVerifier {
         self
     }
 
-    /// The same with the number of samples that will come, for the progress: its total is twice that, or twice
-    /// what came where that is more.
+    /// The same with the number of samples that will come, for the progress: its total is twice that, or twice the
+    /// number that came where that is larger.
     #[must_use]
     pub fn expecting(mut self, count: u64) -> Self {
         self.expected = count;
@@ -203,6 +203,7 @@ impl StreamVerifier {
         monitor.advance(0)?;
         for piece in points.chunks(PIECE) {
             let first = self.intake.count;
+            // Checked before any judge sees them, so that findings are of good samples alone.
             self.intake.take(piece, &self.search)?;
 
             if let Some(bands) = &mut self.bands {
@@ -218,6 +219,7 @@ impl StreamVerifier {
 
             self.judge_complete(&monitor)?;
         }
+
         self.intake.work = monitor.done();
         Ok(())
     }
@@ -270,9 +272,9 @@ impl StreamVerifier {
         let circles = self
             .circles
             .take()
-            .map(|circles| circles.finish(&search.question(), count, &monitor));
-        let circles = circles.transpose()?;
-        let circles = circles.map(|found| report(found.findings(options.witnesses)));
+            .map(|circles| circles.finish(&search.question(), count, &monitor))
+            .transpose()?
+            .map(|found| report(found.findings(options.witnesses)));
 
         match (delaunay.map(report), circles) {
             (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
@@ -315,12 +317,14 @@ impl Intake {
             low = if y < low { y } else { low };
             high = if y > high { y } else { high };
         }
+
         let in_a_row = low >= search.complete(high);
         let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
         if !(in_a_row && fits && all_are_in(points, search.region)) {
             let mut each = points.iter();
             return each.try_for_each(|&point| self.take_one(point, search));
         }
+
         self.highest = high;
         self.count += points.len();
         Ok(())
@@ -329,12 +333,15 @@ impl Intake {
     fn take_one(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<(), VerifyError> {
         let index = self.count;
         check_point(index, point, search.region)?;
+
         if index >= Grid::MAX_SAMPLES {
             let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
             return Err(VerifyError::TooMany { count, limit });
         }
+
         let position = search.domain.scale_point(point);
         let limit = search.complete(self.highest);
+        // The lowest row of a torus stays open: rounding to 32 bits may bring its samples last.
         if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
             return Err(VerifyError::OutOfOrder {
                 index,
@@ -342,6 +349,7 @@ impl Intake {
                 limit: limit / search.domain.scale,
             });
         }
+
         self.highest = self.highest.max(position.y);
         self.count += 1;
         Ok(())

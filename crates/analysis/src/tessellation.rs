@@ -49,15 +49,19 @@ impl Tessellation {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
         check_points(points, region)?;
+
         let window = Window::new(points, domain, scaled_radius)?;
         let length = scaled_radius.min(domain.spacing(points.len()));
         let same = domain.same_place(length);
         let cells = Cells::new(&window, &domain, scaled_radius, same);
+
+        // At the seams of a torus a triangulation doubles or lacks triangles; its cells have each vertex once.
         let triangles = if domain.periodic {
             triangles::around_vertices(&cells)
         } else {
             window.triangles
         };
+
         Ok(Self {
             triangles: (triangles.into_iter())
                 .map(|found| found.scaled(domain.scale))

@@ -82,17 +82,23 @@ pub fn verify(
         limit: covering_limit(options.covering_tolerance, scaled_radius),
         witnesses: options.witnesses,
     };
+
+    // By default sets of up to a million samples are judged twice, by theorems that share nothing.
     let [by_delaunay, by_circles] = options.judges.asked(points.len());
     let total = options.judges.passes(points.len()) * points.len() as u64;
     let monitor = Monitor::begin(control, total)?;
+
     let asked = (points.len(), region, radius, options.covering_tolerance);
     let report = |found: Findings| Report::new(asked, domain.scale, found);
+
     let circles = if by_circles {
+        // A set that this judge declines goes to the first one, asked or not.
         circles::search(points, &question, &monitor)?.ok()
     } else {
         None
     };
     let circles = circles.map(|found| report(found.findings(options.witnesses)));
+
     match circles {
         Some(circles) if !by_delaunay => Ok(circles),
         circles => {

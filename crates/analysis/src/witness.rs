@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A pair of samples closer than the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conflict {
-    /// The smaller index.
+    /// The smaller of their indices.
     pub first: usize,
     /// The larger index; equal to `first` when a period is shorter than the radius, so that a sample
     /// is too close to its own copy.

@@ -54,7 +54,7 @@ fn escaped(text: &str, must_be: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// Returns a name of the system as text. A name that is not UTF-8 has U+FFFD for what cannot be written, and says so
+/// Returns a name of the system as text. A name that is not UTF-8 has U+FFFD for bytes that are no text, and says so
 /// before it: its end, by which a file's format is known, stays.
 ///
 /// ```

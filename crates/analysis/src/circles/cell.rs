@@ -52,10 +52,11 @@ impl CellCutter {
         self.begin(samples, tile.position(index), known);
         tile.around(index, around, |other, offset| self.clip(offset, other));
 
-        let farthest = self.corners.iter().map(|corner| corner.at.length());
-        let farthest = farthest.fold(0.0, f64::max);
+        let farthest = (self.corners.iter())
+            .map(|corner| corner.at.length())
+            .fold(0.0, f64::max);
         // A sample that cuts a corner off is at most twice as far away as the corner. So all that matter are known, unless the cell
-        // reaches the end of what is known, or half of the way.
+        // reaches the end of the known surroundings, or half of the way.
         let is_unknown = |corner: &Corner| corner.edge == Edge::Unknown;
         if self.corners.iter().any(is_unknown) || 2.0 * farthest * (1.0 + DOUBT) > known {
             return None;
@@ -281,6 +282,7 @@ impl Circles<'_> {
         });
 
         sites.sort_unstable_by_key(|(id, site)| (*id, site.periods));
+        // All cells that see these samples shift them alike, and so compute the same bits.
         let home = sites[0].1.periods;
         for (_, site) in &mut sites {
             site.periods = [0, 1].map(|axis| site.periods[axis] - home[axis]);

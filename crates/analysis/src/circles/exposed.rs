@@ -58,7 +58,9 @@ pub fn exposed_arcs(
         });
         arcs.collect::<Vec<_>>()
     };
+
     let mut arcs = of_open_circles(points, region, radius, control, arcs_of)?.concat();
+    // Found tile by tile; listed by sample and by angle.
     arcs.sort_unstable_by(|a, b| a.sample.cmp(&b.sample).then(a.from.total_cmp(&b.from)));
     Ok(arcs)
 }
@@ -85,12 +87,15 @@ fn of_open_circles<T: Send>(
     let scaled_radius = domain.scale_radius(radius)?;
     check_points(points, region)?;
     let monitor = Monitor::begin(control, points.len() as u64)?;
+
     let question = Question {
         domain,
         radius: scaled_radius,
+        // Circles are asked about as they are: without a tolerance, and without witnesses.
         limit: scaled_radius,
         witnesses: 0,
     };
+
     let declined = |declined| match declined {
         Declined::Crowded => VerifyError::Crowded {
             samples: points.len(),
@@ -100,8 +105,11 @@ fn of_open_circles<T: Send>(
 
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
+
+    // It begins with the radius of the question, so that no cell is cut out to find one.
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
+
     let found = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, rectangle| {
@@ -109,16 +117,19 @@ fn of_open_circles<T: Send>(
             search
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
+
             let open: Vec<usize> = scratch.tile.open().collect();
             let looked = open.into_iter().map(|index| {
                 let id = samples.at(scratch.tile.source[index] as usize).id as usize;
                 look(&search, scratch, index, id)
             });
             let looked: Vec<T> = looked.collect();
+
             monitor.advance(scratch.tile.own().map(|run| run.len() as u64).sum())?;
             Ok(looked)
         })
         .collect::<Result<Vec<_>, VerifyError>>()?;
+
     Ok(found.into_iter().flatten().collect())
 }
 
@@ -133,8 +144,11 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
             [start, start + 2.0 * half]
         })
         .collect();
+    // One pass along the circle then meets each arc where it begins.
     arcs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+
     let Some(first) = arcs.first() else {
+        // Nothing is covered.
         return vec![[0.0, TAU]];
     };
     let begin = first[0];
@@ -142,13 +156,17 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     // Arcs that begin late cover the beginning of the circle as well.
     let around = arcs.iter().map(|arc| arc[1] - TAU).fold(begin, f64::max);
     let mut covered_to = around.max(begin);
+
     let mut open = Vec::new();
     for &[start, end] in &arcs {
         if start - covered_to > SHORTEST {
+            // Between the end of all arcs so far and the next one.
             open.push([covered_to, start]);
         }
         covered_to = covered_to.max(end);
     }
+
+    // From the last end on to the first beginning, a turn farther.
     if begin + TAU - covered_to > SHORTEST {
         let from = covered_to.rem_euclid(TAU);
         open.push([from, from + begin + TAU - covered_to]);

@@ -60,6 +60,7 @@ impl Found {
             .all
             .into_iter()
             .for_each(|gap| worst_gaps.push(gap));
+
         Findings {
             judge: Judge::Circles,
             conflicts: self.conflicts,
@@ -91,9 +92,11 @@ impl Found {
                 distance,
             });
         }
+
         if distance < self.min_distance {
             self.min_distance = distance;
             let limit = distance.max(radius);
+            // A little more than the square, for rounding: farther pairs are no conflict and not the closest.
             self.nearby = limit * limit * (1.0 + 1e-9);
         }
     }
@@ -114,7 +117,7 @@ impl Found {
     }
 }
 
-/// The question.
+/// The question that a set is judged by.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question {
     pub domain: Domain,

@@ -53,8 +53,8 @@ impl Gaps {
         let mut kept: Vec<Gap> = Vec::new();
         for gap in self.all.drain(..) {
             let near = |other: &&mut Gap| (other.center[1] - gap.center[1]).abs() <= same;
-            let column = kept.iter_mut().rev();
-            let mut column = column.take_while(|other| gap.center[0] - other.center[0] <= same);
+            let mut column =
+                (kept.iter_mut().rev()).take_while(|other| gap.center[0] - other.center[0] <= same);
 
             match column.find(near) {
                 Some(other) => {
@@ -67,7 +67,7 @@ impl Gaps {
         }
 
         for gap in &mut kept {
-            // What was put below a seam by `at_seam` lies on it.
+            // A centre that `at_seam` put below a seam lies on it.
             gap.center = gap.center.map(|value| value.max(0.0));
         }
         if kept.is_empty() {

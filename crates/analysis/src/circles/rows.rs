@@ -45,7 +45,7 @@ pub(crate) struct SortedRows {
 }
 
 impl SortedRows {
-    /// No rows.
+    /// Begins before the row `first`, without any.
     pub fn new(first: usize) -> Self {
         Self {
             first,
@@ -82,21 +82,25 @@ impl SortedRows {
         };
 
         let cell_of: Vec<u32> = open.points.iter().map(cell).collect();
+
         let (starts, order) = sorted(&cell_of, held.len() * cells.counts[0]);
         self.append_starts(&starts);
+
         let order = order.iter().map(|&index| index as usize);
         self.points
             .extend(order.clone().map(|index| open.points[index]));
         self.ids.extend(order.map(|index| open.ids[index]));
 
-        // What was not taken waits for its row, at the front.
+        // Samples of later rows wait at the front.
         let mut kept = 0;
         for (index, cell) in cell_of.into_iter().enumerate() {
+            // It was sorted and appended above.
             if cell != NO_CELL {
                 continue;
             }
             let (point, id) = (open.points[index], open.ids[index]);
             let row = cells.row(cells.domain.scale_point(point).y);
+
             // The lowest row of a torus stays open to the end, since its samples may come late.
             if row < first {
                 debug_assert_eq!(row, 0, "rows are complete when they are sorted");
@@ -106,6 +110,7 @@ impl SortedRows {
                 kept += 1;
             }
         }
+
         open.points.truncate(kept);
         open.ids.truncate(kept);
     }

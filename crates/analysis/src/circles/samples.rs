@@ -34,7 +34,7 @@ const MAX_REACH: f64 = 16.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells {
     pub domain: Domain,
-    /// Columns and rows.
+    /// How many columns and rows there are.
     pub counts: [usize; 2],
     pub per_unit: DVec2,
     pub sides: DVec2,
@@ -46,6 +46,7 @@ impl Cells {
     /// Cells of at least `radius` along x and twice that along y, where the region is so large.
     pub fn new(domain: Domain, radius: f64) -> Result<Self, Declined> {
         let side = radius * SLACK;
+        // Rounded down: cells may be larger than asked for, but not smaller.
         let counts = (domain.extent / (SHAPE * side)).floor().max(DVec2::ONE);
         let sides = domain.extent / counts;
         let mut reach = (2.0 * side / sides).ceil();
@@ -53,6 +54,7 @@ impl Cells {
             // There are no cells beyond the border.
             reach = reach.min(counts);
         }
+
         if counts.max_element() > MAX_CELLS || reach.max_element() > MAX_REACH {
             return Err(Declined::Radius);
         }
@@ -126,8 +128,11 @@ impl<'a> Samples<'a> {
         let rows = cells.counts[1];
         cells.check_count(rows, points.len())?;
         let cell = |point: &[f64; 2]| cells.cell(cells.domain.scale_point(*point), 0) as u32;
+
         let cell_of: Vec<u32> = points.par_iter().map(cell).collect();
+        // Samples are sorted as indices, and read where the caller has them.
         let (starts, order) = sorted(&cell_of, rows * cells.counts[0]);
+
         Ok(Self {
             cells,
             first: 0,
@@ -208,6 +213,7 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
             starts[cell as usize + 2] += 1;
         }
     }
+
     for index in 2..starts.len() {
         starts[index] += starts[index - 1];
     }

@@ -37,6 +37,7 @@ pub(crate) fn search(
 ) -> Judged<Found> {
     let samples =
         Cells::new(question.domain, question.limit).and_then(|cells| Samples::new(cells, points));
+    // The first judge takes the sets that this one declines.
     let samples = match samples {
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),
@@ -113,6 +114,7 @@ impl<'a> Search<'a> {
         let columns = self.samples.cells.counts[0] as i64;
         let step = TILE.map(|side| side as i64);
         let mut all = Vec::new();
+
         for row in rows.clone().step_by(TILE[1]) {
             for column in (0..columns).step_by(TILE[0]) {
                 all.push(Rectangle {
@@ -135,6 +137,7 @@ impl<'a> Search<'a> {
                 monitor.advance(count as u64)?;
                 Ok(found)
             })
+            // One tile that is declined declines the set.
             .try_reduce(none, |left, right| {
                 Ok(left.and_then(|left| Ok(left.merge(right?))))
             })
@@ -146,6 +149,7 @@ impl<'a> Search<'a> {
         let mut scratch = Scratch::default();
         let (reach, limit) = (self.samples.cells.reach, self.question.limit);
         let mut seen = 0;
+
         for rectangle in tiles {
             self.fill(&mut scratch.tile, rectangle, reach)?;
             for first in scratch.tile.own().flatten() {

@@ -95,7 +95,7 @@ impl CircleBands {
         dense
     }
 
-    /// Samples held.
+    /// The number of samples held, sorted or not.
     pub fn len(&self) -> usize {
         self.open.len() + self.rows.len() + self.lowest.len() + self.seam.len()
     }
@@ -114,6 +114,7 @@ impl CircleBands {
         ];
         for (points, ids) in parts {
             for (&point, &id) in points.iter().zip(ids) {
+                // Ids are places in the stream, so that nothing is sorted.
                 all[id as usize] = point;
             }
         }
@@ -200,6 +201,7 @@ impl CircleBands {
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let is_ready = |sample: &Sample| ready(samples.cells.row(sample.position.y));
+        // Those that wait for later rows are set aside, and put back in the end.
         let (exposed, later) = mem::take(&mut self.found.exposed)
             .into_iter()
             .partition(is_ready);
@@ -256,6 +258,7 @@ impl CircleBands {
             monitor,
         )?;
         if cells.domain.periodic {
+            // The first rows of a torus come last: now the rows below them are there, across the seam.
             self.judge(question, &samples, 0..first(&cells), monitor)?;
         }
         self.holes(question, &samples, |_| true, monitor)?;

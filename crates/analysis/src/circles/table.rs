@@ -37,24 +37,31 @@ pub(super) const fn opposite(mask: Mask) -> Mask {
 pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
     let directions = directions();
     let (mut open, first) = (!mask, mask.trailing_zeros());
+
     // Begin at a covered bin, so that no stretch is cut.
     open = if mask == 0 {
         open
     } else {
         open.rotate_right(first)
     };
+
     let mut at = if mask == 0 { 0 } else { first };
+
     std::iter::from_fn(move || {
         let skipped = open.trailing_zeros();
         if skipped == BINS as u32 {
             return None;
         }
+
         let start = at + skipped;
         let length = (open >> skipped).trailing_ones();
         let end = start + length;
         let rest = skipped + length;
+
         open = open.checked_shr(rest).unwrap_or(0);
         at = end;
+
+        // The ends of a longer stretch could be those of the rest of the circle.
         let is_short = length < BINS as u32 / 2;
         Some([start, end].map(|bin| {
             if is_short {
@@ -121,15 +128,19 @@ impl Table {
         let arcs: Vec<Option<Arc>> = (0..side * side)
             .map(|index| Arc::at([index % side, index / side]))
             .collect();
+
         let mut stretches = vec![0; SQUARES * SQUARES];
         for y in 0..SQUARES {
             for x in 0..SQUARES {
+                // A disk that covers a direction from all corners covers it from every offset of the square (see
+                // `common`).
                 let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
                 let (first, count) = common(corners.map(|(x, y)| arcs[y * side + x]));
                 let first = first.rem_euclid(BINS as i32);
                 stretches[y * SQUARES + x] = (first | (first + count) << 8) as Stretch;
             }
         }
+
         let stretches = stretches.into_boxed_slice();
         Self(stretches.try_into().expect("a stretch for each square"))
     }

@@ -65,7 +65,7 @@ struct Scan {
 #[derive(Default)]
 struct Unmarked {
     groups: [Group; GROUPS],
-    /// Groups held.
+    /// How many groups are held.
     count: usize,
     /// The lanes of all groups that hold a neighbour.
     hits: u64,
@@ -81,7 +81,7 @@ struct Group {
     squares: [Square; LANES],
 }
 
-/// Most groups held.
+/// So many groups have all of their lanes in 64 bits.
 const GROUPS: usize = 64 / LANES;
 
 impl Unmarked {
@@ -257,6 +257,7 @@ impl Tile {
     /// seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples<'_>, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;
+        // From the tile's corner, as 32 bits would round places of a large region too much.
         let in_squares = |out: &mut Vec<f32>, axis: usize| {
             let at = |position: &DVec2| ((position[axis] - self.low[axis]) * per_unit) as f32;
             out.clear();
@@ -338,7 +339,7 @@ impl Tile {
                                 for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
                                     pair([index, start + lane], found);
                                 }
-                                // What was found lowers the distance up to which pairs matter.
+                                // A closer pair lowers the distance up to which pairs matter.
                                 nearby = in_squares_at_most(found.nearby, squares);
                             }
                         }
@@ -350,8 +351,8 @@ impl Tile {
             // Later rows do not mark circles of this one.
             if self.own[1].contains(&row) {
                 let own = self.cell(self.own[0].clone(), row);
-                let own = own.filter(|&index| masks[index] != FULL);
-                scan.open.extend(own.map(|index| index as u32));
+                let open = own.filter(|&index| masks[index] != FULL);
+                scan.open.extend(open.map(|index| index as u32));
             }
         }
     }
@@ -372,6 +373,7 @@ impl Tile {
         let above = row + 1..(row + reach[1] + 1).min(height);
 
         runs.clear();
+        // Where it begins follows from the sample: the scan sets it.
         runs.push(0..same_row);
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }

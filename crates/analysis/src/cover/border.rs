@@ -42,6 +42,7 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     let mut envelope: Vec<(BorderSite, f64)> = Vec::new();
     for site in sites.iter() {
         let mut from = f64::NEG_INFINITY;
+
         // Of sites with one foot the nearest came first and hides the others.
         if envelope
             .last()
@@ -49,6 +50,7 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
         {
             continue;
         }
+
         // A site that the new one overtakes before its own place is the nearest nowhere.
         while let Some((last, last_from)) = envelope.last() {
             from = last.crossing(site);

@@ -17,7 +17,7 @@ use crate::grid::Grid;
 pub(crate) struct Buried {
     /// Cells along each axis within which the neighbours bury a sample.
     reach: [usize; 2],
-    /// By cell.
+    /// Whether the samples of each cell are buried.
     cells: Vec<bool>,
     columns: usize,
 }
@@ -32,6 +32,8 @@ impl Buried {
             let cells = (diagonal / sides[axis]).ceil() as usize;
             cells.min(grid.cells[axis])
         });
+
+        // Along rows, then across them: a cell stays if the whole rectangle around it is occupied.
         let along_rows = eroded(grid, &occupied(grid), 0, reach[0]);
         let cells = eroded(grid, &along_rows, 1, reach[1]);
         let columns = grid.cells[0];
@@ -70,14 +72,17 @@ fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
     let (cells, stride) = (grid.cells[axis], [1, columns][axis]);
     let mut eroded = kept.to_vec();
+
     for (index, keep) in eroded.iter_mut().enumerate() {
         let at = [index % columns, index / columns][axis];
         let line = index - at * stride;
+
         let holds = |cell: i64| {
             let wrapped = cell.rem_euclid(cells as i64) as usize;
             let beyond = !grid.domain.periodic && wrapped as i64 != cell;
             beyond || kept[line + wrapped * stride]
         };
+
         let (at, reach) = (at as i64, reach as i64);
         *keep = *keep && (at - reach..=at + reach).all(holds);
     }

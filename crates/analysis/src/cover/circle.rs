@@ -7,7 +7,7 @@ use glam::DVec2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
     pub center: DVec2,
-    /// Squared radius.
+    /// The square of the radius.
     pub square: f64,
 }
 

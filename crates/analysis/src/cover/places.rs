@@ -39,10 +39,12 @@ impl Places {
         merge_same(&mut survey.gaps, task.same);
         // Other tiles claim up to `same` beyond their sides; twice that leaves no doubt.
         let margin = 2.0 * task.same;
+
         let inner = |gap: &Gap| {
             let at = DVec2::from(gap.center);
             (at.cmpgt(tile.low + margin) & at.cmplt(tile.high - margin)).all()
         };
+
         for gap in survey.gaps {
             if inner(&gap) {
                 places.add(gap);
@@ -72,13 +74,16 @@ impl Places {
         for gap in &mut shared {
             gap.center = domain.at_seam(gap.center.into(), same).into();
         }
+
         merge_same(&mut shared, same);
         for mut gap in shared {
             if domain.periodic {
+                // `at_seam` may have put it a little below the seam, which is at 0.
                 gap.center = gap.center.map(|value| value.max(0.0));
             }
             self.add(gap);
         }
+
         Cover {
             covering_radius: self.covering_radius,
             gaps: self.count,
@@ -98,6 +103,7 @@ fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
     if gaps.len() < 2 {
         return;
     }
+
     gaps.sort_unstable_by(|a, b| a.center[0].total_cmp(&b.center[0]));
     let mut start = 0;
     for end in 1..=gaps.len() {
@@ -109,6 +115,7 @@ fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
             start = end;
         }
     }
+
     gaps.dedup_by(|next, kept| {
         let equal = (0..2).all(|axis| (next.center[axis] - kept.center[axis]).abs() <= same);
         if equal {

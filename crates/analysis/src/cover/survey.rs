@@ -27,7 +27,7 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Examines the sides.
+    /// Examines the sides of a tile, and nothing inside of it.
     pub fn of_sides(task: &CoverSearch<'_>, tile: &Tile, window: &TileWindow) -> Self {
         let mut survey = Self {
             side_reach: 0.0,
@@ -107,8 +107,10 @@ impl Survey {
                 let corner = DVec2::from(circle.center);
                 self.claim(task, circle, || {
                     // The distance is rounded, and so is who is nearest: all that may be are compared exactly.
-                    let near = (sites.iter()).filter(|site| site.distance(at) <= 2.0 * distance);
-                    let mut near = near.map(|site| side.site(*site, level));
+                    let mut near = (sites.iter())
+                        .filter(|site| site.distance(at) <= 2.0 * distance)
+                        .map(|site| side.site(*site, level));
+
                     near.all(|site| corner_exceeds(site, corner, extent, task.limit))
                 });
             }

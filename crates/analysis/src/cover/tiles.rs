@@ -18,7 +18,7 @@ use crate::grid::Grid;
 pub(crate) struct Tile {
     pub columns: Range<usize>,
     pub rows: Range<usize>,
-    /// Samples in it.
+    /// How many samples lie in it.
     pub count: usize,
     /// Lower and upper corner; on the region's border exactly its extents.
     pub low: DVec2,
@@ -44,6 +44,8 @@ impl Tile {
     fn halves(&self, grid: &Grid) -> Option<[Self; 2]> {
         let sides = self.high - self.low;
         let (columns, rows) = (self.columns.clone(), self.rows.clone());
+
+        // Across the longer side: a thin tile would have much halo for its samples.
         let upright = rows.len() > 1 && (columns.len() == 1 || sides.y > sides.x);
         if upright {
             let middle = rows.start.midpoint(rows.end);
@@ -74,14 +76,18 @@ pub(crate) fn split(grid: &Grid, rows: Range<usize>, tile_samples: usize) -> Vec
     let mut open = vec![Tile::new(grid, 0..grid.cells[0], rows)];
     let mut done = Vec::new();
     let fullest = grid.fullest(&open[0].columns, &open[0].rows);
+
     while let Some(tile) = open.pop() {
         let one_cell = || {
+            // Hardly any set has a cell so full: nearly always the first test answers for all tiles.
             fullest > tile_samples
                 && grid.fullest(&tile.columns, &tile.rows) > tile_samples.max(tile.count / 2)
         };
+
         let halves = (tile.count > tile_samples && !one_cell())
             .then(|| tile.halves(grid))
             .flatten();
+
         match halves {
             Some(halves) => open.extend(halves),
             None => done.push(tile),
@@ -109,21 +115,26 @@ impl TileWindow {
         let grid = task.grid;
         // A little more than the halo pays for rounding and for places claimed beyond the tile.
         let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
+
         let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, wide));
         let lacks = |row: i64| !grid.holds(wrap(grid, 1, row).0);
         if !grid.is_whole() && rows.cells.clone().any(lacks) {
             return Err(rows.cells);
         }
+
         let complete = columns.complete && rows.complete;
+
         let most = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
         let span = |span: &Span| span.cells.end - span.cells.start;
         // Which samples are buried is known only if the grid holds the whole set.
         let is_wide = grid.is_whole() && (span(&columns) > most || span(&rows) > most);
+
         let points = if is_wide {
             rim(task, tile, [&columns.cells, &rows.cells])
         } else {
             everything(grid, tile.count, [&columns.cells, &rows.cells])
         };
+
         let halo = if complete { f64::INFINITY } else { halo };
         Ok(Self { points, halo })
     }
@@ -134,6 +145,7 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
     let mut points = Vec::with_capacity(count + count / 8 + 64);
     for row in rows.clone() {
         let (row, y) = wrap(grid, 1, row);
+
         // Each stretch between two seams is one run of the row.
         let mut column = columns.start;
         while column < columns.end {
@@ -160,6 +172,7 @@ fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -
         for at_column in columns.clone() {
             let (column, x) = wrap(grid, 0, at_column);
             let at = [at_column, at_row];
+            // Cell by cell, as samples are buried by cells.
             if !buried.hides([column, row], at, [&tile.columns, &tile.rows]) {
                 let run = grid.run(row, &(column..column + 1));
                 points.extend(
@@ -185,9 +198,12 @@ impl Span {
         // Half a period, with room for rounding, reaches every nearest copy.
         let most = extent * (0.5 + 2f64.powi(-20));
         let halo = if periodic { halo.min(most) } else { halo };
+
+        // Far beyond any cell, so that the number fits an integer.
         let cell_at = |value: f64| (value / extent * cells as f64).clamp(-1e15, 1e15);
         let first = (cell_at(low - halo) - Grid::ROUNDING).floor() as i64;
         let last = (cell_at(high + halo) + Grid::ROUNDING).floor() as i64;
+
         if periodic {
             Self {
                 cells: first..last + 1,
@@ -210,6 +226,7 @@ pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
         // Rounding may have moved the copy into the next cell.
         cell - 1..=cell + 1
     };
+
     let periods = |axis: usize, cell: i64| cell.div_euclid(grid.cells[axis] as i64);
     for (at_row, at_column) in near(1).flat_map(|row| near(0).map(move |column| (row, column))) {
         let ((row, y), (column, x)) = (wrap(grid, 1, at_row), wrap(grid, 0, at_column));

@@ -126,6 +126,7 @@ impl LiveCell {
             normal[axis] = if is_far { 1 } else { -1 };
             match plane.boundary {
                 Boundary::Periodic => {
+                    // The nearest copies of the sample itself, a period away, bound its cell.
                     HalfPlane::of_neighbour(normal.map(|value| value * size[axis]))
                 }
                 Boundary::Bounded => {
@@ -136,6 +137,7 @@ impl LiveCell {
                     };
                     HalfPlane {
                         normal,
+                        // A half plane compares twice the offset.
                         bound: 2 * depth,
                     }
                 }
@@ -147,6 +149,7 @@ impl LiveCell {
             Boundary::Periodic => slot,
             Boundary::Bounded => BORDER,
         };
+
         self.vertices.clear();
         self.vertices.extend((0..4).map(|index| Vertex {
             at: Meeting::place(around[(index + 3) % 4], around[index]),
@@ -176,6 +179,7 @@ impl LiveCell {
         let terms = 2.0 * cut.direction() * vertex.at;
         let bound = cut.bound as f64;
         let beyond = terms.x + terms.y - bound;
+        // Where rounding leaves no doubt the float decides, which is nearly always; integers decide the rest.
         if beyond.abs() > DOUBT * (terms.x.abs() + terms.y.abs() + bound) {
             return beyond.total_cmp(&0.0);
         }

@@ -1,7 +1,7 @@
 //! Covered circles, kept while samples come and go: which circles the other disks leave open, the open places as the judges
 //! count them, and the largest empty circle. Begin with [`LiveCover`].
 //!
-//! # What is kept
+//! # The cells that are kept
 //!
 //! The Voronoi cell of each sample that has a vertex farther than a *threshold*, which is a little below the limit of
 //! (1 + 2^-15) r. All open places and the largest empty circle are vertices of those cells. The circle of radius threshold around
@@ -148,6 +148,7 @@ impl LiveCover {
 
         let slot = self.take(place);
         let (mut steps, is_covered) = self.examine(slot);
+
         let mut touched = std::mem::take(&mut self.touched);
         if is_covered {
             // Its cell lies within its circle, so its neighbours are within two.
@@ -161,12 +162,14 @@ impl LiveCover {
                 steps += self.clip_kept(other, offset.map(i64::from), slot);
             }
         } else {
+            // An uncovered circle has a cell, which names the neighbours, however far they are.
             let cell = std::mem::take(&mut self.cell);
             for (other, [x, y]) in cell.vertices.iter().filter_map(Vertex::neighbour) {
                 steps += self.clip_kept(other, [-x, -y], slot);
             }
             self.cell = cell;
         }
+
         self.touched = touched;
         steps + self.lower_threshold()
     }
@@ -183,19 +186,23 @@ impl LiveCover {
         self.count -= 1;
         let taken = &mut self.taken[slot as usize];
         taken.copies -= 1;
+        // Another sample is left at the place, and no circle changes.
         if taken.copies > 0 {
             return 1;
         }
 
         let mut touched = std::mem::take(&mut self.touched);
         touched.clear();
+        // A kept cell names neighbours that may be farther than any circle reaches.
         let vertices = std::mem::take(&mut taken.vertices);
         let neighbours = vertices.iter().filter_map(Vertex::neighbour);
         touched.extend(neighbours.map(|(other, _)| other));
+
         self.forget(slot);
         self.grid.remove(place, |occupant| occupant.slot == slot);
         self.free.push(slot);
 
+        // Other neighbours are within two thresholds, or their own cell is kept (see the head).
         let two = 4.0 * self.threshold * self.threshold;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let is_kept = !self.taken[other.slot as usize].vertices.is_empty();
@@ -204,15 +211,20 @@ impl LiveCover {
             }
             ControlFlow::Continue(())
         });
+
+        // A sample may be found by its cell and by its distance.
         touched.sort_unstable();
         touched.dedup();
+
         for &other in touched.iter().filter(|&&other| other != slot) {
             let kept = &self.taken[other as usize].vertices;
             let mut neighbours = kept.iter().filter_map(Vertex::neighbour);
+            // A kept cell that does not border on the sample does not change. A sample without one may need one now.
             if kept.is_empty() || neighbours.any(|(neighbour, _)| neighbour == slot) {
                 steps += self.examine(other).0;
             }
         }
+
         self.touched = touched;
         steps + self.lower_threshold()
     }
@@ -277,6 +289,7 @@ impl LiveCover {
             self.forget(slot);
         } else {
             steps += self.cut(place, slot);
+            // The slot's own buffer is filled again, so that a change allocates little.
             let mut vertices = std::mem::take(&mut self.taken[slot as usize].vertices);
             vertices.clear();
             vertices.extend_from_slice(&self.cell.vertices);
@@ -309,6 +322,7 @@ impl LiveCover {
             height: self.plane.size[1].into(),
             boundary: self.plane.boundary,
         };
+
         match unproven_circles(&points, region, self.threshold) {
             Ok(unproven) => unproven
                 .into_iter()
@@ -330,13 +344,14 @@ impl LiveCover {
             for axis in [0, 1] {
                 let low = i64::from(place[axis]);
                 let mut mirrored = [0, 0];
-                // The disk of the sample's mirror image covers of its circle exactly what lies beyond the border.
+                // The disk of the sample's mirror image covers exactly the part of its circle beyond the border.
                 for depth in [-low, i64::from(self.plane.size[axis]) - low] {
                     mirrored[axis] = 2 * depth;
                     test.add(mirrored.map(|value| value as f64));
                 }
             }
         }
+
         let steps = self.grid.around(place, REACH, |_, offset| {
             test.add(offset.map(f64::from));
             if test.is_covered() {
@@ -386,6 +401,7 @@ impl LiveCover {
         let mut found = None;
         // A hair more: whether a sample on the circle is within is decided exactly.
         let square = at.length_squared() * (1.0 + 1e-12);
+
         let steps = self.grid.within(center, square, |other, periods, square| {
             let offset = [0, 1].map(|axis| {
                 let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
@@ -406,6 +422,7 @@ impl LiveCover {
         if taken.vertices.is_empty() || slot == neighbour {
             return 0;
         }
+
         // The buffer's own vertices wait here.
         std::mem::swap(&mut self.cell.vertices, &mut taken.vertices);
         let cuts = self.cell.clip(offset, neighbour, true);
@@ -413,6 +430,7 @@ impl LiveCover {
             &mut self.cell.vertices,
             &mut self.taken[slot as usize].vertices,
         );
+
         if cuts {
             self.weigh(slot);
         }
@@ -422,8 +440,7 @@ impl LiveCover {
     /// Counts what of a cell is open, and lets go of a cell that does not reach beyond the threshold.
     fn weigh(&mut self, slot: u32) {
         let taken = &self.taken[slot as usize];
-        let squares = taken.vertices.iter();
-        let squares = squares.map(|vertex| vertex.at.length_squared());
+        let squares = (taken.vertices.iter()).map(|vertex| vertex.at.length_squared());
         let reach = squares.fold(0.0, f64::max).sqrt();
         if reach <= self.threshold {
             self.forget(slot);
@@ -442,6 +459,7 @@ impl LiveCover {
         let taken = &mut self.taken[slot as usize];
         self.open -= u64::from(taken.open);
         taken.open = 0;
+        // Most have none to be taken out of the tree.
         if self.reaches_of(slot) > 0 {
             self.reaches.set(slot, 0);
         }
@@ -527,6 +545,7 @@ impl LiveCover {
                     kind: all.kind(index),
                 })
         });
+        // Slots depend on how the set came about, and places do not.
         circles.min_by(|a, b| {
             let [x, y] = [0, 1].map(|axis| a.center[axis].total_cmp(&b.center[axis]));
             x.then(y)
@@ -610,6 +629,7 @@ impl Renew for LiveCover {
             return Some(STEPS_OF_TEST);
         }
 
+        // All samples are in. Now each circle is looked at, and then the threshold.
         let slot = index - samples.len();
         match slot.cmp(&self.taken.len()) {
             Ordering::Less => Some(self.examine(slot as u32).0),

@@ -81,6 +81,7 @@ impl Histogram {
         let (bin, part) = self.bin(square);
         let step = |count: &mut u64| *count = if comes { *count + 1 } else { *count - 1 };
         step(&mut self.counts[bin][part]);
+        // On a torus all pairs weigh the same, and counts suffice.
         if !self.weights.is_empty() && bin + 1 < self.counts.len() {
             let weight = self.weight(offset);
             let sum = &mut self.weights[bin][part];
@@ -180,6 +181,7 @@ impl LivePairs {
         let steps = self.grid.around(place, REACH, |other, offset| {
             let square = square(offset);
             self.histogram.change(offset, square, true);
+            // Farther pairs are not all seen, and decide no smallest distance.
             if square <= self.certain {
                 own = own.max(!square);
                 if !square > self.nearest.at(other.slot) {
@@ -188,6 +190,7 @@ impl LivePairs {
             }
             ControlFlow::Continue(())
         });
+
         self.nearest.set(slot, own);
         self.grid.insert(Occupant { place, slot });
         self.count += 1;
@@ -203,6 +206,7 @@ impl LivePairs {
         let is_it = |occupant: &Occupant| self.samples[occupant.slot as usize] == (id, place);
         let removed = self.grid.remove(place, is_it);
         let slot = removed.expect("the sample was added at the place");
+
         self.nearest.set(slot, 0);
         self.free.push(slot);
         self.count -= 1;
@@ -212,11 +216,13 @@ impl LivePairs {
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let square = square(offset);
             self.histogram.change(offset, square, false);
+            // Its nearest sample was this one, or one as near: it looks again below.
             if self.nearest.at(other.slot) == !square {
                 widowed.push(other.slot);
             }
             ControlFlow::Continue(())
         });
+
         for &other in &widowed {
             steps += self.find_nearest(other);
         }
@@ -263,6 +269,7 @@ impl LivePairs {
             }
             ControlFlow::Continue(())
         });
+
         self.nearest.set(slot, found);
         steps
     }
@@ -329,6 +336,7 @@ impl LivePairs {
         if kept == 0 {
             pairs.extend(self.closest_of_sparse());
         }
+
         for slot in self.nearest.winners() {
             self.each_nearer(slot, !kept + 1, |other| pairs.push((!kept, [slot, other])));
         }
@@ -339,6 +347,7 @@ impl LivePairs {
             let first = slots.min_by_key(|&slot| self.samples[slot as usize].0);
             pairs.extend(first.map(|slot| (square, [slot; 2])));
         }
+
         let pairs = pairs.into_iter();
         pairs
             .map(|(square, slots)| self.pair(square, slots))
@@ -373,6 +382,7 @@ impl LivePairs {
         for occupant in self.grid.all() {
             let center = DVec2::from(occupant.place.map(f64::from));
             let farthest = size[0] * size[0] + size[1] * size[1];
+            // The best pair so far bounds the search for a closer one; without any, the plane's diagonal does.
             let least = best.map_or(farthest as f64, |(square, _)| square as f64);
 
             self.grid.within(center, least, |other, periods, within| {
@@ -382,6 +392,7 @@ impl LivePairs {
                 };
                 let (x, y) = (along(0), along(1));
                 let found = ((x * x + y * y) as u64, [occupant.slot, other.slot]);
+                // Of equally close pairs the first by ids is listed, as the judges do it.
                 let is_better = |best: (u64, [u32; 2])| {
                     let [new, old] = [found, best].map(|(square, slots)| self.pair(square, slots));
                     new.rank(&old).is_lt()
@@ -405,11 +416,13 @@ impl LivePairs {
             if self.nearest.at(slot) > !end {
                 self.each_nearer(slot, end, |other| {
                     let offset = self.grid.offset(place, self.samples[other as usize].1);
+                    // Each pair is met from both of its samples.
                     if slot < other {
                         found.push(self.pair(square(offset), [slot, other]));
                     }
                 });
             }
+
             if let Some(period) = period.filter(|&period| period < end) {
                 found.push(self.pair(period, [slot; 2]));
             }

@@ -60,7 +60,7 @@ struct Layer {
 pub(super) struct PlaceGrid {
     size: [i32; 2],
     is_periodic: bool,
-    /// Columns and rows.
+    /// How many columns and rows of cells there are.
     counts: [usize; 2],
     /// Sides of a cell.
     sides: DVec2,
@@ -83,6 +83,7 @@ impl PlaceGrid {
             .floor()
             .clamp(DVec2::ONE, DVec2::splat(MAX_CELLS));
         let counts_of = counts.to_array().map(|count| count as usize);
+
         Self {
             size: plane.size.map(|side| side as i32),
             is_periodic: plane.boundary == Boundary::Periodic,
@@ -133,6 +134,7 @@ impl PlaceGrid {
     /// Moves the occupants of a cell to where there is twice the room.
     fn moved(&mut self, bucket: Bucket) -> Bucket {
         let room = bucket.room + 1;
+        // Room that a cell of this size has left is used before the pool grows.
         let start = self.free[room as usize].pop().unwrap_or_else(|| {
             let end = self.pool.len();
             self.pool.resize(end + (1 << room), Occupant::default());
@@ -145,6 +147,7 @@ impl PlaceGrid {
         if bucket.room > 0 {
             self.free[bucket.room as usize].push(bucket.start);
         }
+
         Bucket {
             start,
             room,
@@ -161,6 +164,7 @@ impl PlaceGrid {
         let at = self.pool[first..last].iter().position(is_it)?;
 
         let slot = self.pool[first + at].slot;
+        // Cells have no sequence, so that the last one may fill the hole.
         self.pool[first + at] = self.pool[last - 1];
         self.buckets[index].len -= 1;
         if len == 1 {
@@ -175,7 +179,7 @@ impl PlaceGrid {
         self.cell(column, row)
     }
 
-    /// Returns all samples.
+    /// Returns all samples, cell by cell.
     pub fn all(&self) -> impl Iterator<Item = &Occupant> {
         let occupants = |bucket: &Bucket| {
             &self.pool[bucket.start as usize..(bucket.start + bucket.len) as usize]
@@ -267,6 +271,7 @@ impl PlaceGrid {
                 let offset = if is_inside {
                     [0, 1].map(|axis| occupant.place[axis] - place[axis])
                 } else {
+                    // Near a seam a sample may be nearer the other way around.
                     self.offset(place, occupant.place)
                 };
                 each(occupant, offset)?;
@@ -352,6 +357,7 @@ impl PlaceGrid {
         let Layer { columns, masks } = &self.layers[layer];
         let sides = self.sides * (BLOCK as f64).powi(layer as i32);
         search.steps += 1;
+        // Parts without samples and those beside the square around the disk are passed over at once.
         let mut open = masks[block[1] * columns + block[0]] & search.near(block, sides);
 
         while open != 0 {
@@ -361,6 +367,7 @@ impl PlaceGrid {
                 block[0] * BLOCK + bit % BLOCK,
                 block[1] * BLOCK + bit / BLOCK,
             ];
+            // `each` may have made the disk smaller since.
             if !search.meets(at, sides) {
                 continue;
             }
@@ -385,7 +392,7 @@ impl PlaceGrid {
 struct DiskSearch {
     center: DVec2,
     square: f64,
-    /// The copy.
+    /// Which copy that is, in periods along x and y.
     periods: [i32; 2],
     steps: u64,
 }

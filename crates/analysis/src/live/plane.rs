@@ -5,9 +5,9 @@ use crate::region::{Boundary, Region};
 /// A rectangle of whole places, its boundary and the radius, all in one unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plane {
-    /// Width and height.
+    /// The width and the height, in units.
     pub size: [u32; 2],
-    /// The Poisson-disk radius.
+    /// The Poisson-disk radius, in units.
     pub radius: u32,
     /// What the border means.
     pub boundary: Boundary,

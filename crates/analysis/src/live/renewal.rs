@@ -6,7 +6,7 @@ pub type LiveSample = (u32, [i32; 2]);
 
 /// A measure that can be made anew in slices.
 pub trait Renew: Sized {
-    /// What is kept between slices.
+    /// The state between two slices.
     type Work;
 
     /// About the steps of a sample at the beginning, when all are listed and sorted at once.

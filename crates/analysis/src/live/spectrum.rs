@@ -83,7 +83,9 @@ impl LiveSpectrum {
         };
         range("the radius in units", plane.radius, u32::MAX)?;
         range("the stride of frequencies", stride, Self::MAX_STRIDE)?;
+
         let region = plane.region_in_radii();
+        // Refuses a plane without a width or a height.
         Domain::new(region)?;
 
         let most = most_of(&Spectrum::window(samples as f64, region));
@@ -139,6 +141,7 @@ impl LiveSpectrum {
         let before = self.shown();
         self.count = self.count.saturating_add_signed(isize::from(sign));
         self.renewed[1] += 1;
+        // The annuli depend on the number of samples by the frequencies shown alone.
         if self.shown() != before {
             self.annuli = OnceLock::new();
         }
@@ -200,6 +203,7 @@ impl LiveSpectrum {
         let transform = plan.run(&weighed, &monitor)?;
 
         let [_, rows] = counts(self.most, self.stride);
+        // Only now, so that a stop leaves the old samples in place.
         for row in 0..rows {
             self.sums.replace(row, &transform);
         }
@@ -317,7 +321,7 @@ impl LiveSpectrum {
             .copied()
     }
 
-    /// Returns the periodogram on the window of [`Spectrum::window`] for this number of samples, or what is kept of it.
+    /// Returns the periodogram on the window of [`Spectrum::window`] for this number of samples, or on the part that is kept.
     ///
     /// # Errors
     ///
@@ -329,6 +333,7 @@ impl LiveSpectrum {
             f64::from(self.stride),
             [1.0; 2],
         )?;
+
         let window = about_zero(self.shown());
         let [columns, rows] = counts(self.shown(), 1);
         let mut power = vec![0.0; window.columns() * window.rows()];
@@ -337,14 +342,17 @@ impl LiveSpectrum {
         for row in 0..rows {
             let all = reader.row(row);
             let middle = all.len() / 2;
+            // As far as this number of samples is shown: more is kept for a larger one.
             let powers = &all[middle + 1 - columns..middle + columns];
             let above = (rows - 1 + row) * window.columns();
             power[above..][..powers.len()].copy_from_slice(powers);
+            // Opposite frequencies have the same power: a row below zero is the one above it, turned around.
             let below = (rows - 1 - row) * window.columns();
             for (power, opposite) in power[below..].iter_mut().zip(powers.iter().rev()) {
                 *power = *opposite;
             }
         }
+
         Ok(Periodogram {
             window,
             region: self.region,
@@ -373,6 +381,7 @@ impl LiveSpectrum {
         for row in 0..rows {
             let all = reader.row_without_zero(row);
             let middle = all.len() / 2;
+            // As far as this number of samples is shown: more is kept for a larger one.
             let powers = &mut all[middle + 1 - columns..middle + columns];
             profile.add_row(row, powers);
             picture.add_row(rows - 1 + row, powers);
@@ -389,8 +398,7 @@ impl LiveSpectrum {
     }
 
     fn annuli_of(&self, shown: [i64; 2]) -> AnnulusTable {
-        let width = Spectrum::width_in(&about_zero(shown), self.region);
-        let width = width.max(f64::from(self.stride));
+        let width = Spectrum::width_in(&about_zero(shown), self.region).max(f64::from(self.stride));
         let frequencies = counts(shown, self.stride);
         AnnulusTable::new(frequencies, self.stride as usize, self.region, width)
     }
@@ -409,7 +417,7 @@ impl LiveSpectrum {
     }
 }
 
-/// What is left of making a spectrum anew.
+/// The rest of the work of making a spectrum anew.
 pub struct SpectrumWork(Work);
 
 enum Work {
@@ -475,6 +483,7 @@ impl Renew for LiveSpectrum {
                 Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
                 Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
                 None => {
+                    // The transform is taken out of its slot to be finished; the rows follow it.
                     let transform = std::mem::replace(work, Work::Changes(samples.len()));
                     if let Work::Transform(made) = transform {
                         *work = Work::Rows(made.finish(), 0);

@@ -38,7 +38,7 @@ impl Tournament {
         while node > 1 {
             node /= 2;
             let larger = self.nodes[2 * node].max(self.nodes[2 * node + 1]);
-            // What lies above saw the same number before, so most changes end after a few nodes.
+            // Nodes above saw the same number before, so most changes end after a few nodes.
             if self.nodes[node] == larger {
                 break;
             }

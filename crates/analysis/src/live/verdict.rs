@@ -7,7 +7,7 @@ use crate::witness::{Conflict, Gap};
 /// What of a moment's samples decides whether they are valid, with its witnesses. Lengths are in radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiveVerdict {
-    /// Number of samples.
+    /// How many samples there are.
     pub count: usize,
     /// Number of pairs nearer than r.
     pub conflicts: u64,

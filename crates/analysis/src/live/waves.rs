@@ -91,9 +91,11 @@ impl WaveSums {
             wave(phase, change.weights[axis] * scale)
         };
 
+        // The wave along x carries the units, that along y the sign: their product has both.
         for (block, values) in self.along_x.iter_mut().zip(wave(0, ONE)) {
             block[index] = values;
         }
+
         let rows = self.along_y.chunks_mut(LANES);
         for (rows, [cos, sin]) in rows.zip(wave(1, change.sign)) {
             for (lane, row) in rows.iter_mut().enumerate() {
@@ -143,6 +145,7 @@ impl WaveSums {
                 let column = (first + lane) as i64;
                 let at = |row: i64| transform.at([column, row]) * (0.5 * ONE);
                 let [up, down] = [at(row as i64), at(-(row as i64))];
+                // Sums and differences of both transforms: cos(a + b) + cos(a - b) = 2 cos a cos b, and so on.
                 let products = [
                     up.re + down.re,
                     down.re - up.re,
@@ -168,6 +171,7 @@ impl WaveSums {
             for column in 0..columns {
                 let from = column * stride;
                 let sums = &mut thin.sums[row * blocks + column / LANES];
+                // A stride of the frequencies is kept: sums of others are left out.
                 for (sum, kept) in sums.iter_mut().zip(&whole[from / LANES]) {
                     sum[column % LANES] = kept[from % LANES];
                 }

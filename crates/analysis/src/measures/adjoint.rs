@@ -76,6 +76,7 @@ fn back_along_x(
         |scratch, ((row, line), values)| {
             let along_y = other.factor(plan.first_row() + row as i64);
             for ((value, factor), offset) in values.iter().zip(&factors).zip(-axis.below..) {
+                // The adjoint has the conjugates of the factors of the transform.
                 line[axis.index(offset)] = value * (factor * along_y).conj();
             }
             scratch.run_on(&fft, line);
@@ -155,6 +156,7 @@ fn back_along_y_complex(
                     target[axis.index(offset)] = *value;
                 }
             }
+
             scratch.run(&fft);
             unpack(&scratch.line, axis.size, cells, stride);
             monitor.advance((axis.size * lines) as u64)

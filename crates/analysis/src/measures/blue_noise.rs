@@ -36,7 +36,7 @@ const NEAREST: f64 = 4.0;
 /// Power over frequency, without the zero frequency.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct PowerCurve {
-    /// `nu`, rising.
+    /// The frequencies `nu`, rising.
     frequencies: Vec<f64>,
     powers: Vec<f64>,
 }
@@ -55,11 +55,13 @@ impl PowerCurve {
         if count < 2 {
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
+
         check_rising("frequencies of a curve", &frequencies, 0.0)?;
         if let Some(index) = powers.iter().position(|power| !power.is_finite()) {
             let (name, value) = ("powers of a curve", powers[index]);
             return Err(MeasureError::NotRising { name, index, value });
         }
+
         Ok(Self {
             frequencies,
             powers,
@@ -80,10 +82,12 @@ impl PowerCurve {
         control: Control<'_>,
     ) -> Result<Option<Self>, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
+        // A little less than half the shorter side, beyond which `g` is not defined.
         let most = (0.499 * region.shorter_side() / r_max).min(MAX_DISTANCE);
         if most.is_nan() || most < NEAREST {
             return Ok(None);
         }
+
         let bins = (BINS_EACH * most).ceil() as usize;
         let pairs = PairCorrelation::of(points, region, most, bins, control)?;
         let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
@@ -98,7 +102,7 @@ impl PowerCurve {
     /// `r_max` in 800 bins serve up to `nu = 5`. Unlike psa it takes no absolute value.
     ///
     /// Among `N` samples `g` tends to `1 + (1 - P(0)) / N`, since all pairs are counted: that is taken off instead of 1, or small sets would
-    /// have power at zero that is none of theirs. [`PairCorrelation::samples`] of 0 stand for any number.
+    /// have power at zero by their number alone. [`PairCorrelation::samples`] of 0 stand for any number.
     ///
     /// # Errors
     ///
@@ -107,35 +111,40 @@ impl PowerCurve {
         // r_max in units of the mean spacing.
         let unit = (2.0 / 3f64.sqrt()).sqrt();
         let (step, reach) = (pairs.bin_width * unit, pairs.g.len() as f64);
+
         let rings: Vec<[f64; 2]> = (0..pairs.g.len())
             .map(|bin| {
                 let s = (bin as f64 + 0.5) * step;
                 let part = PI * (bin as f64 + 0.5) / reach;
+                // Blackman's: it falls to zero where `g` ends, so that the end makes no waves.
                 let window = 0.42 + 0.5 * part.cos() + 0.08 * (2.0 * part).cos();
                 [s, TAU * s * window * step]
             })
             .collect();
+
         let far = far_excess(pairs, &rings);
         let weighed: Vec<[f64; 2]> = (rings.iter().zip(&pairs.g))
             .map(|([s, weight], g)| [*s, weight * (g - 1.0 - far)])
             .collect();
+
         let power = |nu: &f64| {
             let sum: f64 = (weighed.iter())
                 .map(|[s, weight]| weight * bessel_j0(TAU * nu * s))
                 .sum();
             1.0 + sum
         };
+
         let powers = frequencies.iter().map(power).collect();
         Self::new(frequencies, powers)
     }
 
-    /// Returns the frequencies.
+    /// Returns the frequencies `nu`, rising from above zero.
     #[must_use]
     pub fn frequencies(&self) -> &[f64] {
         &self.frequencies
     }
 
-    /// Returns the powers.
+    /// Returns the power at each frequency.
     #[must_use]
     pub fn powers(&self) -> &[f64] {
         &self.powers
@@ -171,15 +180,18 @@ impl PowerCurve {
         let first = self.powers.iter().position(|power| *power >= NEARLY_ONE)?;
         let limit = self.frequencies[first] + OSCILLATION_RANGE;
         let (mut sum, mut area) = (0.0, 0.0);
+
         for (nu, power) in (self.frequencies.windows(2).zip(self.powers.windows(2))).skip(first) {
             if nu[1] > limit {
                 break;
             }
+
             let ring = nu[1] * nu[1] - nu[0] * nu[0];
             let squares = power.iter().map(|power| (power - 1.0).powi(2)).sum::<f64>();
             sum += 0.5 * squares * ring;
             area += ring;
         }
+
         (area > 0.0).then(|| 10.0 * (sum / area).sqrt())
     }
 
@@ -234,6 +246,7 @@ fn bessel_j0(x: f64) -> f64 {
         }
         return sum;
     }
+
     let (mut parts, mut term) = ([0.0; 2], 1.0);
     for k in 0..20_u32 {
         let sign = if k / 2 % 2 == 0 { 1.0 } else { -1.0 };
@@ -242,6 +255,7 @@ fn bessel_j0(x: f64) -> f64 {
         let odd = f64::from(2 * k + 1);
         term *= -odd * odd / (f64::from(k + 1) * 8.0 * x);
     }
+
     let (sin, cos) = (x - 0.25 * PI).sin_cos();
     (2.0 / (PI * x)).sqrt() * (parts[0] * cos - parts[1] * sin)
 }

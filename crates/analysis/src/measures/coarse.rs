@@ -40,13 +40,16 @@ impl CoarsePower {
         check_count("squares along an axis", most, Self::MAX_SIZE)?;
         let [x0, x1, y0, y1] = periodogram.window.bounds();
         let reach = [(-x0).min(x1 - 1), (-y0).min(y1 - 1)];
+        // The picture has zero in its middle.
         if reach.iter().any(|reach| *reach < 0) {
             let window = [x0, x1, y0, y1];
             return Err(MeasureError::EmptyWindow { window });
         }
+
         let mut sums = CoarseSums::new(reach, most, 1);
         let [x, y] = reach;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
+            // The power at zero tells the number of samples, and would outshine all others.
             let of_structure = |k: &[i64; 2]| *k != [0, 0];
             let power = |kx| {
                 Some([kx, ky])
@@ -70,7 +73,7 @@ pub(crate) struct CoarseSums {
     divisions: [(i64, i64); 2],
     /// For each part along x and along y its multiples, counted from the lowest one on.
     parts: [Vec<Range<usize>>; 2],
-    /// Row by row.
+    /// The sums of the parts, row by row.
     sums: Vec<f64>,
 }
 
@@ -88,6 +91,7 @@ impl CoarseSums {
             };
             (-half..=half).map(part).collect::<Vec<_>>()
         });
+
         Self {
             sums: vec![0.0; parts[0].len() * parts[1].len()],
             divisions,
@@ -140,7 +144,7 @@ impl CoarseSums {
         self.picture()
     }
 
-    /// Returns the means.
+    /// Returns the mean power of each part.
     pub fn picture(&self) -> CoarsePower {
         let [columns, rows] = &self.parts;
         let counts = rows

@@ -12,13 +12,13 @@ use super::statistics::LEVELS;
 /// A mean curve with the spread between the sets behind it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeanCurve {
-    /// Rising.
+    /// The values of x, rising.
     pub x: Vec<f64>,
     /// The mean at each.
     pub y: Vec<f64>,
     /// Standard errors of the means; none for one set.
     pub errors: Option<Vec<f64>>,
-    /// Number of sets.
+    /// How many sets the curve is a mean of.
     pub sets: u64,
 }
 
@@ -162,6 +162,7 @@ pub fn power_difference_band(
     for count in values {
         check_range("the number of powers", count, [0.5, 1e8])?;
     }
+
     let sum = powers[0] * values[0] + powers[1] * values[1];
     let tails = [0.5 - 0.5 * level, 0.5 + 0.5 * level];
     Ok(tails.map(|part| {
@@ -181,12 +182,14 @@ impl Between {
     fn of(x: f64, rising: &[f64]) -> Option<Self> {
         let above = rising.partition_point(|value| *value < x);
         let high = *rising.get(above)?;
+        // A value of the curve itself needs no neighbour below it, which the first one has not.
         if high <= x {
             return Some(Self {
                 ends: [above, above],
                 part: 0.0,
             });
         }
+
         let below = above.checked_sub(1)?;
         Some(Self {
             ends: [below, above],

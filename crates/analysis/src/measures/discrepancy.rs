@@ -60,6 +60,7 @@ impl Discrepancy {
             rounded(sums.collect::<Vec<DVec2>>())
         };
         let (singles, selves) = (sum(single), sum(|a| term(a, a)));
+
         points.par_sort_by(|a, b| a.x.total_cmp(&b.x));
         let mut room = points.clone();
         let pairs = pairs(&mut points, &mut room, &monitor)?;
@@ -69,6 +70,7 @@ impl Discrepancy {
         let pair = (selves + 2.0 * pairs) / (n * n);
         // Rounding may leave a tiny negative number.
         let root = |square: f64| square.max(0.0).sqrt();
+
         Ok(Self {
             star: root(1.0 / 9.0 - 0.5 * single.x + pair.x),
             centered: root(169.0 / 144.0 - 2.0 * single.y + pair.y),
@@ -167,6 +169,7 @@ fn pairs(
 fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
     let count = points.len();
     if count <= FEW {
+        // Samples are sorted by x, so that each meets those left of it.
         let before = |(index, &b): (usize, &DVec2)| {
             let terms = points[..index].iter().map(|&a| term(a, b));
             terms.sum::<DVec2>()
@@ -186,6 +189,7 @@ fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
 fn merge(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
     let (left, right) = points.split_at(points.len() / 2);
     let (mut below, mut above) = (LeftSums::default(), LeftSums::default());
+    // Before the first sample in the sequence of y all of the left half lie above.
     for a in left {
         above.add(*a, 1.0);
     }

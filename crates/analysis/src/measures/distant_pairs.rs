@@ -25,7 +25,7 @@ const CELLS_ALONG: f64 = 5.0;
 pub struct DistantPair {
     /// The sample with the smaller index.
     pub first: u32,
-    /// The other one.
+    /// The sample with the larger index.
     pub second: u32,
     /// From the first sample to the nearest image of the second, in the length unit of the samples. In a periodic
     /// region it may lead across a seam.
@@ -85,6 +85,7 @@ pub fn pairs_between(
         distances,
     };
     let (total, pairs) = search.run(limit, &monitor)?;
+    // Rows of which no pairs are held are not passed a second time.
     monitor.advance(2 * points.len() as u64 - monitor.done())?;
     Ok(DistantPairs {
         distances: [least, most],

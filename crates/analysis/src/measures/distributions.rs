@@ -65,6 +65,7 @@ pub(super) fn beta_quantile(part: f64, a: f64, b: f64) -> f64 {
             high = middle;
         }
     }
+
     0.5 * (low + high)
 }
 
@@ -75,6 +76,7 @@ fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
         low = high;
         high *= 2.0;
     }
+
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         // No number lies between: after 60 rounds of 200.
@@ -114,7 +116,9 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
+
     let scale = (a * x.ln() - x - ln_gamma(a)).exp();
+    // The series converges quickly up to the mean, the fraction beyond it.
     if x < a + 1.0 {
         let (mut sum, mut term) = (1.0 / a, 1.0 / a);
         for k in 1..MAX_TERMS {
@@ -126,6 +130,7 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
         }
         return (1.0 - scale * sum).max(0.0);
     }
+
     let step = |k: f64| (-k * (k - a), x + 2.0 * k + 1.0 - a);
     scale / fraction(x + 1.0 - a, step)
 }
@@ -135,11 +140,14 @@ fn beta_part(a: f64, b: f64, x: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return x.clamp(0.0, 1.0);
     }
+    // The fraction converges quickly below the mean; above it the symmetry of both tails helps.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - beta_part(b, a, 1.0 - x);
     }
+
     let ln_beta = ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
     let scale = (a * x.ln() + b * (1.0 - x).ln() - ln_beta).exp() / a;
+
     let step = |k: f64| {
         let m = (k / 2.0).floor();
         let numerator = if k % 2.0 == 0.0 {
@@ -149,11 +157,13 @@ fn beta_part(a: f64, b: f64, x: f64) -> f64 {
         };
         (numerator, 1.0)
     };
+
     scale / fraction(1.0, step)
 }
 
 /// `first + n1 / (d1 + n2 / (d2 + ...))` after Lentz; `step` gives the k-th numerator and denominator.
 fn fraction(first: f64, step: impl Fn(f64) -> (f64, f64)) -> f64 {
+    // A zero would be divided by in the next step.
     let away = |value: f64| if value.abs() < 1e-300 { 1e-300 } else { value };
     let (mut value, mut c, mut d) = (away(first), away(first), 0.0);
     for k in 1..MAX_TERMS {

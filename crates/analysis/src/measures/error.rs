@@ -13,25 +13,25 @@ pub enum MeasureError {
     /// The measure needs more samples.
     #[error("the number of samples, {count}, is too small: this measure needs at least {limit}")]
     TooFew {
-        /// Samples given.
+        /// How many samples are given.
         count: usize,
-        /// Samples needed.
+        /// How many samples are needed.
         limit: usize,
     },
     /// The measure takes too long or too much memory for so many samples.
     #[error("{count} samples exceed the limit of {limit} for this measure")]
     TooMany {
-        /// Samples given.
+        /// How many samples are given.
         count: usize,
-        /// Samples allowed.
+        /// How many samples are allowed.
         limit: usize,
     },
     /// All samples are at one place.
     #[error("all {count} samples are at the one place ({}, {})", .point[0], .point[1])]
     AllEqual {
-        /// Samples given.
+        /// How many samples are given.
         count: usize,
-        /// Their position.
+        /// The position that all of them have.
         point: [f64; 2],
     },
     /// A window of frequencies has no frequency.
@@ -45,13 +45,13 @@ pub enum MeasureError {
         "the window of {columns} x {rows} frequencies needs {bytes} bytes, where {limit} are allowed"
     )]
     WindowTooLarge {
-        /// Frequencies along x.
+        /// How many frequencies the window has along x.
         columns: u64,
-        /// Frequencies along y.
+        /// How many frequencies the window has along y.
         rows: u64,
-        /// Working memory needed.
+        /// The working memory that the transform needs.
         bytes: u64,
-        /// Working memory allowed.
+        /// The working memory that is allowed.
         limit: u64,
     },
     /// A frequency is so high that the rounding of a coordinate shifts its phase noticeably.
@@ -67,9 +67,9 @@ pub enum MeasureError {
     /// A length, width or level is not a number in its range.
     #[error("{name} is {value}, which is not between {least} and {most}")]
     OutOfRange {
-        /// Which value.
+        /// The name of the value, as messages have it.
         name: &'static str,
-        /// The value given.
+        /// The value that was given.
         value: f64,
         /// The least that is allowed.
         least: f64,
@@ -79,9 +79,9 @@ pub enum MeasureError {
     /// A number of bins, cells or classes is zero or too large.
     #[error("{name}: {count} is not between 1 and {limit}")]
     BadCount {
-        /// What is counted.
+        /// The name of the things counted, as messages have it.
         name: &'static str,
-        /// The number given.
+        /// The number that was given.
         count: usize,
         /// The largest number allowed.
         limit: usize,
@@ -91,15 +91,15 @@ pub enum MeasureError {
     LengthDiffers {
         /// What the values are.
         name: &'static str,
-        /// Values given.
+        /// How many values are given.
         count: usize,
-        /// Values needed.
+        /// How many values are needed.
         expected: usize,
     },
     /// A value to be averaged or compared differs in kind from the earlier ones.
     #[error("{name} differs from that of what was added before")]
     Differs {
-        /// What differs.
+        /// The name of the thing that differs.
         name: &'static str,
     },
     /// A list of values that must rise does not.
@@ -109,7 +109,7 @@ pub enum MeasureError {
         name: &'static str,
         /// The first offending index.
         index: usize,
-        /// The value there.
+        /// The value at that index.
         value: f64,
     },
     /// The control function asked to stop.

@@ -79,23 +79,29 @@ fn monomials(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
     const COUNT: usize = DEGREE + 1;
     let angle = |i: usize| PI * (i as f64 + 0.5) / COUNT as f64;
     let values: Vec<f64> = (0..COUNT).map(|i| f(angle(i).cos())).collect();
+
     let mut out = [0.0; COUNT];
     // Chebyshev polynomials as monomials, by T(k + 1) = 2 u T(k) - T(k - 1).
     let (mut before, mut now) = ([0.0; COUNT], [0.0; COUNT]);
     now[0] = 1.0;
+
     for k in 0..COUNT {
+        // Chebyshev polynomials are orthogonal over these points, so that a coefficient is a plain sum.
         let sum: f64 = (values.iter().enumerate())
             .map(|(i, value)| value * (k as f64 * angle(i)).cos())
             .sum();
         let coefficient = sum * if k == 0 { 1.0 } else { 2.0 } / COUNT as f64;
+
         for (total, part) in out.iter_mut().zip(now) {
             *total += coefficient * part;
         }
+
         let doubled = if k == 0 { 1.0 } else { 2.0 };
         let mut next = before.map(|value| -value);
         for power in 1..COUNT {
             next[power] += doubled * now[power - 1];
         }
+
         (before, now) = (now, next);
     }
     out

@@ -1,4 +1,4 @@
-//! What is measured of a set, part by part, so that a caller can show the first parts while the others are measured. The
+//! The measures of a set, part by part, so that a caller can show the first parts while the others are measured. The
 //! numbers of [`super::numbers`] are read from it.
 
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const ROUGHER: i64 = 4;
 /// A part of the measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
-    /// The pair correlation.
+    /// The pair correlation, g(r).
     Pairs,
     /// The verifier's report: conflicts, gaps and extreme distances.
     Report,
@@ -39,14 +39,14 @@ pub enum Part {
     Spectrum,
     /// The smooth spectrum that follows from g(r).
     Smooth,
-    /// The Voronoi cells.
+    /// The order of the Voronoi cells.
     Cells,
-    /// The discrepancies.
+    /// The L2 discrepancies, star and centred.
     Discrepancy,
 }
 
 impl Part {
-    /// The parts in the sequence in which they are measured: what is quick and says much comes first.
+    /// The parts in the sequence in which they are measured: quick ones that say much come first.
     pub const ALL: [Self; 8] = [
         Self::Pairs,
         Self::Report,
@@ -64,7 +64,7 @@ impl Part {
         Self::ALL.into_iter().filter(is_needed)
     }
 
-    /// Returns the name of what is measured, as shown while it is.
+    /// Returns the name of the part, as it is shown while the part is measured.
     #[must_use]
     pub const fn doing(self) -> &'static str {
         match self {
@@ -85,11 +85,11 @@ impl Part {
 pub struct MeasuredSet {
     /// The number of samples.
     pub samples: usize,
-    /// Their region.
+    /// The region of the samples.
     pub region: Region,
     /// The Poisson-disk radius in the unit of the region, if it is known.
     pub radius: Option<f64>,
-    /// The pair correlation.
+    /// The pair correlation, once it is measured.
     pub pairs: Option<Arc<PairCorrelation>>,
     /// Conflicts, gaps, distances and density; or why there is no verdict. Without a verdict the other parts are measured,
     /// too.
@@ -98,13 +98,13 @@ pub struct MeasuredSet {
     pub distances: Option<Arc<NearestDistances>>,
     /// The spectrum of low frequencies, until the whole one is known.
     pub rough: Option<Arc<Spectrum>>,
-    /// The spectrum.
+    /// The spectrum of all frequencies, once it is measured.
     pub spectrum: Option<Arc<Spectrum>>,
     /// The smooth spectrum, unless the region is too narrow for it.
     pub curve: Option<Arc<PowerCurve>>,
     /// The order of the cells, unless two samples are equal.
     pub order: Option<Arc<Order>>,
-    /// The discrepancies.
+    /// The L2 discrepancies, once they are measured.
     pub discrepancy: Option<Discrepancy>,
     /// The parts that were measured, also those that are not defined for this set.
     known: Vec<Part>,
@@ -162,6 +162,7 @@ impl MeasuredSet {
                 self.distances = Some(Arc::new(NearestDistances::of(points, region, control)?));
             }
             Part::Rough => {
+                // Low frequencies first, at a sixteenth of the work of all.
                 let window = fewer(&Spectrum::window(samples, region));
                 self.rough = Some(Arc::new(spectrum(points, region, &window, control)?));
             }
@@ -177,11 +178,13 @@ impl MeasuredSet {
                 self.discrepancy = Some(Discrepancy::of(points, region, control)?);
             }
         }
+
+        // Also if the set has no such measure: then that is known.
         self.know(part);
         Ok(())
     }
 
-    /// Takes the verifier's report from whoever verified the set before. If no radius is known, it may be that for any
+    /// Takes the report of a verifier that judged the set before. If no radius is known, it may be that for any
     /// radius: the smallest distance and the covering radius do not depend on it.
     pub fn take_report(&mut self, report: Report) {
         self.report = Some(Ok(Arc::new(report)));
@@ -225,7 +228,7 @@ impl MeasuredSet {
         points: &[[f64; 2]],
         control: Control<'_>,
     ) -> Result<Result<Report, String>, MeasureError> {
-        // Without a radius only what does not depend on it is read; the spacing keeps the search quick.
+        // Without a radius only numbers that do not depend on it are read; the spacing keeps the search quick.
         let spacing = || (self.region.area() / points.len().max(1) as f64).sqrt();
         let radius = self.radius.unwrap_or_else(spacing);
 

@@ -43,7 +43,7 @@ pub(crate) struct GridAxis {
     /// Offsets from the middle go from `-below` to `above`.
     pub below: i64,
     pub above: i64,
-    /// Grid points.
+    /// How many grid points the axis has.
     pub size: usize,
 }
 
@@ -133,15 +133,19 @@ impl TransformPlan {
             let window = [x0, x1, y0, y1];
             return Err(MeasureError::EmptyWindow { window });
         }
+
         let limit = MAX_FREQUENCY;
+        // A range ends after its highest frequency.
         let highest = [x0, x1.saturating_sub(1), y0, y1.saturating_sub(1)];
         if let Some(&frequency) = highest.iter().find(|k| k.unsigned_abs() > limit as u64) {
             return Err(MeasureError::FrequencyTooHigh { frequency, limit });
         }
+
         let real = Self {
             axes: [GridAxis::about_zero(x0, x1), GridAxis::about_zero(y0, y1)],
             real: true,
         };
+
         let moved = Self {
             axes: [
                 GridAxis::about_middle(x0, x1),
@@ -149,11 +153,14 @@ impl TransformPlan {
             ],
             real: false,
         };
+
+        // A window far off zero would need a large grid about zero.
         let plan = if real.bytes() <= moved.bytes() {
             real
         } else {
             moved
         };
+
         let (bytes, limit) = (plan.bytes(), MAX_WINDOW_BYTES);
         if bytes > limit {
             return Err(MeasureError::WindowTooLarge {
@@ -209,13 +216,16 @@ impl TransformPlan {
         } else {
             let middle = DVec2::from(self.axes.map(|axis| axis.middle as f64));
             let moved = |sample: &Sample| {
+                // Whole turns are dropped before the angle loses digits to them.
                 let turns = middle.dot(sample.at);
                 let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
                 [sample.weight * cos, -sample.weight * sin]
             };
+
             let spread = Spread::<2>::new(samples, self.sizes(), moved);
             self.along_y_complex(&spread.run(monitor)?, monitor)?
         };
+
         let values = self.along_x(&half, monitor)?;
         Ok(Transform {
             axes: self.axes,
@@ -236,6 +246,7 @@ impl TransformPlan {
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (size, rows) = (self.axes[1].size, self.rows());
         let fft = FftPlanner::new().plan_fft_forward(size);
+
         let mut half = zeros(self.axes[0].size * rows);
         let lines = half.par_chunks_mut(2 * rows).enumerate();
         lines.try_for_each_init(
@@ -260,6 +271,7 @@ impl TransformPlan {
         let (size, rows) = (self.axes[1].size, self.rows());
         let [one, two] = [0, 1].map(|odd| grid.line(2 * pair + odd)[0]);
         for (index, value) in scratch.line.iter_mut().enumerate() {
+            // Points beyond the grid's size are its first ones: the transform is periodic.
             let folded =
                 |line: &[f64]| line[index] + line.get(index + size).copied().unwrap_or(0.0);
             *value = Complex::new(folded(one), folded(two));
@@ -267,6 +279,8 @@ impl TransformPlan {
         scratch.run(fft);
 
         for k in 0..rows {
+            // The transform of a real line has conjugate values at opposite frequencies, which tells both lines
+            // apart.
             let [a, b] = [scratch.line[k], scratch.line[(size - k) % size].conj()];
             out[k] = (a + b) * 0.5;
             out[rows + k] = (a - b) * Complex::new(0.0, -0.5);
@@ -280,6 +294,7 @@ impl TransformPlan {
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (axis, rows) = (self.axes[1], self.rows());
         let fft = FftPlanner::new().plan_fft_forward(axis.size);
+
         let mut half = zeros(self.axes[0].size * rows);
         let lines = half.par_chunks_mut(rows).enumerate();
         lines.try_for_each_init(
@@ -287,15 +302,20 @@ impl TransformPlan {
             |scratch, (line, out)| {
                 let [re, im] = grid.line(line);
                 for (index, value) in scratch.line.iter_mut().enumerate() {
+                    // Points beyond the grid's size are its first ones, as in `pair_along_y`.
                     let folded = |line: &[f64]| {
                         line[index] + line.get(index + axis.size).copied().unwrap_or(0.0)
                     };
                     *value = Complex::new(folded(re), folded(im));
                 }
+
                 scratch.run(&fft);
+
+                // Only rows of the window are kept.
                 for (value, offset) in out.iter_mut().zip(-axis.below..) {
                     *value = scratch.line[axis.index(offset)];
                 }
+
                 monitor.advance(axis.size as u64)
             },
         )?;
@@ -311,6 +331,7 @@ impl TransformPlan {
         let (axis, columns) = (self.axes[0], self.axes[0].count());
         let factors = axis.factors();
         let fft = FftPlanner::new().plan_fft_forward(axis.size);
+
         let mut values = zeros(self.rows() * columns);
         let blocks = values.par_chunks_mut(TOGETHER * columns).enumerate();
         blocks.try_for_each_init(
@@ -336,6 +357,8 @@ impl TransformPlan {
         let ([axis, other], rows) = (self.axes, self.rows());
         let (columns, start) = (axis.count(), block * TOGETHER);
         let count = out.len() / columns;
+
+        // Several rows are gathered at a time, so that whole cache lines are read.
         for (index, line) in half.chunks_exact(rows).enumerate() {
             for (row, value) in line[start..start + count].iter().enumerate() {
                 scratch.line[row * axis.size + index] = *value;

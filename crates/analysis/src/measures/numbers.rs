@@ -20,13 +20,13 @@ pub struct SetNumber {
     pub short: Option<&'static str>,
     /// Its unit; empty for a number without one.
     pub unit: &'static str,
-    /// Decimals in tables; none for what is counted.
+    /// Decimals in tables; none for counts.
     pub decimals: usize,
     /// What it means, in one or two sentences.
     pub meaning: &'static str,
     /// The part of the measures that it is read from, its cost; `None` if it costs nothing.
     pub needs: Option<Part>,
-    /// Reads it.
+    /// Reads the number from the measures of a set.
     value: fn(&MeasuredSet) -> Option<f64>,
 }
 

@@ -74,19 +74,23 @@ impl Order {
 
     fn of_cells(cells: Vec<CellOrder>) -> Result<Self, MeasureError> {
         let inner: Vec<CellOrder> = (cells.iter().copied())
+            // A border cuts cells: their areas and sides say nothing about the set.
             .filter(|cell| !cell.at_border)
             .collect();
-        let relative_areas = Summary::of(inner.iter().map(|cell| cell.relative_area));
-        let relative_areas = relative_areas.ok_or(MeasureError::TooFew { count: 0, limit: 1 })?;
+        let relative_areas = Summary::of(inner.iter().map(|cell| cell.relative_area))
+            .ok_or(MeasureError::TooFew { count: 0, limit: 1 })?;
+
         let most = inner.iter().map(|cell| cell.sides).max().unwrap_or(0);
         let mut sides = vec![0; most + 1];
         let (mut total, mut magnitudes, mut sum) = (0, 0.0, [0.0; 2]);
+
         for cell in &inner {
             sides[cell.sides] += 1;
             total += cell.sides;
             magnitudes += cell.bond_order[0].hypot(cell.bond_order[1]);
             sum = [0, 1].map(|part| sum[part] + cell.bond_order[part]);
         }
+
         let count = inner.len() as f64;
         Ok(Self {
             cells,
@@ -106,6 +110,7 @@ fn order(cell: &VoronoiCell, mean_area: f64) -> CellOrder {
         let [re, im] = sixth_power((offset / length).to_array());
         sum = [sum[0] + re, sum[1] + im];
     }
+    // A sample at the place of another has no cell and no neighbour.
     let count = cell.neighbors.len().max(1) as f64;
     CellOrder {
         relative_area: cell.area / mean_area,

@@ -36,7 +36,7 @@ const CELLS_ALONG: f64 = 5.0;
 /// The pair correlation of a set.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct PairCorrelation {
-    /// Number of samples.
+    /// How many samples the set has.
     pub samples: usize,
     /// The largest possible minimum distance of so many samples, the unit of the axis.
     pub r_max: f64,
@@ -75,6 +75,7 @@ impl PairCorrelation {
         check_count("bins of g(r)", bins, MAX_BINS)?;
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.5 * region.shorter_side() / r_max;
+        // Up to half the shorter side two samples have one pair of nearest images.
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
 
         let monitor = Monitor::begin(control, points.len() as u64)?;
@@ -106,10 +107,10 @@ impl PairCorrelation {
         let (bin_width, step) = (most / bins, most * r_max * domain.scale / bins);
 
         let count = samples as f64;
+        // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets.
         let density = 0.5 * count * (count - 1.0) / (area * area);
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;
-        let g = weights.iter().enumerate();
-        let g = g.map(|(bin, weight)| weight / (density * ring(bin)));
+        let g = (weights.iter().enumerate()).map(|(bin, weight)| weight / (density * ring(bin)));
         Self {
             samples,
             r_max,
@@ -199,12 +200,16 @@ impl PairSearch<'_> {
             .into_par_iter()
             .map(|part| self.rows(bound(part)..bound(part + 1), monitor))
             .collect::<Result<_, _>>()?;
+
         let mut sum = self.empty();
+        // In sequence, as the rounding of sums depends on it.
         for part in parts {
             sum.add(part);
         }
         sum.counts.pop();
+
         let domain = &self.neighbors.grid.domain;
+        // On a torus all pairs weigh the same: exact counts give the weights.
         if domain.periodic {
             let area = domain.extent.element_product();
             sum.weights = sum
@@ -213,6 +218,7 @@ impl PairSearch<'_> {
                 .map(|count| *count as f64 / area)
                 .collect();
         }
+
         Ok(sum)
     }
 
@@ -241,6 +247,7 @@ impl PairSearch<'_> {
     fn cell(&self, [column, row]: [usize; 2], found: &mut PairSums) {
         let own = self.neighbors.grid.run(row, &(column..column + 1));
         let partners = |run: &[Entry], once: bool| {
+            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one.
             if once && self.is_one_bin([own, run]) {
                 found.counts[0] += own.len() as u64 * run.len() as u64;
             } else if !std::ptr::eq(own, run) {
@@ -270,6 +277,7 @@ impl PairSearch<'_> {
             }
             return;
         }
+
         let starts = (0..own.len()).into_par_iter().step_by(CROWD);
         let chunks = starts.map(|start| {
             let mut part = self.empty();
@@ -315,6 +323,7 @@ impl PairSearch<'_> {
         if !is_crowd || !self.neighbors.grid.domain.periodic {
             return false;
         }
+
         let all = runs.into_iter().flatten().map(|entry| entry.position);
         let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let (low, high) = all.fold(ends, |(low, high), at| (low.min(at), high.max(at)));

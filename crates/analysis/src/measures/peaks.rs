@@ -30,9 +30,11 @@ impl Peaks {
         let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
         let whole = || rings.iter().filter(|ring| ring.len() >= MIN_FREQUENCIES);
         let frequencies: usize = whole().map(Vec::len).sum();
+
         let limit = limit(periodogram.sets as f64, frequencies as f64);
         let ratio = |[length, power]: &[f64; 2]| power / between(&means, *length);
         let ratios: Vec<f64> = whole().flatten().map(ratio).collect();
+
         let above = ratios.iter().filter(|ratio| **ratio > limit).count();
         Self {
             highest: ratios.into_iter().fold(0.0, f64::max),
@@ -62,8 +64,10 @@ fn mean(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
 
 /// Power by linear interpolation and extrapolation of the ring means, since a steep power varies within a ring.
 fn between(means: &[[f64; 2]], length: f64) -> f64 {
-    let after = means.partition_point(|mean| mean[0] <= length);
-    let after = after.min(means.len().saturating_sub(1)).max(1);
+    let after = means
+        .partition_point(|mean| mean[0] <= length)
+        .min(means.len().saturating_sub(1))
+        .max(1);
     match (means.get(after - 1), means.get(after)) {
         (Some(low), Some(high)) => {
             let part = (length - low[0]) / (high[0] - low[0]);

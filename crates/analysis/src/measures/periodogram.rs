@@ -92,6 +92,7 @@ impl Weighed {
         };
         let samples: Vec<Sample> = points.iter().map(sample).collect();
         let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
+
         Self {
             scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
             taper,
@@ -156,13 +157,16 @@ impl Periodogram {
         check_set(points, region, 1)?;
         let plan = TransformPlan::new(window)?;
         let monitor = Monitor::begin(control, plan.work(points.len()))?;
+
         let set = Weighed::new(points, region, taper);
         let transform = plan.run(&set.samples, &monitor)?;
+
         let mut power = vec![0.0; window.columns() * window.rows()];
         let rows = power.par_chunks_mut(window.columns()).enumerate();
         rows.for_each(|(row, powers)| {
             let ky = window.y.start + row as i64;
             for (power, kx) in powers.iter_mut().zip(window.x.clone()) {
+                // Without the mean density, which reaches beyond zero in a tapered set.
                 let k = [kx, ky];
                 *power = set.sum(k, transform.at(k)).norm_sqr() * set.scale;
             }

@@ -17,7 +17,7 @@ const ROWS: i64 = 32;
 pub struct Annulus {
     /// Mean length of its frequencies: where its value belongs on the axis. See [`Periodogram::length`].
     pub frequency: f64,
-    /// Mean power.
+    /// The mean of their powers.
     pub power: f64,
     /// `10 log10(variance / mean^2)` of the power over the annulus, in decibels. For a set without preferred
     /// directions it is about [`anisotropy_reference_db`]. NaN where there are fewer than two pairs of opposite
@@ -59,11 +59,12 @@ impl RadialProfile {
         check_range("the width of an annulus", width, Self::WIDTHS)?;
         let (reach, [most_x, most_y]) = reach(periodogram);
         let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
-        let parts = 0..(most_y / ROWS + 1) as usize;
-        let parts = parts.into_par_iter().map(|part| {
+        let count = (most_y / ROWS + 1) as usize;
+        let parts = (0..count).into_par_iter().map(|part| {
             let mut sums = vec![AnnulusSums::default(); whole];
             let first = part as i64 * ROWS;
             let rows = first..(most_y + 1).min(first + ROWS);
+            // One of each two opposite frequencies, as both have one power.
             for [length, power] in periodogram.half_plane(most_x, rows) {
                 if let Some(sums) = sums.get_mut(annulus_of(length, width)) {
                     sums.add(length, power);
@@ -73,11 +74,13 @@ impl RadialProfile {
         });
 
         let mut annuli = vec![AnnulusSums::default(); whole];
+        // In sequence, as the rounding of sums depends on it.
         for part in parts.collect::<Vec<_>>() {
             for (sums, more) in annuli.iter_mut().zip(part) {
                 sums.merge(more);
             }
         }
+
         Ok(Self {
             annuli: annuli.iter().filter_map(AnnulusSums::annulus).collect(),
             samples: periodogram.samples,
@@ -115,6 +118,7 @@ fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
             -1
         }
     };
+
     [[half(x0, x1), whole_y], [whole_x, half(y0, y1)]]
         .into_iter()
         .filter(|most| most[0] >= 0 && most[1] >= 0)
@@ -193,6 +197,7 @@ impl AnnulusTable {
         let scale = unit_lengths(region);
         let [x_unit, y_unit] = scale;
         let [reach_x, reach_y] = [columns, rows].map(|count| (count * step) as f64);
+
         let whole = annulus_of((reach_x * x_unit).min(reach_y * y_unit), width);
 
         let mut annuli = Vec::with_capacity(columns * rows);
@@ -203,6 +208,7 @@ impl AnnulusTable {
             let row: Vec<f64> = (0..columns).map(length).collect();
 
             let first = annuli.len();
+            // Frequencies beyond the last whole annulus share the index after it, and are left out in the end.
             annuli.extend((row.iter()).map(|length| annulus_of(*length, width).min(whole) as u32));
             for x in half_row(columns, y) {
                 let annulus = annuli[first + x] as usize;
@@ -210,6 +216,7 @@ impl AnnulusTable {
                 lengths[annulus] += row[x];
             }
         }
+
         Self {
             annuli,
             columns,

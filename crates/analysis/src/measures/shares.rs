@@ -181,9 +181,9 @@ fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow
 #[derive(Clone, Copy, Default)]
 struct RingSums {
     frequencies: u64,
-    /// Of `|S|^2`.
+    /// The sum of `|S|^2`.
     squares: f64,
-    /// Of `Re S m`.
+    /// The sum of `Re S m`.
     mean_wave: f64,
 }
 

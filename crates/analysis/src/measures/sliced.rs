@@ -75,6 +75,7 @@ impl SlicedTransform {
         let bands = self.spread.bands();
         if index < bands {
             let count = self.spread.spread_band(index, &mut self.grid);
+            // Lines beyond the last are known once all samples are spread.
             if index + 1 == bands {
                 self.spread.fold(&mut self.grid);
             }
@@ -82,6 +83,7 @@ impl SlicedTransform {
         }
 
         let ([x, y], rows) = (self.plan.axes, self.plan.rows());
+        // Lines along y are transformed two at a time: as they are real, both fit into one complex line.
         let (pair, pairs) = (index - bands, x.size / 2);
         if pair < pairs {
             let out = &mut self.half[pair * 2 * rows..][..2 * rows];

@@ -34,7 +34,7 @@ impl Spectrum {
     pub const MAX_CYCLES: f64 = 1023.0;
     /// Cycles along an axis at least.
     pub const MIN_CYCLES: f64 = 8.0;
-    /// Annuli at most.
+    /// The most annuli that a window is divided into.
     pub const ANNULI: f64 = 150.0;
     /// Cells along the picture at most.
     pub const PICTURE_CELLS: usize = 121;

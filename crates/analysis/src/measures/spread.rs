@@ -70,6 +70,8 @@ impl Tiles {
         let keys: Vec<u32> = (samples.par_iter())
             .map(|sample| key(first_grid_point(sample.at, sizes).0) as u32)
             .collect();
+
+        // A counting sort: samples of a tile keep their sequence.
         let mut starts = vec![0_usize; tiles * bands + 1];
         for &key in &keys {
             starts[key as usize + 1] += 1;
@@ -77,6 +79,7 @@ impl Tiles {
         for tile in 1..starts.len() {
             starts[tile] += starts[tile - 1];
         }
+
         let bands = starts.iter().copied().step_by(tiles).collect();
         Self {
             keys,
@@ -125,7 +128,9 @@ impl<const C: usize> Spread<C> {
             bands,
         } = Tiles::of(samples, sizes);
         let empty = SpreadSample::default();
+        // Within a tile samples keep their sequence, so that sums have one order.
         let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts);
+
         for (sample, key) in samples.iter().zip(keys) {
             let (first, ahead) = first_grid_point(sample.at, sizes);
             let cursor = &mut cursors[key as usize];
@@ -136,6 +141,7 @@ impl<const C: usize> Spread<C> {
             };
             *cursor += 1;
         }
+
         Self {
             kernel: Kernel::new(),
             sizes,
@@ -147,6 +153,8 @@ impl<const C: usize> Spread<C> {
     pub fn run(&self, monitor: &Monitor<'_>) -> Result<SpreadGrid<C>, MeasureError> {
         let mut grid = self.empty_grid();
         monitor.advance(self.samples.len() as u64)?;
+
+        // A band writes on its own lines and those of the next: bands of one parity share none.
         for parity in [0, 1] {
             let band_cells = BAND * C * grid.stride;
             let chunks = grid.cells[parity * band_cells..].par_chunks_mut(2 * band_cells);
@@ -213,6 +221,8 @@ impl<const C: usize> Spread<C> {
                 sample.first[0] as usize - band * BAND,
                 sample.first[1] as usize,
             );
+
+            // Nothing wraps: values beyond the grid go into its margins.
             let lines = &mut cells[line * C * stride..][..WIDTH * C * stride];
             for (lines, factor) in lines.chunks_exact_mut(C * stride).zip(along_x) {
                 for component in 0..C {

@@ -15,17 +15,17 @@ pub(super) const LEVELS: [f64; 2] = [0.01, 0.999_999];
 /// The count, mean, deviation and quartiles of values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Number of values.
+    /// How many values there are.
     pub count: usize,
-    /// Their mean.
+    /// The mean of the values.
     pub mean: f64,
     /// Their standard deviation, with `count - 1` in the denominator; zero for one value.
     pub deviation: f64,
-    /// The smallest.
+    /// The smallest of the values.
     pub least: f64,
     /// The quartiles, interpolated between neighbours; the second is the median.
     pub quartiles: [f64; 3],
-    /// The largest.
+    /// The largest of the values.
     pub most: f64,
 }
 
@@ -35,17 +35,21 @@ impl Summary {
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         let mut average = Average::new(1);
+        // Before they are sorted: sums run in the sequence given.
         for value in &values {
             average.push([*value]);
         }
+
         values.par_sort_unstable_by(f64::total_cmp);
         let (least, most) = (*values.first()?, *values.last()?);
+
         let at = |part: f64| {
             let rank = part * (values.len() - 1) as f64;
             let below = rank.floor() as usize;
             let above = (below + 1).min(values.len() - 1);
             values[below] + (rank - below as f64) * (values[above] - values[below])
         };
+
         let error = average.standard_errors().map_or(0.0, |errors| errors[0]);
         Some(Self {
             count: values.len(),

@@ -102,6 +102,7 @@ impl<'a> CellTile<'a> {
         if own.is_empty() {
             return Ok(Some(Vec::new()));
         }
+
         let mut margin = FIRST_MARGIN;
         loop {
             let Some(view) = self.view(margin) else {
@@ -110,6 +111,7 @@ impl<'a> CellTile<'a> {
             if let Some(cells) = self.seen(&view)? {
                 return Ok(Some(cells));
             }
+            // A cell at a hole depends on samples farther away than the margin shows.
             margin *= 2;
         }
     }
@@ -187,11 +189,13 @@ impl<'a> CellTile<'a> {
             self.grid.domain.extent,
         );
         let [columns, rows] = view.cells.map(|[first, end]| first..end);
+
         let (mut positions, mut own) = (Vec::new(), Vec::new());
         for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
             let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
             let turns = [0, 1].map(|axis| cell[axis].div_euclid(all[axis]) as f64);
             let shift = DVec2::from(turns) * extent - view.low;
+
             let run = self.grid.run(row, &(column..column + 1));
             if self.holds(cell) {
                 own.extend(positions.len()..positions.len() + run.len());

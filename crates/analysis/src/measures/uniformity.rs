@@ -10,17 +10,17 @@ use super::statistics::Average;
 use super::{check_count, check_length, check_range, check_rising, check_set};
 use crate::region::Region;
 
-/// Classes at most.
+/// The most classes that are counted.
 const MAX_CLASSES: usize = 1 << 24;
 
 /// Equal cells of a region as classes, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PositionClasses {
-    /// The region.
+    /// The region that the cells divide.
     pub region: Region,
-    /// Cells along x.
+    /// How many cells lie along x.
     pub columns: usize,
-    /// Cells along y.
+    /// How many cells lie along y.
     pub rows: usize,
 }
 
@@ -137,13 +137,17 @@ impl ClassCounts {
         for share in shares {
             check_range("the share of a class", *share, [0.0, 1.0])?;
         }
+
+        // Shares of areas make up the whole, but for rounding.
         let all: f64 = shares.iter().sum();
         check_range("the sum of the shares", all, [1.0 - 1e-6, 1.0 + 1e-6])?;
+
         let total = counts.iter().sum::<u64>() as f64;
         let expected: Vec<f64> = shares.iter().map(|share| share * total).collect();
         let residuals: Vec<f64> = (counts.iter().zip(&expected))
             .map(|(count, expected)| *count as f64 - expected)
             .collect();
+
         self.residuals.add(&residuals)?;
         for (class, count) in counts.iter().enumerate() {
             self.observed[class] += count;
@@ -168,7 +172,7 @@ impl ClassCounts {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::TooFew`] for no sample, or two classes of which none or one can hold samples;
+    /// [`MeasureError::TooFew`] for no sample, or fewer than two classes that can hold samples;
     /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn uniformity(&self, level: f64) -> Result<Uniformity, MeasureError> {
         check_range("the confidence level", level, [0.01, 0.999_999])?;
@@ -206,13 +210,16 @@ impl ClassCounts {
         let runs = self.runs() as f64;
         let error = match error {
             Some(error) => runs * error,
+            // A single run shows no spread: that of independent samples stands for it.
             None => (expected * (1.0 - expected / samples)).sqrt(),
         };
+
         let freedom = if runs >= 2.0 {
             runs - 1.0
         } else {
             f64::INFINITY
         };
+
         let reach = student_quantile(1.0 - level, freedom) * error / expected;
         let relative = observed as f64 / expected - 1.0;
         Deviation {
@@ -232,18 +239,22 @@ impl ClassCounts {
     pub fn compare(&self, other: &Self) -> Result<ChiSquare, MeasureError> {
         check_length("classes", other.observed.len(), self.observed.len())?;
         let totals = [self, other].map(|counts| counts.observed.iter().sum::<u64>() as f64);
+
         let (mut sum, mut classes) = (0.0, 0);
         for (a, b) in self.observed.iter().zip(&other.observed) {
             let [a, b] = [*a as f64, *b as f64];
+            // A class that is empty in both does not show their difference.
             if a + b > 0.0 {
                 classes += 1;
                 sum += (a * totals[1] - b * totals[0]).powi(2) / (a + b);
             }
         }
+
         if totals.contains(&0.0) || classes < 2 {
             let count = classes;
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
+
         let chi_square = sum / (totals[0] * totals[1]);
         Ok(ChiSquare::new(
             chi_square,
@@ -259,11 +270,11 @@ impl ClassCounts {
 pub struct Uniformity {
     /// Samples of all runs.
     pub samples: u64,
-    /// Runs.
+    /// How many runs were counted.
     pub runs: u64,
     /// The test against uniform shares.
     pub chi_square: ChiSquare,
-    /// Each class.
+    /// The deviation of each class.
     pub deviations: Vec<Deviation>,
 }
 
@@ -283,7 +294,7 @@ impl Uniformity {
 pub struct Deviation {
     /// Samples in the class.
     pub observed: u64,
-    /// Samples expected.
+    /// How many samples a uniform process would have there.
     pub expected: f64,
     /// `observed / expected - 1`; NaN for a class without area and samples.
     pub relative: f64,
@@ -295,9 +306,9 @@ pub struct Deviation {
 /// Pearson's chi-square with its effect size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChiSquare {
-    /// The statistic.
+    /// The value of Pearson's chi-square.
     pub statistic: f64,
-    /// Degrees of freedom.
+    /// How many degrees of freedom it has.
     pub freedom: usize,
     /// Probability of at least this statistic if samples were independent and the shares as expected.
     /// Samples that keep a distance spread less than independent ones over classes wider than that

@@ -10,9 +10,9 @@ use super::nufft::TransformPlan;
 /// A rectangle of integer frequencies, in cycles per extent of the region.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrequencyWindow {
-    /// Frequencies along x.
+    /// The frequencies along x, without the end of the range.
     pub x: Range<i64>,
-    /// Frequencies along y.
+    /// The frequencies along y, without the end of the range.
     pub y: Range<i64>,
 }
 

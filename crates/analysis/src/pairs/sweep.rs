@@ -44,10 +44,12 @@ pub(super) fn search(
     monitor: &Monitor<'_>,
 ) -> Result<Pairs, VerifyError> {
     let mut samples = grid.entries().to_vec();
+    // At equal places the index decides, so that the sweep has one sequence.
     samples.sort_unstable_by(|a, b| {
         let [x, y] = [0, 1].map(|axis| a.position[axis].total_cmp(&b.position[axis]));
         x.then(y).then(a.id.cmp(&b.id))
     });
+
     let mut sweep = Sweep {
         grid,
         radius,
@@ -130,17 +132,19 @@ impl Sweep<'_> {
         let entry = self.samples[index];
         let periods = self.grid.domain.periods();
         let reach = self.reach();
-        // Pairs at one place are all alike: as many as there are witnesses will do.
+        // Pairs at one place are all alike: one for each witness will do.
         let most = if reach == 0.0 {
             self.witnesses
         } else {
             usize::MAX
         };
+
         for range in stretches(entry.position[1], reach * SLACK, periods[1]) {
             let range = (*range.start(), 0)..=(*range.end(), u32::MAX);
             for &(_, other) in self.behind.range(range).take(most) {
                 let partner = &self.samples[other as usize];
                 let direct = (partner.position[0] - entry.position[0]).abs();
+                // Around the torus a pair would be met from both of its samples.
                 let ahead = !around || other as usize > index;
                 if ahead && (direct + direct > periods[0]) == around {
                     let distance = length(offset(periods, &entry, partner));

@@ -8,7 +8,7 @@ pub enum SquaresError {
     /// A side of the region is not positive.
     #[error("the region has a side of {side} units; at least 1 is needed")]
     Side {
-        /// The side given.
+        /// The length of that side, in units.
         side: i32,
     },
     /// A radius is not positive, or too large.
@@ -22,9 +22,9 @@ pub enum SquaresError {
         "the shorter side of the periodic region has {side} units; more than twice the largest radius, {radius}, are needed"
     )]
     Period {
-        /// The shorter side.
+        /// The length of the shorter side, in units.
         side: i32,
-        /// The largest radius.
+        /// The largest radius of the region, in units.
         radius: i32,
     },
     /// The pitch of a field or of a mask is too large.
@@ -38,7 +38,7 @@ pub enum SquaresError {
         "the periodic region has a side of {side} units, which is no multiple of the pitch, 2^{bits} units"
     )]
     UnevenPitch {
-        /// The side.
+        /// The length of that side, in units.
         side: i32,
         /// The binary logarithm of the pitch.
         bits: u32,
@@ -48,7 +48,7 @@ pub enum SquaresError {
         "{given} nodes in rows of {columns} are given; {needed_columns} x {needed_rows} are needed"
     )]
     Nodes {
-        /// Nodes given.
+        /// How many nodes are given.
         given: usize,
         /// Nodes of a row given.
         columns: usize,
@@ -60,7 +60,7 @@ pub enum SquaresError {
     /// The pixels of a mask are no whole rows.
     #[error("{pixels} pixels are no rows of {columns}")]
     Mask {
-        /// Pixels given.
+        /// How many pixels are given.
         pixels: usize,
         /// Pixels of a row given.
         columns: usize,
@@ -68,17 +68,17 @@ pub enum SquaresError {
     /// A ring has no inside.
     #[error("ring {ring} has {corners} corners; at least 3 are needed")]
     Ring {
-        /// Its index.
+        /// The index of the first such ring.
         ring: usize,
-        /// Its corners.
+        /// How many corners it has.
         corners: usize,
     },
     /// There are more samples than 32-bit indices can name.
     #[error("{count} samples exceed the limit of {limit}")]
     TooMany {
-        /// Samples given.
+        /// How many samples are given.
         count: usize,
-        /// Samples allowed.
+        /// How many samples are allowed.
         limit: usize,
     },
     /// A sample lies outside the domain; there is no tolerance.
@@ -86,7 +86,7 @@ pub enum SquaresError {
     Outside {
         /// Index of the first such sample.
         index: usize,
-        /// Its place.
+        /// The place of that sample.
         place: [i32; 2],
     },
     /// The control function asked to stop.

@@ -19,7 +19,7 @@ pub(super) struct RadiusRange {
     pub greatest: i64,
 }
 
-/// Radii at nodes.
+/// Radii at nodes, with bilinear ones between them.
 #[derive(Clone, Debug)]
 pub(super) struct NodeTable {
     /// A cell of four nodes is 2^`bits` units wide.
@@ -53,6 +53,7 @@ impl RadiusTable {
                 nodes,
             } => (pitch_bits, columns, nodes),
         };
+
         if pitch_bits > MAX_PITCH_BITS {
             return Err(SquaresError::Pitch { bits: pitch_bits });
         }
@@ -65,6 +66,7 @@ impl RadiusTable {
             let bits = pitch_bits;
             return Err(SquaresError::UnevenPitch { side, bits });
         }
+
         let cells = sides.map(|side| ((side - 1) >> pitch_bits) as usize + 1);
         let [needed_columns, needed_rows] = cells.map(|cells| cells + usize::from(!wraps));
         if columns != needed_columns || nodes.len() != needed_columns * needed_rows {
@@ -77,6 +79,7 @@ impl RadiusTable {
         }
 
         let node = |row: usize, column: usize| {
+            // A periodic region has its first nodes again at the end.
             nodes[(row % needed_rows) * columns + column % needed_columns]
         };
         let rows = 0..=cells[1];
@@ -134,7 +137,9 @@ impl NodeTable {
             nodes,
             levels: Vec::new(),
         };
+
         let mut below = cells;
+        // Up to one block of all, so that every square lies within a block.
         while below != [1, 1] {
             let [columns, rows] = below.map(|count| count.div_ceil(2));
             let mut ranges = Vec::with_capacity(columns * rows);
@@ -143,6 +148,7 @@ impl NodeTable {
                     ranges.push(table.joined(2 * row, 2 * column, below));
                 }
             }
+
             table.levels.push(BlockLevel { columns, ranges });
             below = [columns, rows];
         }
@@ -213,6 +219,7 @@ impl NodeTable {
             let [least, greatest] = self.around(0, 0).map(i64::from);
             return RadiusRange { least, greatest };
         };
+
         let rows = level.ranges.len() / level.columns;
         let shift = self.bits + size as u32;
         let column = ((min[0] >> shift) as usize).min(level.columns - 1);

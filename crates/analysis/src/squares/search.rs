@@ -64,7 +64,7 @@ pub(super) fn search(
     })
 }
 
-/// What was found in some tiles.
+/// The findings in some tiles.
 struct TileFindings {
     conflicts: u64,
     worst: Worst<Conflict>,
@@ -117,6 +117,7 @@ impl SampleTiles {
         let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
         let most = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
         let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most as u64;
+        // The smallest tiles of which there are not too many.
         let bits = (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS);
         let [columns, rows] = counts(bits).map(|count| count as usize);
 
@@ -128,11 +129,13 @@ impl SampleTiles {
         for tile in 0..columns * rows {
             starts[tile + 1] += starts[tile];
         }
+
         let mut next = starts.clone();
         let nowhere = TileSample {
             place: [0; 2],
             index: 0,
         };
+
         let mut entries = vec![nowhere; samples.len()];
         for (index, &place) in samples.iter().enumerate() {
             let slot = &mut next[tile_of(place)];
@@ -283,6 +286,7 @@ impl<'a> TileSearch<'a> {
             bits: self.bits,
         };
         let span = self.span(&tile);
+        // No place of the tile is to be covered, and no sample lies in it.
         if self.judge.shape.share(span, self.bits) == Share::Nothing {
             return;
         }
@@ -309,7 +313,9 @@ impl<'a> TileSearch<'a> {
             min: span.min.map(|value| value - reach),
             max: span.max.map(|value| value + reach),
         };
+
         let [width, height] = [judge.region.width, judge.region.height].map(i64::from);
+        // A reach is shorter than a period, so that images one period away suffice.
         let images = match judge.region.boundary {
             Boundary::Periodic => [-1, 0, 1].as_slice(),
             Boundary::Bounded => &[0],
@@ -371,18 +377,22 @@ impl<'a> TileSearch<'a> {
         if share == Share::Nothing {
             return false;
         }
+
         self.findings.squares += 1;
         let range = self.judge.radii.range(span, square.bits);
         let Some(list) = self.list(square, &span, range, near) else {
             return false;
         };
 
+        // Where a part of the square may be outside of the domain, it is cut until one of its places is known to be
+        // inside.
         let is_hole = list.all().is_empty() && share == Share::Everything;
         if is_hole || square.bits == 0 {
             self.report_uncovered(&span);
             self.lists.truncate(list.first);
             return true;
         }
+
         let mut found = false;
         for quarter in square.quarters() {
             // Along the rim of a hole are thousands of uncovered places: in a square that one sample could cover, the first
@@ -412,15 +422,18 @@ impl<'a> TileSearch<'a> {
             min: [0, 1].map(|axis| span.min[axis] - self.corner[axis]),
             max: [0, 1].map(|axis| span.max[axis] - self.corner[axis]),
         };
+
         for index in near.all() {
             let sample = self.lists[index];
             let radius = i64::from(sample.radius);
             let [nearest, farthest] = sample.distances(&offset);
             if is_near(farthest, radius, range.least) {
+                // The square is settled here, so that its conflicts are found here, too.
                 self.find_conflicts(own, near);
                 return None;
             }
             let is_own = index < near.outside && square.holds(&sample);
+            // Its own samples are listed already.
             if !is_own && is_near(nearest, radius, range.greatest) {
                 self.lists.push(sample);
             }

@@ -46,10 +46,12 @@ impl ShapeIndex {
                 if *pitch_bits > MAX_PITCH_BITS {
                     return Err(SquaresError::Pitch { bits: *pitch_bits });
                 }
+
                 if *columns == 0 || pixels.is_empty() || pixels.len() % columns != 0 {
                     let (pixels, columns) = (pixels.len(), *columns);
                     return Err(SquaresError::Mask { pixels, columns });
                 }
+
                 Ok(Self::Mask(Pixels::new(*pitch_bits, *columns, pixels)))
             }
         }
@@ -151,9 +153,10 @@ impl EdgeRows {
         let wanted = (edges.len() as i64).clamp(1, MAX_BANDS);
         let bits = (0..32).find(|bits| height >> bits < wanted).unwrap_or(32);
         let mut bands = vec![Vec::new(); (height >> bits) as usize + 1];
+
         for (index, edge) in edges.iter().enumerate() {
             let [low, high] = edge.ends(1);
-            // Bands outside of the region are asked about by nobody.
+            // No place outside of the region is asked about.
             if high >= 0 && low <= height {
                 let [first, last] = [low.max(0), high.min(height)].map(|y| (y >> bits) as usize);
                 for band in &mut bands[first..=last] {
@@ -161,6 +164,7 @@ impl EdgeRows {
                 }
             }
         }
+
         Self { bits, edges, bands }
     }
 

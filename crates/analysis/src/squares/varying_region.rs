@@ -88,10 +88,12 @@ impl VaryingRegion {
     ) -> Result<Report, VerifyError> {
         check_choice(options.judges)?;
         check_points(points, self.region)?;
+
         let samples: Vec<[i32; 2]> = points.iter().map(|&p| self.lattice_point(p)).collect();
-        let found = self.judge.judge(&samples, options.witnesses, control);
-        let found = found.map_err(|error| match error {
+        let judged = self.judge.judge(&samples, options.witnesses, control);
+        let found = judged.map_err(|error| match error {
             SquaresError::Cancelled => VerifyError::Cancelled,
+            // Named as the caller gave it, not as a lattice point.
             SquaresError::Outside { index, .. } => VerifyError::OutOfShape {
                 index,
                 point: points[index],
@@ -118,6 +120,7 @@ impl VaryingRegion {
         let units = self.units();
         let places = found.uncovered_places.iter().map(|uncovered| {
             let center = [0, 1].map(|axis| f64::from(uncovered.place[axis]) * units[axis]);
+            // Among all samples, as only a few places are listed.
             let distances = points.iter().map(|&point| self.distance(point, center));
             Gap {
                 center,
@@ -139,6 +142,7 @@ impl VaryingRegion {
             gaps: found.uncovered,
             worst_gaps: places.collect(),
             min_distance,
+            // Squares tell whether a place is covered, not how far its nearest sample is.
             covering_radius: f64::INFINITY,
             density: count as f64 * self.radius * self.radius / area,
             relative_radius: min_distance / r_max,

@@ -193,7 +193,7 @@ impl Bands {
                 self.next = self.held.len() + search.band.samples;
             }
 
-            // Judging has dropped rows. What is left cannot be judged yet.
+            // Judging has dropped rows. The rest cannot be judged yet.
             let cells = (complete - self.keep).saturating_mul(search.cells[0]);
             if cells > MAX_CELLS {
                 return Err(self.too_large(search));
@@ -220,8 +220,10 @@ impl Bands {
         complete: usize,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
+        // The lowest row of a torus stays open to the end.
         let first = self.keep.max(search.first_pairs());
         let count = complete - first;
+
         let parts = [&self.held[..], &[]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         check_crowd(&grid)?;
@@ -289,8 +291,10 @@ impl Bands {
         let wanted = (self.postponed.iter())
             .map(|visit| visit.wants.start.max(0) as usize)
             .fold(self.closed.saturating_sub(BELOW), usize::min);
+        // Rows below it are dropped already, so that it never falls.
         self.keep = self.keep.max(wanted);
         let (keep, seam) = (self.keep, &mut self.seam);
+
         self.held.retain(|entry| {
             let row = search.row(entry.position[1]);
             // The last rows of a torus will need its first ones.

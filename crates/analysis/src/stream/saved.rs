@@ -66,6 +66,7 @@ impl StreamVerifier {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
+
         let state = SavedState {
             layout: LAYOUT,
             search: SavedSearch::of(self),
@@ -74,6 +75,7 @@ impl StreamVerifier {
             bands: &self.bands,
             circles: &self.circles,
         };
+
         let failed = |_| bad("it cannot be written");
         let mut bytes = postcard::to_stdvec(&state).map_err(failed)?;
         bytes.extend_from_slice(&checksum(&bytes).to_le_bytes());

@@ -39,6 +39,7 @@ impl Drawn {
             let pieces = border
                 .map(|&part| Piece::Line(part))
                 .chain([Piece::Arc(run)]);
+
             for piece in pieces {
                 if !*self.mark(piece) {
                     loops.push(self.chain(runs, piece, shift));
@@ -96,7 +97,9 @@ impl Runs<'_> {
             angle += from.perp_dot(to).atan2(from.dot(to)).max(0.0);
             last = to;
         }
+
         let from_angle = last.to_angle();
+        // All around, the angles add up to a turn, but for rounding.
         let turn = if self.list[run].closed { TAU } else { angle };
         Edge::Arc {
             sample,

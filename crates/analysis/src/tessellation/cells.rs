@@ -47,6 +47,7 @@ impl Cells {
         let (mut sides, mut starts) = (Vec::with_capacity(6 * samples.len()), vec![0]);
         for (cell, polygon) in window.polygons.iter().enumerate() {
             let corners = clipped(polygon, domain, samples[cell]);
+            // Sides shorter than `same` are rounding: cocircular samples share one corner.
             sides.extend(without_short(&corners, same).map(|corner| Side {
                 cell,
                 from: corner.at,
@@ -154,6 +155,7 @@ impl Cells {
             sample: cell as u32,
             shift: -beyond.shift,
         };
+
         let sides = self.of(other);
         if sides.len() > MANY_SIDES {
             return of_many.get(&(other, back)).copied();

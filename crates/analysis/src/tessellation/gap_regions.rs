@@ -29,9 +29,9 @@ pub enum Edge {
     },
     /// Part of the border of a bounded domain.
     Line {
-        /// The start.
+        /// Where it begins, with the gap on its left.
         from: DVec2,
-        /// The end.
+        /// Where it ends, going along the gap.
         to: DVec2,
     },
 }
@@ -42,7 +42,7 @@ pub enum Edge {
 /// goes around the domain meets itself a period further on.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct GapRegion {
-    /// Its area.
+    /// The area of the part.
     pub area: f64,
     /// The loops of its border, each with the gap on its left: the outer one and one for each island.
     pub boundary: Vec<Vec<Edge>>,
@@ -233,6 +233,7 @@ impl<'a> Runs<'a> {
                     continue;
                 };
                 let other = self.run_of[other];
+                // A gap around the torus meets its runs again, a period on: the first copy stays.
                 if !seen[other] {
                     seen[other] = true;
                     members.push((other, shift + by));
@@ -258,6 +259,7 @@ impl<'a> Runs<'a> {
             radius: cells.radius,
             period: cells.domain.periodic.then_some(cells.domain.extent),
         };
+        // A sample may have several runs in one gap.
         gap.sites.sort_unstable();
         gap.sites.dedup();
 
@@ -330,10 +332,12 @@ impl GapRegion {
         user(&mut self.deepest.0);
         self.deepest.1 /= scale;
         self.fill.iter_mut().flatten().for_each(user);
+
         for strip in &mut self.strips {
             let places = [&mut strip.center, &mut strip.from, &mut strip.to];
             places.into_iter().for_each(user);
         }
+
         for edge in self.boundary.iter_mut().flatten() {
             match edge {
                 Edge::Arc { center, .. } => user(center),

@@ -6,7 +6,7 @@ use glam::{DVec2, IVec2};
 use super::cells::Cells;
 use crate::cover::circle::circumcircle;
 
-/// A Delaunay triangle.
+/// A Delaunay triangle with its empty circle.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Triangle {
     /// Its samples, by index.

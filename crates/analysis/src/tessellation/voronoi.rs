@@ -61,12 +61,16 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         at_border: false,
         reach: [DVec2::ZERO; 2],
     };
+
     for side in cells.of(index) {
         let [from, to] = cells.ends(side).map(|end| end - sample);
+        // Triangles between the sample and its sides make up the cell.
         found.area += 0.5 * from.perp_dot(to) / (scale * scale);
         let radius = cells.sides[side].reach;
+        // The empty circle about the corner at which the side begins.
         found.reach[0] = found.reach[0].min((from - radius) / scale);
         found.reach[1] = found.reach[1].max((from + radius) / scale);
+
         match cells.sides[side].beyond {
             Some(seen) => {
                 let other = cells.shifted(cells.samples[seen.sample as usize], seen.shift);
