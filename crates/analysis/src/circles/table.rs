@@ -44,7 +44,6 @@ pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
     } else {
         open.rotate_right(first)
     };
-
     let mut at = if mask == 0 { 0 } else { first };
 
     std::iter::from_fn(move || {

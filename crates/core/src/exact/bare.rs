@@ -118,6 +118,7 @@ impl MarkedCells {
                     centre.y.saturating_add(R + 1).min(sources.max.y),
                 ),
             };
+            // The disk lies beside the piece.
             if box_around.width() <= 0 || box_around.height() <= 0 {
                 continue;
             }

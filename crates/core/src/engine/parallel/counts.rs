@@ -68,7 +68,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for block in &self.blocks {
             let min = block.rect.min;
             let is_inside = Rect64::from(window).contains(min);
-            // A far corner does not fit 32 bits, but one inside of the window does.
+            // A far corner may not fit 32 bits, but one inside of the window does.
             counts.blocks += u64::from(is_inside && counted(min.x as i32, min.y as i32));
         }
 

@@ -373,6 +373,7 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     const UNSIGNED: i32 = i32::MAX >> (CELL_BITS - 1);
     let [a, b, c] = [slots[first], slots[first + 1], slots[first + 2]];
 
+    // Lanes of the left cell, which begins R before the middle one, and then lanes of that.
     let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
     let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
     let two = i32x8::simd_from(simd, packed);

@@ -86,11 +86,13 @@ fn samples_of_window<M: WindowMaker>(
         .iter()
         .flat_map(|part| pieces(part, M::MAX_SIDE << CELL_BITS))
         .collect();
+
     let compute = |part: &Rect| {
         let mut found = WindowSamples::default();
         maker.fill(part, false, &mut found)?;
         Ok(found.points)
     };
+    // One piece is in canonical order already.
     if let [part] = parts.as_slice() {
         return compute(part);
     }
@@ -101,11 +103,13 @@ fn samples_of_window<M: WindowMaker>(
         done: done as u64,
         total,
     };
+
     let mut points = Vec::new();
     for part in compute_each(&parts, observer, progress, |part, _| compute(part))? {
         points.append(&mut part?);
     }
     Meter::resume(observer, stage, total, total)?;
+    // Pieces lie side by side, so that each has a part of a row.
     points.par_sort_unstable_by_key(|p| p.canonical());
     Ok(points)
 }
@@ -117,13 +121,17 @@ pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
     let spans = [0, 1].map(|axis| {
         let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
         if !domain.is_periodic() {
+            // The plane ends at a closed border.
             return vec![(low.max(0), high.min(end))];
         }
+        // No place of the domain is shown twice.
         let high = high.min(low + end);
+        // Moved by whole sides, the window begins in the domain. A part beyond the end lies at the beginning again.
         let shift = low.div_euclid(end) * end;
         let (low, high) = (low - shift, high - shift);
         vec![(0, high - end), (low, high.min(end))]
     });
+
     let mut parts = Vec::new();
     for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
         for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
