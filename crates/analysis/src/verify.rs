@@ -91,13 +91,13 @@ pub fn verify(
     let asked = (points.len(), region, radius, options.covering_tolerance);
     let report = |found: Findings| Report::new(asked, domain.scale, found);
 
-    let circles = if by_circles {
+    let judged = if by_circles {
         // A set that this judge declines goes to the first one, asked or not.
         circles::search(points, &question, &monitor)?.ok()
     } else {
         None
     };
-    let circles = circles.map(|found| report(found.findings(options.witnesses)));
+    let circles = judged.map(|found| report(found.findings(options.witnesses)));
 
     match circles {
         Some(circles) if !by_delaunay => Ok(circles),

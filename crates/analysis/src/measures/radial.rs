@@ -197,7 +197,6 @@ impl AnnulusTable {
         let scale = unit_lengths(region);
         let [x_unit, y_unit] = scale;
         let [reach_x, reach_y] = [columns, rows].map(|count| (count * step) as f64);
-
         let whole = annulus_of((reach_x * x_unit).min(reach_y * y_unit), width);
 
         let mut annuli = Vec::with_capacity(columns * rows);

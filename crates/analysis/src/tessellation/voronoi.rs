@@ -66,8 +66,9 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         let [from, to] = cells.ends(side).map(|end| end - sample);
         // Triangles between the sample and its sides make up the cell.
         found.area += 0.5 * from.perp_dot(to) / (scale * scale);
-        let radius = cells.sides[side].reach;
+
         // The empty circle about the corner at which the side begins.
+        let radius = cells.sides[side].reach;
         found.reach[0] = found.reach[0].min((from - radius) / scale);
         found.reach[1] = found.reach[1].max((from + radius) / scale);
 
