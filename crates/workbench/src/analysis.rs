@@ -45,7 +45,7 @@ pub struct Analysis {
     pub reference: Reference,
     /// The file that moments are compared with.
     pub reference_file: Option<Arc<ReferenceFile>>,
-    /// The brush.
+    /// The range of frequencies or distances whose causes are looked for; `None` without a brush.
     pub brush: Option<Brush>,
     /// The causes of the brush.
     pub marks: Marks,

@@ -40,25 +40,34 @@ impl Appearance {
     pub(crate) fn apply(&mut self, command: AppearanceCommand, stage: Option<Stage>) {
         match command {
             AppearanceCommand::ToggleLayer(layer) => {
+                // From one switch on, all layers stay as they are. If the others went on following the stage, a user could not
+                // predict what the next stage shows.
                 let mut layers = self.layers(stage);
                 layers.toggle(layer);
                 self.chosen_layers = Some(layers);
             }
             AppearanceCommand::AutomaticLayers => self.chosen_layers = None,
+
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
+
             AppearanceCommand::Look(look) => self.choose_look(look),
+            // The key that enters projector mode leaves it, too.
             AppearanceCommand::ToggleProjector => self.choose_look(match self.look {
                 look if look.is_projector() => self.look_before,
                 _ => Look::Projector,
             }),
+
             AppearanceCommand::Curve(number) => self.curve.number = number,
             AppearanceCommand::CurveHeight(height) => {
+                // Scripts can give any height.
                 let number = self.curve.number;
                 self.curve = ShownCurve { number, height }.within_limits();
             }
+
             AppearanceCommand::ToggleFollow => self.follows_events = !self.follows_events,
             AppearanceCommand::ToggleReducedMotion => {
+                // A choice counts from now on, whatever the system prefers.
                 self.reduced_motion = !self.reduced_motion;
                 self.motion_chosen = Some(self.reduced_motion);
             }

@@ -36,7 +36,7 @@ impl Arrangement {
         Self::with_room(size, look, ROOM_FOR_TILES)
     }
 
-    /// Returns the arrangement of what is left of a window beside a lesson or the list of lessons, likewise.
+    /// Returns the arrangement of the room that a lesson or the list of lessons leaves of a window, likewise in screen points.
     #[must_use]
     pub fn beside_lesson(size: Vec2, look: Look) -> Self {
         Self::with_room(size, look, ROOM_BESIDE_LESSON)

@@ -9,7 +9,7 @@ use std::ops::Range;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
-    /// One event.
+    /// A tick is one event.
     Event,
     /// Consecutive events that execute one line of pseudocode.
     Line,
@@ -21,10 +21,10 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// Every clock.
+    /// Every clock, from the finest to that of the GPU's passes.
     pub const ALL: [Self; 4] = [Self::Event, Self::Line, Self::Stage, Self::Pass];
 
-    /// Returns its name.
+    /// Returns the name that the window and files show.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -89,7 +89,7 @@ impl Playback {
         self.left_secs.is_some()
     }
 
-    /// Sets the clock.
+    /// Sets the clock, and keeps the one to return to when there are no passes.
     pub const fn choose(&mut self, clock: Clock) {
         self.without_passes = self.clock_of_events();
         self.clock = clock;
@@ -103,12 +103,12 @@ impl Playback {
         }
     }
 
-    /// Starts playing.
+    /// Starts playing: the first tick is due after the time of one.
     pub fn start(&mut self) {
         self.left_secs = Some(self.tick_secs());
     }
 
-    /// Stops playing.
+    /// Stops playing; clock and speed stay.
     pub const fn stop(&mut self) {
         self.left_secs = None;
     }
@@ -168,6 +168,8 @@ impl Course {
         let (mut from, mut sum) = (0, 0.0);
         let mut ends: Vec<(usize, f64)> = Vec::new();
         for end in stage_ends {
+            // By the logarithm, eighteen splits can be seen and thousands of clips have an end. 2 is added, as a stage without
+            // events takes time, too.
             sum += ((end.saturating_sub(from) + 2) as f64).ln();
             ends.push((end, sum));
             from = end;

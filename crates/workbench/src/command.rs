@@ -78,9 +78,9 @@ pub enum DebugCommand {
     Condition(usize, String),
     /// Enables or disables a breakpoint.
     Enable(usize, bool),
-    /// Removes a breakpoint.
+    /// Removes the breakpoint of this index.
     RemoveBreakpoint(usize),
-    /// Watches an expression.
+    /// Adds a watched expression, as typed.
     Watch(String),
     /// Changes a watched expression.
     EditWatch(usize, String),
@@ -116,7 +116,7 @@ pub enum FormCommand {
     Count(String),
     /// Types how many samples nested levels are to have exactly; nothing if their radius decides.
     Exactly(String),
-    /// Chooses a parameter.
+    /// Chooses a value from a list of options.
     Choose(Choice),
     /// Sets all parameters to those of a preset.
     Preset(Preset),
@@ -149,7 +149,7 @@ pub enum AppearanceCommand {
     Colour(Colouring),
     /// Changes between the light and the dark theme.
     ToggleTheme,
-    /// Chooses a look.
+    /// Chooses the light or dark look, or a projector's.
     Look(Look),
     /// Enters the projector mode, or returns to the look before it.
     ToggleProjector,
@@ -245,7 +245,7 @@ pub enum Which {
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinkCommand {
-    /// Copies a link to what is shown to the clipboard.
+    /// Copies to the clipboard a link to the run, moment and view that are shown.
     Copy,
     /// Opens a link: a fragment of an address, or a whole one.
     Open(String),
@@ -257,7 +257,7 @@ pub enum LinkCommand {
 pub enum Command {
     /// Changes the input of the next run.
     Form(FormCommand),
-    /// Chooses the engine.
+    /// Chooses the engine, or names the GPU adapter.
     Gpu(GpuCommand),
     /// Samples with the parameters of the panel.
     Run,
@@ -265,7 +265,7 @@ pub enum Command {
     Combine(CombineCommand),
     /// Cancels the sampling of a run.
     Cancel(Which),
-    /// Moves in time.
+    /// Moves in time, or changes how playback goes.
     Time(TimeCommand),
     /// Makes, changes and shows scenes.
     Scene(SceneCommand),
@@ -283,11 +283,11 @@ pub enum Command {
     Window(WindowCommand),
     /// Runs the passes of the session's parameters on the GPU, to inspect them.
     OpenPasses,
-    /// Changes what is shown of the passes.
+    /// Changes the view of the passes.
     Passes(PassCommand),
     /// Changes the comparison of two runs.
     Compare(CompareCommand),
-    /// Changes the analysis.
+    /// Stops or resumes measuring, removes the reference file, or sets the brush.
     Analysis(AnalysisCommand),
     /// Opens and saves sessions, layouts and point sets.
     File(FileCommand),
@@ -297,9 +297,9 @@ pub enum Command {
     Link(LinkCommand),
     /// Undoes the last change of parameters, run or layout.
     Undo,
-    /// Redoes what was undone last.
+    /// Redoes the change that was undone last.
     Redo,
-    /// Closes the notice.
+    /// Closes the notice, whatever it says.
     DismissNotice,
     /// Opens a folder in the system's file manager.
     OpenFolder(std::path::PathBuf),

@@ -62,7 +62,7 @@ pub enum ComparePreset {
 }
 
 impl ComparePreset {
-    /// Every one.
+    /// Every preset, in the sequence of the menu.
     pub const ALL: [Self; 9] = [
         Self::NextSeed,
         Self::Search,
@@ -75,7 +75,7 @@ impl ComparePreset {
         Self::Typed,
     ];
 
-    /// Returns its name.
+    /// Returns the name, which completes "Compare with".
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -96,7 +96,9 @@ impl ComparePreset {
     pub fn parameters(self, first: &Parameters, typed: &Parameters) -> Parameters {
         let mut second = *first;
         match self {
+            // The seed after the largest one is 0.
             Self::NextSeed => second.seed = first.seed.wrapping_add(1),
+
             Self::Search => {
                 second.search = match first.search {
                     Search::Complete => Search::TwoRadii,
@@ -111,6 +113,7 @@ impl ComparePreset {
             }
             Self::Order => {
                 second.order = match first.order {
+                    // Any other order is compared with the one that runs have by default.
                     Order::OwnBlockFirst => Order::Index,
                     _ => Order::OwnBlockFirst,
                 }
@@ -122,6 +125,7 @@ impl ComparePreset {
                 }
             }
             Self::Method => {
+                // Exact tiling clips from the same pattern, so that only seams differ.
                 second = match first.method {
                     TilingMethod::Kdrt => first.as_exact(),
                     TilingMethod::Exact => Parameters {
@@ -131,9 +135,12 @@ impl ComparePreset {
                 }
             }
             Self::Leaf => second.leaf = 2.0 * first.leaf,
+
+            // All engines give the same points: only the engine itself changes.
             Self::Engine => {}
             Self::Typed => second = *typed,
         }
+
         second
     }
 }

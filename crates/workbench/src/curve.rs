@@ -43,7 +43,7 @@ impl CurveNumber {
         Self::all().find(|number| number.key() == key)
     }
 
-    /// Returns its key.
+    /// Returns its key in the catalogue, by which links and files keep it.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.0.key
@@ -192,12 +192,15 @@ impl Task for CurveTask {
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let course = Arc::new(course_of(&self.session));
-        let maker = CurveMaker::new(course, &[self.number.row()], None);
-        let mut maker = maker.map_err(|error| error.to_string())?;
+        let mut maker = CurveMaker::new(course, &[self.number.row()], None)
+            .map_err(|error| error.to_string())?;
+
+        // In slices, as only between two of them it can be seen that the curve is no longer wanted.
         loop {
             if maker.proceed(SLICE).map_err(|error| error.to_string())? {
                 break;
             }
+
             let [done, all] = maker.progress();
             monitor.set_fraction(done as f32 / all as f32);
             if monitor.is_cancelled() {
@@ -284,6 +287,7 @@ impl RunCurve {
         let wanted = number.map(|number| (session.generation, number));
         if self.of != wanted {
             self.of = wanted;
+            // Both are known before any work begins: a session without measurable moments gives its reason at once.
             self.making = match (number, refusal(session)) {
                 (None, _) => Making::Nothing,
                 (Some(_), Some(why)) => Making::Failed(why),
@@ -293,6 +297,7 @@ impl RunCurve {
                 }
             };
         }
+
         if let Making::Begun(job) = &self.making
             && let Some(outcome) = job.poll()
         {

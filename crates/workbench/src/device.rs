@@ -15,15 +15,15 @@ pub enum EngineChoice {
     /// Chosen by the program: the CPU, or on a page a GPU that passed its test.
     #[default]
     Auto,
-    /// The CPU.
+    /// The CPU, also where there is a GPU.
     Cpu,
-    /// The GPU.
+    /// The GPU, once it has passed its test.
     Gpu,
 }
 
 /// A device that was opened, and its test.
 pub struct Tried {
-    /// The device.
+    /// The device, ready to compute.
     pub gpu: Arc<Gpu>,
     /// The result of its test.
     pub test: SelfTest,

@@ -21,19 +21,25 @@ fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     let window = web_sys::window().ok_or_else(missing)?;
     let document = window.document().ok_or_else(missing)?;
     let body = document.body().ok_or_else(missing)?;
+
     let kind = BlobPropertyBag::new();
     // With any other type a browser might show the file instead.
     kind.set_type("application/octet-stream");
+
     let parts = Array::of1(&Uint8Array::from(file.bytes.as_slice()));
     let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
     let url = Url::create_object_url_with_blob(&blob)?;
+
     let anchor: HtmlAnchorElement = document.create_element("a")?.unchecked_into();
     anchor.set_href(&url);
     anchor.set_download(&file.name);
     anchor.set_hidden(true);
     body.append_child(&anchor)?;
+
     anchor.click();
     anchor.remove();
+
+    // The browser reads the bytes after the click, and does not say when it has read them.
     let give_up = Closure::once_into_js(move || {
         // The page may be closing, and nothing depends on this.
         let _ = Url::revoke_object_url(&url);

@@ -4,14 +4,14 @@
 /// The parts of the window that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Embedding {
-    /// The canvas alone.
+    /// The canvas alone, without controls.
     Canvas,
     /// The canvas, the sentence, the controls and the timeline.
     Player,
 }
 
 impl Embedding {
-    /// Every one.
+    /// Every embedding, each with a name in addresses.
     pub const ALL: [Self; 2] = [Self::Canvas, Self::Player];
 
     /// Returns the name in addresses.

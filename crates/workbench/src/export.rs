@@ -47,7 +47,7 @@ pub enum ExportKind {
 }
 
 impl ExportKind {
-    /// Every kind.
+    /// Every kind, in the sequence of the sheet.
     pub const ALL: [Self; 5] = [
         Self::Result,
         Self::Samples,
@@ -56,7 +56,7 @@ impl ExportKind {
         Self::Animation,
     ];
 
-    /// Returns its name.
+    /// Returns the name, as the sheet shows it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -134,11 +134,11 @@ pub(crate) fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ExportCommand {
-    /// Opens the sheet.
+    /// Opens the sheet for a kind of export.
     Open(ExportKind),
     /// Closes the sheet; a running export continues.
     Close,
-    /// Chooses the kind.
+    /// Chooses another kind in the open sheet.
     Choose(ExportKind),
     /// Sets the path of the file.
     Path(String),
@@ -167,9 +167,9 @@ pub enum ExportCommand {
 /// Everything that an export needs. Later changes in the window do not affect it.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct ExportJob {
-    /// The file.
+    /// The path of the file to write; its extension chooses the format.
     pub path: PathBuf,
-    /// The session.
+    /// The session whose samples or moments are exported.
     pub session: SessionRef,
     /// The content to write.
     pub content: ExportContent,
@@ -185,7 +185,7 @@ pub enum ExportContent {
         /// Number type of the coordinates, if the format leaves a choice.
         precision: Precision,
     },
-    /// A picture.
+    /// A picture of one moment.
     Picture {
         /// The moment and its view.
         shown: MomentView,
@@ -201,11 +201,11 @@ pub enum ExportContent {
         /// Pixels for a point of the window; unused for SVG.
         scale: f64,
     },
-    /// An animation.
+    /// An animation, with a frame for each cursor.
     Animation {
         /// The cursor of each frame.
         cursors: Vec<usize>,
-        /// The view.
+        /// The view of all frames.
         view: PictureView,
         /// Pixels for a point of the window.
         scale: f64,

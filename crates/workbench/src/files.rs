@@ -96,12 +96,12 @@ impl Purpose {
     }
 }
 
-/// The file sheet.
+/// The file sheet as it is filled in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileForm {
     /// The purpose of the file.
     pub purpose: Purpose,
-    /// Its name.
+    /// The path or name, as typed or chosen.
     pub path: String,
     /// Whether the user was asked if an existing file may be replaced.
     pub asked: bool,
@@ -113,9 +113,9 @@ pub struct FileForm {
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FileCommand {
-    /// Opens the sheet.
+    /// Opens the sheet for a purpose.
     Sheet(Purpose),
-    /// Closes it.
+    /// Closes the file sheet.
     Close,
     /// Sets the file's name.
     Path(String),
@@ -144,11 +144,11 @@ pub enum FileCommand {
 pub struct Filing {
     /// The purpose; `None` for a dropped file, whose content decides.
     pub purpose: Option<Purpose>,
-    /// Its name.
+    /// The file's path or name.
     pub path: String,
     /// Messages about others that came with it and were not read.
     pub refused: Vec<String>,
-    /// The background job.
+    /// The work in the background.
     pub job: Job<FileOutcome>,
 }
 
@@ -166,7 +166,7 @@ impl Drop for Filing {
 /// Where written files go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Delivery {
-    /// To the disk.
+    /// To the disk, natively.
     #[cfg(not(target_arch = "wasm32"))]
     Disk,
     /// To the browser, as downloads.
@@ -185,7 +185,7 @@ impl Default for Delivery {
 /// The last session of an earlier use of the program, as [`crate::state::session_to_keep`] wrote it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LastSession {
-    /// The text.
+    /// The saved session as it was written: a session file, or a link.
     pub text: String,
     /// Whether it was reopened since the start.
     pub is_reopened: bool,

@@ -28,9 +28,9 @@ pub const FIRST_PEAK: [f64; 2] = [1.0, 1.3];
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrushAxis {
-    /// Frequencies, as nu.
+    /// Frequencies as nu: |k| divided by the root of the number of samples.
     Frequency,
-    /// Distances, in r.
+    /// Distances between two samples, in r.
     Distance,
 }
 
@@ -48,7 +48,7 @@ impl BrushAxis {
 /// A range of frequencies or distances.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Brush {
-    /// The quantity.
+    /// Whether the range is of frequencies or of distances.
     pub axis: BrushAxis,
     /// Its ends, the lower one first.
     pub range: [f64; 2],
@@ -130,17 +130,23 @@ impl Marks {
         wake: &Wake,
     ) {
         self.poll();
+
         let of = brush.map(|brush| (key_of(shown), brush));
+        // While a brush is dragged or the run plays, each frame would start a search that the next one drops. Another frame has
+        // to show that both stayed the same.
         if self.asked != of {
             (self.asked, self.work) = (of, None);
             wake();
             return;
         }
+
         let Some(of) = of else {
             self.found = None;
             return;
         };
+
         let known = self.found.as_ref().is_some_and(|(found, _)| *found == of);
+        // A search that failed would fail again.
         let refused = self
             .failed
             .as_ref()
@@ -148,6 +154,7 @@ impl Marks {
         if known || refused || self.work.is_some() {
             return;
         }
+
         let still = Still::of(session, shown.moment());
         let causing = BrushTask { still, brush: of.1 };
         self.work = Some((of, task::start(wake, causing)));
@@ -217,31 +224,39 @@ pub fn cause(
     control: Control<'_>,
 ) -> Result<Cause, MeasureError> {
     let (points, region) = (&set.points[..], set.region);
+
     match brush.axis {
         BrushAxis::Distance => {
             let range = brush.range.map(|distance| distance * set.radius);
             let found = pairs_between(points, region, range, MAX_PAIRS, control)?;
             let pairs = found.pairs.iter().map(|pair| Pair {
+                // The canvas knows samples by their ids in the run, not by their indices in this set.
                 ids: [pair.first, pair.second].map(|index| ids[index as usize]),
                 offset: DVec2::from(pair.offset) / set.radius,
             });
+
             Ok(Cause::Pairs {
                 total: found.total,
                 pairs: pairs.collect(),
             })
         }
         BrushAxis::Frequency => {
+            // The ring is in |k|, and nu = |k| / sqrt(N).
             let root = (points.len() as f64).sqrt();
             let ring = brush.range.map(|nu| nu * root);
             let found = frequency_shares(points, region, ring, control)?;
+
             let mean = found.mean_power as f32;
+            // Samples of the run that do not cover their disks at this moment stay NaN and get no tint.
             let mut shares = vec![f32::NAN; all];
             for (id, share) in ids.iter().zip(found.relative(points, region)) {
+                // A border's taper leaves too little of some samples to tell their share. At the mean they have no tint either.
                 let known = share.is_finite();
                 shares[*id as usize] = if known { share as f32 } else { mean };
             }
             Ok(Cause::Shares {
                 frequencies: found.frequencies,
+
                 mean_power: found.mean_power,
                 strongest: strongest(&shares, mean),
                 shares,
@@ -254,9 +269,12 @@ pub fn cause(
 fn strongest(shares: &[f32], mean: f32) -> f32 {
     let sizes = shares.iter().filter(|share| share.is_finite());
     let mut sizes: Vec<f32> = sizes.map(|share| (share - mean).abs()).collect();
+
     if sizes.is_empty() {
+        // The result is a divisor: without shares any will do, and equal shares must not make it 0.
         return 1.0;
     }
+
     let index = (TINTED * (sizes.len() - 1) as f64) as usize;
     let (_, size, _) = sizes.select_nth_unstable_by(index, f32::total_cmp);
     size.max(f32::MIN_POSITIVE)
@@ -269,11 +287,11 @@ fn describe(cause: &Cause) -> String {
                 counted(*total as usize, "pair", "pairs"),
                 grouped(pairs.len()),
             );
-            let cut = format!("; the {kept} lowest in the domain are kept");
+
             let cut = if *total > pairs.len() as u64 {
-                &cut
+                format!("; the {kept} lowest in the domain are kept")
             } else {
-                ""
+                String::new()
             };
             format!("{count}, joined by lines on the canvas{cut}.")
         }

@@ -10,9 +10,9 @@ const ROUGH_FROM: usize = 20_000;
 /// A set to be measured.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Samples {
-    /// The positions.
+    /// The positions of the samples, within the region.
     pub points: Vec<[f64; 2]>,
-    /// Their region.
+    /// The domain of the samples, in the unit of the positions.
     pub region: Region,
     /// The Poisson-disk radius, in the unit of the positions.
     pub radius: f64,

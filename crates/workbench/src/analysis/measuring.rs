@@ -20,9 +20,9 @@ pub const MAX_KEPT: usize = 48;
 /// The measures of a moment.
 #[derive(Clone)]
 pub struct Known {
-    /// The moment.
+    /// The moment that was measured, with the generation of its session.
     pub key: Key,
-    /// The moment's name.
+    /// The moment's name, as [`name_of`] returns it.
     pub name: String,
     /// The measures, possibly in part.
     pub measured: Arc<MeasuredSet>,
@@ -108,7 +108,7 @@ impl Measuring {
         self.stopped = Some(key_of(shown));
     }
 
-    /// Measures on.
+    /// Measures on, also a moment that could not be measured before.
     pub fn resume(&mut self) {
         (self.stopped, self.failed) = (None, None);
     }
@@ -118,6 +118,8 @@ impl Measuring {
     pub fn want(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         let key = key_of(shown);
+        // In play or while the cursor is dragged, each frame would start work that the next one drops. Another frame has to
+        // show that the cursor stayed.
         if self.at != Some(key) {
             self.at = Some(key);
             self.work = None;
@@ -125,6 +127,7 @@ impl Measuring {
             wake();
             return;
         }
+
         let is_refused = self.stopped == Some(key) || self.failure(shown).is_some();
         if self.work.is_none() && !is_refused && !self.is_whole(shown) {
             self.begin(session, shown, wake);
@@ -147,7 +150,9 @@ impl Measuring {
 
     fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
+
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
+        // One part at a time, so that its chart is shown while slower parts are still measured.
         let (part, job) = if let Some((known, set)) = growing {
             let Some(part) = missing(&known.measured) else {
                 return;
@@ -159,10 +164,12 @@ impl Measuring {
                 set,
             };
             (part, task::start(wake, task))
+        // The first task also gathers the samples, and returns them for the parts that follow.
         } else {
             let task = StartMeasuringTask(Still::of(session, shown.moment()));
             (Part::Pairs, task::start(wake, task))
         };
+
         let name = name_of(shown);
         self.work = Some(MeasureWork {
             key,
@@ -185,13 +192,17 @@ impl Measuring {
             Ok(Ok((set, measured))) => {
                 let whole = missing(&measured).is_none();
                 let measured = Arc::new(measured);
+
                 let known = Known {
                     key,
                     name,
                     measured,
                 };
+
                 if whole {
                     self.growing = None;
+                    // A moment that is measured anew may be kept already. The one shown last stands at the end, so that those
+                    // not shown for longest go first.
                     self.kept.retain(|other| other.key != key);
                     self.kept.push(known);
                     let surplus = self.kept.len().saturating_sub(MAX_KEPT);
@@ -200,6 +211,7 @@ impl Measuring {
                     self.growing = Some((known, set));
                 }
             }
+            // The user stopped it: there is nothing to report.
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((key, why)),
             Err(panic) => self.failed = Some((key, tilescope_session::words::sentence(&panic))),

@@ -27,7 +27,7 @@ pub enum Reference {
     Unknown,
     /// It is being measured.
     Pending(Job<Result<MeasuredSet, String>>),
-    /// It is known.
+    /// It was measured. It never changes, since the set is always the same.
     Known(Arc<MeasuredSet>),
     /// It could not be measured, and why.
     Failed(String),
@@ -43,15 +43,16 @@ impl Reference {
         }
     }
 
-    /// Returns its description.
+    /// Returns how the set was made, and its number of samples once it is measured.
     #[must_use]
     pub fn name(&self) -> String {
-        let count = self.measured().map(|measured| grouped(measured.samples));
-        let count = count.map_or_else(String::new, |count| format!(", {count} samples"));
+        let count = self.measured().map_or_else(String::new, |measured| {
+            format!(", {} samples", grouped(measured.samples))
+        });
         format!("dart throwing, {} r periodic{count}", SPEC.side)
     }
 
-    /// Stops measuring it.
+    /// Stops measuring it; the next [`Self::want`] begins anew.
     pub(super) fn rest(&mut self) {
         if matches!(self, Self::Pending(_)) {
             *self = Self::Unknown;
@@ -97,15 +98,16 @@ impl Task for MeasureReferenceTask {
     const NAME: &'static str = "measure the reference";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        let pattern = Pattern::of_spec(&SPEC, &mut Unobserved);
-        let pattern = pattern.map_err(|error| error.to_string())?;
-        let points = pattern.samples().iter();
-        let points = points.map(|point| [radii(point.x), radii(point.y)]);
+        let pattern =
+            Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
+        let samples = pattern.samples().iter();
+        let points = samples.map(|point| [radii(point.x), radii(point.y)]);
         let set = Samples {
             points: points.collect(),
             region: region_in_radii(pattern.domain()),
             radius: 1.0,
         };
+
         let measured = set.measured(&|progress| monitor.follow(progress));
         measured.map_err(|error| refusal(&error).unwrap_or_default())
     }

@@ -14,7 +14,7 @@ use super::measured::{self, Samples};
 /// A set from a file and its measures.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ReferenceFile {
-    /// The file.
+    /// The path or name by which the file was opened.
     pub path: String,
     /// Whether its domain is assumed: a unit square with the boundary of the run's domain.
     pub guessed: bool,
@@ -46,12 +46,17 @@ pub(crate) fn domain_text(region: Region) -> String {
 }
 
 fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<String> {
+    // A side may differ by rounding: the run's is computed from its radius, the file's was written by any program.
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
     let fits = region.boundary == run.boundary
         && same(region.width, run.width)
         && same(region.height, run.height);
-    let guess = ", taken for one of the unit square because it has no certificate,";
-    let guess = if guessed { guess } else { "" };
+    let guess = if guessed {
+        ", taken for one of the unit square because it has no certificate,"
+    } else {
+        ""
+    };
+
     let [own, other] = [region, run].map(domain_text);
     (!fits).then(|| {
         format!(
@@ -72,32 +77,41 @@ pub fn of(
     monitor: &Monitor,
 ) -> Result<ReferenceFile, String> {
     let named = |text: &str| format!("{name}: {text}");
+    // A format that is defined on the unit torus says its domain. Any other file without a certificate is taken to be on a unit
+    // square.
     let torus = read.detection.format.is_unit_torus();
     let unit = Region::new([1.0, 1.0], torus || run.is_periodic());
     let certificate = read.certificate.as_ref();
     let region = certificate.map_or(unit, |certificate| certificate.region);
     let guessed = certificate.is_none() && !torus;
+
+    // Before anything long begins: curves of another domain are measured differently and cannot be compared.
     if let Some(why) = refusal(last_part(name), region, guessed, run) {
         return Err(why);
     }
     // Positions that were read lie in the domain, whose lower corner is 0.
     refuse_degrees(&read, region, [0.0; 2]).map_err(|error| named(&error.to_string()))?;
+
     let points = read.set.points;
     if points.len() < 3 {
         return Err(named(
             "fewer than 3 samples, which are too few to be measured",
         ));
     }
+
     let set = Samples {
         points,
         region,
+        // The run's, even if the file states its own, so that r means the same for both.
         radius,
     };
-    let measured = set.measured(&|progress| monitor.follow(progress));
-    let measured = measured.map_err(|error| {
-        let why = measured::refusal(&error);
-        named(why.as_deref().unwrap_or("cancelled"))
-    })?;
+    let measured = set
+        .measured(&|progress| monitor.follow(progress))
+        .map_err(|error| {
+            let why = measured::refusal(&error);
+            named(why.as_deref().unwrap_or("cancelled"))
+        })?;
+
     Ok(ReferenceFile {
         path: name.to_owned(),
         guessed,

@@ -62,13 +62,17 @@ impl Differences {
         self.take();
         let [(first, a), (second, b)] = moments;
         let key = key_of(a, b);
+
         let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
+        // One pair is computed at a time: a later frame asks for this one again. A pair that failed would fail again.
         if known || self.work.is_some() || self.failed == Some(key) || !comparable(a, b) {
             return;
         }
+
         let few = a.session.run().samples.len() + b.session.run().samples.len() <= MAX_AT_ONCE;
         if few {
             self.ready = Some((key, between(covering(a), covering(b))));
+
             return;
         }
         let differing =
@@ -114,9 +118,11 @@ impl Task for DifferenceTask {
 /// Returns the samples that are in only one of two lists.
 #[must_use]
 pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> UnsharedSamples {
+    // Both lists are compared in one pass over sorted places; the id makes the order of equal ones certain.
     let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);
     first.sort_unstable_by_key(order);
     second.sort_unstable_by_key(order);
+
     let mut difference = UnsharedSamples::default();
     let (mut i, mut j) = (0, 0);
     while i < first.len() && j < second.len() {
@@ -136,6 +142,8 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> U
             }
         }
     }
+
+    // One list has ended, and the other has no partners for the rest.
     difference.first.extend(first[i..].iter().map(|a| a.1));
     difference.second.extend(second[j..].iter().map(|b| b.1));
     difference

@@ -13,9 +13,11 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
         let recording = session.recording();
         recording.is_some_and(|recording| recording.tape().left_out() == 0)
     };
+    // With events left out, equal cursors are not equal events.
     if ![a, b].iter().all(is_whole) {
         return None;
     }
+
     match divergence {
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
@@ -38,26 +40,34 @@ pub fn corresponding(
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
         return Moment::after(to, stage);
     };
+
     // Cursors up to the divergence correspond one to one.
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {
+        // At `a + 1` the event by which they differ has just happened, as it has at `b + 1` in the other run.
         let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
         return moment_at(to, cursor);
     }
+
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
         // Never before the divergence.
         return moment_at(to, end.max(b));
     }
+
+    // Events up to the divergence have their partners, so that only the part of the stage behind it is divided.
     let bounds = |session: &Session, stage: usize, least: usize| {
-        let start = stage.checked_sub(1);
-        let start = start.and_then(|before| session.stage_end(before));
+        let start = stage
+            .checked_sub(1)
+            .and_then(|before| session.stage_end(before));
         let end = session.stage_end(stage).unwrap_or(0);
         (start.unwrap_or(0).max(least.min(end)), end)
     };
+
     let (low, high) = bounds(from, from.stage_index(at.stage), a);
     let (first, last) = bounds(to, stage, b);
+    // A part without events has no length to divide by.
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
     moment_at(to, cursor.max(b))

@@ -20,7 +20,7 @@ const SCALE: f64 = 2.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveFormat {
-    /// The table.
+    /// The curve's table: events, stage and value of each moment.
     Csv,
     /// A picture of pixels.
     Png,
@@ -29,10 +29,10 @@ pub enum CurveFormat {
 }
 
 impl CurveFormat {
-    /// Every one.
+    /// Every format, the table first.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Png, Self::Svg];
 
-    /// Returns its name.
+    /// Returns the name, as menus show it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -77,7 +77,7 @@ impl RunCurve {
         }))
     }
 
-    /// Returns the picture.
+    /// Returns the picture; `None` until the curve is made.
     fn scene(&self, session: &Session) -> Option<Result<Scene, FigureError>> {
         let ((_, number), points) = (self.of?, self.points()?);
         let number = number.row();
@@ -95,8 +95,10 @@ impl RunCurve {
             points,
             band: None,
         });
+        // An axis needs a width, also for a run without events.
         let x = Axis::new(format!("events, {} in all", grouped(events)))
             .with_range(0.0, events.max(1) as f64);
+
         let ticks = ticks(session);
         let y = [number.name, number.unit].join(", ");
         let chart = LineChart {
@@ -136,10 +138,12 @@ fn lines(points: &CurvePoints) -> Vec<Vec<[f64; 2]>> {
 fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
     let column = |point: &[f64; 2]| (point[0] / last.max(1.0) * COLUMNS as f64) as usize;
     let mut thin: Vec<[f64; 2]> = Vec::new();
+    // The first and the last point join the column to its neighbours; the extremes are its peaks.
     for points in line.chunk_by(|a, b| column(a) == column(b)) {
         let value = |index: &usize| points[*index][1];
         let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
         let all = || 0..points.len();
+
         let mut kept: Vec<usize> = [
             Some(0),
             all().min_by(by_value),
@@ -149,6 +153,7 @@ fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
         .into_iter()
         .flatten()
         .collect();
+        // In the sequence of the events, and each once: the first point may also be the least.
         kept.sort_unstable();
         kept.dedup();
         thin.extend(kept.into_iter().map(|index| points[index]));

@@ -43,6 +43,7 @@ pub fn beside(
     let (spectrum, lack) = match spectrum(session, &set, control) {
         Ok(spectrum) => (spectrum, None),
         Err(error) => {
+            // A set without a spectrum still gets its axes, so that the pictures of an animation have the same parts.
             let lack = refusal(&error).ok_or(MeasureError::Cancelled)?;
             (silence(session, &set)?, Some(lack))
         }
@@ -77,6 +78,8 @@ fn spectrum(
     }
     let finished = session.summary.count as f64;
     let window = Spectrum::window(finished, set.region);
+    // Its own frequencies are those of the finished set; so must be its number of samples, as nu is |k| / sqrt(N). With its own
+    // the rings would move while samples come and go.
     let periodogram = Periodogram::of(&set.points, set.region, &window, control)?;
     Spectrum::of(&Periodogram {
         samples: finished,

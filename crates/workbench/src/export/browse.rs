@@ -17,6 +17,7 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
         || format!("tilescope.{}", extensions[0]),
         |name| name.to_string_lossy().into_owned(),
     );
+
     let (title, all) = match form.kind {
         ExportKind::Result | ExportKind::Samples => {
             ("Export the samples and their certificate", "All point sets")
@@ -25,15 +26,20 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
         ExportKind::Scenes => ("Export pictures of the scenes", "All pictures"),
         ExportKind::Animation => ("Export an animation", "All animations"),
     };
+
     let mut dialog = rfd::AsyncFileDialog::new()
         .set_title(title)
         .set_file_name(name)
         .add_filter(all, &extensions);
+    // The dialog offers all formats of the kind together first, then each alone.
     for (name, extensions) in form.kind.formats() {
         dialog = dialog.add_filter(name, &extensions);
     }
+
     if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
+        // Without a folder that exists the dialog begins where it likes.
         dialog = dialog.set_directory(folder);
     }
+
     answered(wake, dialog.save_file())
 }

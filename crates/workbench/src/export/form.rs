@@ -14,7 +14,7 @@ use crate::clock::Clock;
 
 /// The smallest scale: pixels for a point of the window.
 pub const MIN_SCALE: f64 = 0.5;
-/// The largest scale.
+/// The largest scale, in pixels for a point of the window.
 pub const MAX_SCALE: f64 = 8.0;
 /// The most ticks from frame to frame.
 pub const MAX_EVERY: usize = 10_000_000;
@@ -35,7 +35,7 @@ pub enum NumberField {
     Delay,
 }
 
-/// The export sheet.
+/// The export sheet as it is filled in.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::struct_excessive_bools,
@@ -107,6 +107,7 @@ impl ExportForm {
 
     /// Chooses the kind. The file's extension changes if the kind does, or if it is unknown.
     pub fn choose(&mut self, kind: ExportKind) {
+        // Both kinds of samples have the same formats.
         let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
         let fits = same && kind.format(&self.file()).is_some();
         if !fits && self.file().file_name().is_some() {
@@ -114,6 +115,7 @@ impl ExportForm {
             self.path = path.to_string_lossy().into_owned();
         }
         self.kind = kind;
+
         self.look();
         self.asked = false;
     }
@@ -139,6 +141,7 @@ impl ExportForm {
         if self.kind.is_set() {
             files.push(tilescope_formats::certificate_path(&file));
         }
+        // A page cannot see what is in the folder of downloads.
         files.retain(|_| cfg!(not(target_arch = "wasm32")));
         files.into_iter()
     }
@@ -162,7 +165,7 @@ impl ExportForm {
         !self.kind.is_set() && extension(&self.file()).as_deref() != Some("svg")
     }
 
-    /// Returns the scale.
+    /// Returns the scale, or why the typed one is refused.
     pub fn scale(&self) -> Result<f64, ExportRefusal> {
         within(&self.scale, MIN_SCALE..=MAX_SCALE, ExportRefusal::Scale)
     }
@@ -179,6 +182,7 @@ impl ExportForm {
             MIN_DELAY_MS..=MAX_DELAY_MS,
             ExportRefusal::Delay,
         )?;
+        // Both kinds of animation count in hundredths of a second.
         Ok(((delay + 5) / 10) as u16)
     }
 }
@@ -190,8 +194,8 @@ fn within<T: FromStr + PartialOrd>(
     refusal: fn(String) -> ExportRefusal,
 ) -> Result<T, ExportRefusal> {
     let number = text.trim().parse().ok();
-    let number = number.filter(|number| limits.contains(number));
-    number.ok_or_else(|| refusal(text.to_owned()))
+    let allowed = number.filter(|number| limits.contains(number));
+    allowed.ok_or_else(|| refusal(text.to_owned()))
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub type Key = (u64, Range<usize>, Clock, usize);
 pub struct Count {
     /// The inputs of the number.
     pub key: Key,
-    /// The number.
+    /// The number of frames, or why there are none.
     pub frames: Result<usize, ExportRefusal>,
 }
 
@@ -55,15 +55,20 @@ pub fn count(
 ) -> Result<usize, ExportRefusal> {
     let recording = session.recording().ok_or(ExportRefusal::NoEvents)?;
     let (start, end) = (range.start, range.end.min(recording.len()));
+
     if start >= end {
         return Err(ExportRefusal::EmptyRange { start, end });
     }
+
     let ticks = number(session, range, clock);
+    // The start and the end of the range are frames, too.
     let frames = ticks / every + 2;
     if frames > MAX_FRAMES {
+        // The smallest number that does: ticks < enough * (MAX_FRAMES - 1), so that at most MAX_FRAMES - 2 of them are frames.
         let enough = ticks / (MAX_FRAMES - 1) + 1;
         return Err(ExportRefusal::TooManyFrames { frames, enough });
     }
+
     Ok(frames)
 }
 
@@ -90,12 +95,13 @@ fn ticks<'a>(
     let Some(recording) = session.recording() else {
         return Box::new(std::iter::empty());
     };
+
     match clock {
         Clock::Event => Box::new(inside),
         Clock::Line => {
+            // The range begins within a line; where the next one begins, a tick ends.
             let mut line = recording.event(range.start).map(Event::line);
-            let events = recording.tape().from(inside.start);
-            let events = events.take(inside.len());
+            let events = recording.tape().from(inside.start).take(inside.len());
             Box::new(events.filter_map(move |(cursor, event)| {
                 let changes = line != Some(event.line());
                 line = Some(event.line());

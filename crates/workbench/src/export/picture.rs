@@ -55,11 +55,13 @@ pub(crate) fn size_refusal(
     animated: bool,
 ) -> Option<ExportRefusal> {
     let [width, height] = view.pixels(scale);
+
     let most = if animated {
         MAX_FRAME_PIXELS
     } else {
         MAX_PIXELS
     };
+
     let (pixels, side) = (most as usize, MAX_SIDE as usize);
     let fits = width.max(height) <= side && width.saturating_mul(height) <= pixels;
     (!fits).then_some(ExportRefusal::TooLarge {

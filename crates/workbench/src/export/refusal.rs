@@ -17,7 +17,7 @@ pub enum ExportRefusal {
     /// There is no session.
     #[error("There is no session yet.")]
     NoSession,
-    /// Animations need events.
+    /// Animations need events, and this session has kept none.
     #[error(
         "This session was made without events, so that there is no time to animate: runs of more than {} samples keep their result alone.",
         grouped(tilescope_session::limits::MAX_STAGED as usize)
@@ -62,9 +62,9 @@ pub enum ExportRefusal {
     /// The range is empty.
     #[error("The range from event {} to event {} is empty: there is nothing to animate.", grouped(*.start), grouped(*.end))]
     EmptyRange {
-        /// Its first cursor.
+        /// The cursor where it begins.
         start: usize,
-        /// Its last cursor.
+        /// The cursor where it ends, or that of the last event.
         end: usize,
     },
     /// There would be too many frames.
@@ -85,7 +85,7 @@ pub enum ExportRefusal {
         grouped(.pictures.saturating_mul(*.samples)), grouped(MAX_MEASURED)
     )]
     TooMuchMeasured {
-        /// Pictures, or frames.
+        /// The number of pictures, or of an animation's frames.
         pictures: usize,
         /// Samples of the finished set.
         samples: usize,
@@ -96,13 +96,13 @@ pub enum ExportRefusal {
         grouped(*.width), grouped(*.height), grouped(*.pixels), grouped(*.side)
     )]
     TooLarge {
-        /// Width in pixels.
+        /// The picture's width in pixels.
         width: usize,
-        /// Height in pixels.
+        /// The picture's height in pixels.
         height: usize,
-        /// Most pixels.
+        /// The largest number of pixels in all.
         pixels: usize,
-        /// Longest side.
+        /// The largest number of pixels on a side.
         side: usize,
     },
     /// About so many samples are in view.

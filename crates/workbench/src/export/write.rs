@@ -34,7 +34,7 @@ use tilescope_sets::{point_set, region};
 /// The longest animation that is made in memory, in bytes.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
-/// A finished export.
+/// An export whose files were made.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Written {
     /// The path that was chosen.
@@ -48,7 +48,7 @@ pub struct Written {
 pub enum What {
     /// Samples, beside their certificate.
     Samples {
-        /// The certificate's file.
+        /// The path of the certificate's file.
         certificate: PathBuf,
         /// The verdict on the samples, as read back from the file.
         report: Box<Report>,
@@ -59,14 +59,14 @@ pub enum What {
         /// Whether they are valid, or of nested levels each level is.
         valid: bool,
     },
-    /// A picture.
+    /// The picture of one moment.
     Picture,
-    /// Pictures of scenes.
+    /// Pictures of scenes, in numbered files.
     Scenes {
         /// How many they are.
         count: usize,
     },
-    /// An animation.
+    /// An animation with a frame for each cursor.
     Animation {
         /// How many frames it has.
         frames: usize,
@@ -78,7 +78,7 @@ pub enum What {
 pub struct Outgoing {
     /// The files, by names without folders; the export itself is first.
     pub files: Vec<NamedBytes>,
-    /// Their contents.
+    /// The export that the files make up.
     pub written: Written,
 }
 
@@ -86,7 +86,7 @@ pub struct Outgoing {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The user cancelled.
+    /// The user cancelled the export.
     #[error("the export was cancelled")]
     Cancelled,
     /// Samples could not be written.
@@ -144,16 +144,19 @@ pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> 
         ExportContent::Samples { .. } => write_samples(job, monitor),
         ExportContent::Picture { .. } | ExportContent::Scenes { .. } => pictures(job, monitor)
             .and_then(|files| {
+                // All are drawn by now, so that a picture that cannot be drawn leaves no files of the others.
                 for (path, bytes) in &files {
                     write_whole(path, bytes)?;
                 }
                 Ok(what(job))
             }),
+        // Frames go to the file one by one, as all of them may not fit into memory.
         ExportContent::Animation { .. } => {
             let written = write_through(&job.path, |file| animate(job, file, monitor));
             written.map(|()| what(job))
         }
     };
+
     finish(job, written, monitor)
 }
 
@@ -165,6 +168,7 @@ pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> 
 /// [`WriteError`].
 pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError> {
     let name = name_of(&job.path)?;
+
     let mut files = Vec::new();
     let made = match &job.content {
         ExportContent::Samples { .. } => render_samples(job, &name, &mut files, monitor),
@@ -176,6 +180,7 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
                 Ok(what(job))
             }),
         ExportContent::Animation { .. } => {
+            // There is no file to write to. The limit keeps a browser's tab alive.
             let mut bytes = Limited(Vec::new());
             animate(job, &mut bytes, monitor).map(|()| {
                 files.push(NamedBytes::new(name, bytes.0));
@@ -183,6 +188,7 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
             })
         }
     };
+
     let written = finish(job, made, monitor)?;
     Ok(Outgoing { files, written })
 }
@@ -228,9 +234,11 @@ fn samples(
     monitor.set_activity("verifying what was written");
     go_on(monitor)?;
     let (session, run) = (&*job.session, job.session.run());
+
     let mut context = ExportContext::new(region(&run.domain), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
+
     let mut moment = None;
     if let ExportContent::Samples {
         moment: wanted,
@@ -240,12 +248,16 @@ fn samples(
         context.precision = *precision;
         moment = wanted.as_ref();
     }
+
     if let Some(nested) = &session.nested {
+        // A moment of nested levels is a prefix of their samples. Its certificate names the levels that it has.
         let prefix = moment.and_then(|moment| moment.prefix(session));
         context.levels = nested.cut(prefix.unwrap_or(session.summary.count));
     }
+
     let set = match moment {
         Some(moment) => {
+            // These are not the run's result, which its parameters alone would reproduce.
             let description = moment.description(session);
             context.parameters.insert("moment".to_owned(), description);
             point_set(run, &moment.samples(session))
@@ -261,6 +273,7 @@ fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError>
     let exported = export(&job.path, &set, &context, &|progress| {
         monitor.follow(progress)
     })?;
+
     Ok(What::Samples {
         certificate: exported.certificate_path,
         valid: is_valid(&exported.report, &exported.certificate.levels),
@@ -278,10 +291,12 @@ fn render_samples(
 ) -> Result<What, WriteError> {
     let (set, context, result) = samples(job, monitor)?;
     let exported = export_bytes(name, &set, &context, &|progress| monitor.follow(progress))?;
+
     let certificate = certificate_path(Path::new(name));
     let beside = certificate.to_string_lossy().into_owned();
     files.push(NamedBytes::new(name, exported.data));
     files.push(NamedBytes::new(beside, exported.certificate_bytes));
+
     Ok(What::Samples {
         certificate,
         valid: is_valid(&exported.report, &exported.certificate.levels),
@@ -302,6 +317,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         ExportContent::Scenes { shown, scale } => (&shown[..], None, *scale, false),
         _ => return Ok(Vec::new()),
     };
+    // A serial number keeps cached pictures apart, and this picture is not cached.
     let causes = causes.map(|cause| BrushedCause { serial: 0, cause });
     let count = shown.len();
 
@@ -316,10 +332,12 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         monitor.set_activity(&activity);
         monitor.set_fraction(index as f32 / count as f32);
         go_on(monitor)?;
+
         let mut drawn = scene(&job.session, shown, causes.as_ref());
         if shown.view.analysis {
             add_analysis(job, shown.moment, &shown.view, &mut drawn, monitor)?;
         }
+
         monitor.set_fraction((index as f32 + 0.3) / count as f32);
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {
@@ -331,6 +349,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         };
         files.push((path, bytes));
     }
+    // Nothing is written after a cancellation, though all pictures are there.
     go_on(monitor)?;
     Ok(files)
 }
@@ -344,8 +363,8 @@ fn add_analysis(
     monitor: &Monitor,
 ) -> Result<(), FigureError> {
     // The fraction done is that of all pictures, not of one measure.
-    let found = beside(&job.session.0, moment, &|_| flow(monitor));
-    let found = found.map_err(|_| FigureError::Cancelled)?;
+    let found =
+        beside(&job.session.0, moment, &|_| flow(monitor)).map_err(|_| FigureError::Cancelled)?;
     Ok(found.draw(view, picture)?)
 }
 
@@ -372,6 +391,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     else {
         return Err(AnimationError::NoFrames.into());
     };
+
     let session = &*job.session;
     let mut metadata = provenance(session);
     let range = described_range(cursors, *clock, *every, *delay);
@@ -393,6 +413,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     };
 
     let frames = cursors.iter().map(draw);
+    // The name chooses the format; the form refuses any other extension.
     match extension(&job.path).as_deref() {
         Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,
         _ => write_apng(frames, *delay, &metadata, out, &mut tell)?,

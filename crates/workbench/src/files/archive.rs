@@ -20,9 +20,9 @@ pub enum PackError {
     /// The archive could not be written.
     #[error("{name} cannot be packed: {source}")]
     Zip {
-        /// The file.
+        /// The name of the file, or of the archive.
         name: String,
-        /// The reason.
+        /// Why the archive could not be written.
         source: zip::result::ZipError,
     },
 }
@@ -34,24 +34,29 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     }
     let first = files.first().ok_or(PackError::Nothing)?;
     let name = format!("{}.zip", first.name);
+
     let failed = |name: &str| {
         let name = name.to_owned();
         move |source: zip::result::ZipError| PackError::Zip { name, source }
     };
+
     // Stored without compression, which would save half at best and take time, and without a date, so that the
     // bytes are always the same.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::DEFAULT)
         .unix_permissions(0o644);
+    // Room for each file and, roughly, the headers of its entry, so that the buffer need not grow.
     let length: usize = files.iter().map(|file| file.bytes.len() + 512).sum();
     let mut archive = ZipWriter::new(Cursor::new(Vec::with_capacity(length)));
+
     for file in files {
         let started = archive.start_file(file.name.as_str(), options);
         started.map_err(failed(&file.name))?;
         let written = archive.write_all(&file.bytes);
         written.map_err(|error| failed(&file.name)(error.into()))?;
     }
+
     let bytes = archive.finish().map_err(failed(&name))?.into_inner();
     Ok(NamedBytes { name, bytes })
 }
@@ -63,18 +68,22 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
     let bytes = Cursor::new(file.bytes.as_slice());
     let mut archive = ZipArchive::new(bytes).map_err(|error| failed(&error))?;
+
     if archive.len() > MAX_FILES {
         let count = archive.len();
         return Err(failed(&format!(
             "it holds {count} files; at most {MAX_FILES} are read"
         )));
     }
+
     let mut about: Vec<(String, u64)> = Vec::new();
     let mut files = Vec::new();
     for k in 0..archive.len() {
         let entry = archive.by_index(k).map_err(|error| failed(&error))?;
         let (inner, length) = {
             let inner = entry.name().map_err(|error| failed(&error))?;
+            // The numbers in an archive may be lies: the limits are checked before an entry is unpacked, by the lengths of all
+            // entries so far.
             (last_part(&inner).to_owned(), entry.size())
         };
         about.push((inner.clone(), length));
@@ -82,13 +91,15 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         if let Some(why) = refusals(&lengths).pop().flatten() {
             return Err(failed(&why));
         }
-        // The stated length may be wrong.
+        // The stated length may be wrong. One byte more than stated is enough to see that.
         let mut bytes = Vec::new();
         let read = entry.take(length + 1).read_to_end(&mut bytes);
         read.map_err(|error| failed(&error))?;
         if bytes.len() as u64 != length {
             return Err(failed(&"a length in it is not true"));
         }
+
+        // The entry of a folder ends with a separator, so that its last part is empty.
         if !inner.is_empty() {
             files.push(NamedBytes::new(inner, bytes));
         }

@@ -33,11 +33,15 @@ impl Desktop {
     fn of_environment(variable: impl Fn(&str) -> Option<OsString>) -> Self {
         let given = |name: &str| variable(name).filter(|value| !value.is_empty());
         let folders = |value: OsString| std::env::split_paths(&value).collect::<Vec<_>>();
+        // Both defaults are those of the XDG Base Directory Specification.
         let shared = given("XDG_DATA_DIRS").unwrap_or_else(|| "/usr/local/share:/usr/share".into());
-        let own = given("XDG_DATA_HOME").map(PathBuf::from);
-        let own = own.or_else(|| Some(PathBuf::from(given("HOME")?).join(".local/share")));
+        let own = given("XDG_DATA_HOME")
+            .map(PathBuf::from)
+            .or_else(|| Some(PathBuf::from(given("HOME")?).join(".local/share")));
+
         // Without an address, the bus is a socket in the folder of the session.
         let socket = given("XDG_RUNTIME_DIR").map(|folder| PathBuf::from(folder).join("bus"));
+
         Self {
             programs: given("PATH").map(folders).unwrap_or_default(),
             data: own.into_iter().chain(folders(shared)).collect(),

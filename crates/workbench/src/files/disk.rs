@@ -35,25 +35,29 @@ pub(super) fn gather_paths(
     purpose: Option<Purpose>,
     monitor: &Monitor,
 ) -> Result<(Incoming, Vec<String>), String> {
-    let names: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
-    let names: Vec<&str> = names.iter().map(|name| &**name).collect();
+    let texts: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
+    let names: Vec<&str> = texts.iter().map(|text| &**text).collect();
+    // The first bytes tell most point sets from documents, so that only possible documents are read whole here.
     let holds = |k: usize| {
         let may_be = begins_as_object(&head(&paths[k]).unwrap_or_default());
         may_be
             && read_limited(&paths[k], MAX_BYTES as u64, monitor)
                 .is_ok_and(|bytes| holds_document(&bytes) == Some(true))
     };
+
     let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
+    // A longer document would be refused anyway; a point set may be longer.
     let limit = match purpose {
         Some(Purpose::Open | Purpose::Combination) => MAX_BYTES as u64,
         _ => MAX_PATTERN_BYTES,
     };
+
     let read = Incoming::from_path(&paths[opened], limit, monitor);
     let incoming = read.map_err(sentence)?;
     // A session's pattern is looked for by its path.
-    let left = left.into_iter().map(|k| names[k].to_owned()).collect();
-    let left = incoming.without_named(left);
-    Ok((incoming, left))
+    let others = left.into_iter().map(|k| names[k].to_owned()).collect();
+    let unused = incoming.without_named(others);
+    Ok((incoming, unused))
 }
 
 /// Reads a session's pattern from the folder of the session's file, otherwise from its saved path.
@@ -64,6 +68,7 @@ pub(super) fn find_pattern(
 ) -> Result<OwnPattern, String> {
     let path = Path::new(&file.path);
     let beside = path.file_name().map(|name| folder.join(name));
+
     if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
         // A file of the same name may be a different one.
         let found = read_pattern(&beside, monitor);
@@ -72,10 +77,12 @@ pub(super) fn find_pattern(
             return found;
         }
     }
+
     // A session file must not make the program contact another machine.
     if file.path.starts_with(r"\\") || file.path.starts_with("//") {
         return Err("it lies on another machine; put it beside the session".to_owned());
     }
+
     read_pattern(path, monitor)
 }
 
@@ -92,15 +99,18 @@ pub fn browse(form: &FileForm, wake: &Wake) -> Job<Option<PathBuf>> {
     if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
+
     match form.purpose {
         Purpose::Save => dialog = dialog.add_filter("Sessions", &["json"]),
         Purpose::Open => dialog = dialog.add_filter("Sessions and lessons", &["json", "md"]),
         Purpose::Combination => dialog = dialog.add_filter("Layouts", &["json"]),
+        // A point set may have any extension.
         Purpose::Pattern | Purpose::Against => {}
     }
+
     if form.purpose == Purpose::Save {
-        let name = path.file_name();
-        let name = name.map_or(SESSION_NAME.into(), |name| name.to_string_lossy());
+        let typed = path.file_name();
+        let name = typed.map_or(SESSION_NAME.into(), |name| name.to_string_lossy());
         return answered(wake, dialog.set_file_name(name).save_file());
     }
     answered(wake, dialog.pick_file())
