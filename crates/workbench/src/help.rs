@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HelpPage {
-    /// The keys.
+    /// The keys and what they do.
     Keys,
     /// The terms and what they mean.
     Terms,
@@ -13,10 +13,10 @@ pub enum HelpPage {
 }
 
 impl HelpPage {
-    /// Every page.
+    /// Every page, in the sequence of the sheet.
     pub const ALL: [Self; 3] = [Self::Keys, Self::Terms, Self::About];
 
-    /// Returns its name.
+    /// Returns the name, as the sheet shows it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -93,7 +93,7 @@ impl Panel {
         &ROWS[self as usize]
     }
 
-    /// Returns its name.
+    /// Returns the name, as tabs and menus show it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.row().name
@@ -122,7 +122,7 @@ pub const MAX_TILES: usize = 100;
 /// The direction in which the tiles of a container are arranged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// Side by side.
+    /// Side by side, from left to right.
     Horizontal,
     /// One above the other.
     Vertical,
@@ -131,7 +131,7 @@ pub enum Direction {
 /// A part of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LayoutTile {
-    /// A panel.
+    /// A panel, which has no tiles inside.
     Panel(Panel),
     /// Tiles of which one is visible.
     Tabs {
@@ -142,7 +142,7 @@ pub enum LayoutTile {
     },
     /// Tiles that divide the room in proportion to their shares.
     Linear {
-        /// The direction.
+        /// The direction in which the tiles follow each other.
         axis: Direction,
         /// The tiles and their shares, which are finite and not negative.
         tiles: Vec<(LayoutTile, f32)>,
@@ -268,6 +268,7 @@ impl LayoutTile {
         match self {
             Self::Panel(_) => Some(self),
             Self::Tabs { tiles, open } => {
+                // Tabs before the open one may go, so that its index moves.
                 let before = tiles.iter().take(open);
                 let empty = before.filter(|tile| (*tile).clone().pruned().is_none());
                 let open = open - empty.count();
@@ -275,9 +276,8 @@ impl LayoutTile {
                 (!tiles.is_empty()).then_some(Self::Tabs { tiles, open })
             }
             Self::Linear { axis, tiles } => {
-                let tiles = tiles.into_iter();
-                let tiles = tiles.filter_map(|(tile, share)| Some((tile.pruned()?, share)));
-                let tiles: Vec<(Self, f32)> = tiles.collect();
+                let kept = |(tile, share): (Self, f32)| Some((tile.pruned()?, share));
+                let tiles: Vec<(Self, f32)> = tiles.into_iter().filter_map(kept).collect();
                 (!tiles.is_empty()).then_some(Self::Linear { axis, tiles })
             }
         }
@@ -313,12 +313,12 @@ impl PanelSet {
         self.0 == 0
     }
 
-    /// Adds a panel.
+    /// Adds a panel, which may be in the set already.
     pub const fn insert(&mut self, panel: Panel) {
         self.0 |= panel.bit();
     }
 
-    /// Removes a panel.
+    /// Removes a panel, if it is in the set.
     pub const fn remove(&mut self, panel: Panel) {
         self.0 &= !panel.bit();
     }
@@ -351,12 +351,15 @@ impl Default for Layout {
     fn default() -> Self {
         let tabs = |slot| {
             let mut rows: Vec<&PanelRow> = ROWS.iter().filter(|row| row.slot == slot).collect();
+            // The table is in the sequence of use, not of tabs.
             rows.sort_by_key(|row| row.tab);
-            let tiles = rows.iter().map(|row| LayoutTile::Panel(row.panel));
-            let tiles = tiles.collect();
+            let panels = rows.iter().map(|row| LayoutTile::Panel(row.panel));
+            let tiles = panels.collect();
             LayoutTile::Tabs { tiles, open: 0 }
         };
+
         let linear = |axis, tiles| LayoutTile::Linear { axis, tiles };
+
         let right = vec![(tabs(Slot::Upper), 0.44), (tabs(Slot::Lower), 0.56)];
         let middle = vec![
             (tabs(Slot::Left), 0.195),
@@ -460,7 +463,9 @@ impl Layout {
         }
         self.root = self.root.pruned()?;
         let there = self.root.add_panels(0)?;
+
         for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {
+            // The neighbour may stand in no tabs. Then the first visible ones take the panel, if there are any.
             let tabs = if self.root.tabs_with(NEIGHBOUR).is_some() {
                 self.root.tabs_around(NEIGHBOUR)
             } else {
@@ -486,9 +491,11 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         if tile.is_hidden(self.hidden) {
             return Vec2::ZERO;
         }
+
         match tile {
             LayoutTile::Panel(panel) => (self.least)(*panel),
             LayoutTile::Tabs { tiles, .. } => {
+                // Each tab can be opened, so that the largest one counts.
                 let sizes = tiles.iter().map(|tile| self.of(tile));
                 sizes.fold(Vec2::ZERO, Vec2::max) + vec2(0.0, self.bar)
             }
@@ -499,8 +506,10 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
                     let size = self.of(tile);
                     all[1 - axis] = all[1 - axis].max(size[1 - axis]);
                     all[axis] += size[axis];
+                    // A hidden tile takes no room, and has no gap either.
                     count += usize::from(!tile.is_hidden(self.hidden));
                 }
+
                 all[axis] += self.gaps(count);
                 all
             }
@@ -523,23 +532,32 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             }
             LayoutTile::Linear { axis, tiles } => (axis.index(), tiles),
         };
+
         // Hidden tiles keep their shares, which do not count.
         let seen = tiles
             .iter_mut()
             .filter(|(tile, _)| !tile.is_hidden(self.hidden));
         let mut tiles: Vec<_> = seen.collect();
+
         let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
         let total: f32 = tiles.iter().map(|(_, share)| share).sum();
+        // All shares may be 0, which a layout from elsewhere is allowed to have.
         let whole = if total == 0.0 { 1.0 } else { total };
-        let lengths = tiles.iter().map(|(_, share)| room * share / whole);
-        let lengths: Vec<f32> = lengths.collect();
+        let lengths: Vec<f32> = tiles
+            .iter()
+            .map(|(_, share)| room * share / whole)
+            .collect();
         let least: Vec<f32> = tiles.iter().map(|(tile, _)| self.of(tile)[axis]).collect();
+
         let enlarged = enlarged(&lengths, &least);
         let is_same = enlarged == lengths;
+
         for ((tile, share), length) in tiles.iter_mut().map(|tile| &mut **tile).zip(enlarged) {
+            // A share that is computed from an unchanged length could differ by rounding.
             if !is_same {
                 *share = total * length / room;
             }
+
             let mut inner = size;
             inner[axis] = length;
             self.enlarge(tile, inner);
@@ -564,13 +582,17 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     if needed > room || pairs.all(|(length, least)| length >= least) {
         return lengths.to_vec();
     }
+
+    // In each turn one more tile gets its least length, so that the turns come to an end.
     let mut is_small = vec![false; lengths.len()];
     loop {
         let sum = |of: &[f32], small: bool| -> f32 {
             let parts = of.iter().zip(&is_small).filter(|(_, is)| **is == small);
             parts.map(|(part, _)| *part).sum()
         };
+
         let left = room - sum(least, true);
+        // The other tiles may have no length at all, and this is a divisor.
         let shared = sum(lengths, false).max(f32::MIN_POSITIVE);
         let at = |k: usize| {
             if is_small[k] {
@@ -579,6 +601,7 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
                 lengths[k] * left / shared
             }
         };
+
         let found: Vec<f32> = (0..lengths.len()).map(at).collect();
         // Another of the remaining tiles may now be too small.
         let Some(small) = (0..found.len()).find(|&k| !is_small[k] && found[k] < least[k]) else {

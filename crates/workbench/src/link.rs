@@ -1,6 +1,6 @@
 //! Permalinks: a run and its view as the fragment of an address, readable and short. Links may come from anywhere: each
 //! part is checked by itself and limited, and warnings name the parts that are changed or ignored. Begin with [`read()`] and
-//! [`write()`]; `state/link.rs` makes links of what is shown, and opens them.
+//! [`write()`]; `state/link.rs` makes links of the run and view that are shown, and opens links.
 
 mod content;
 mod parameters;

@@ -83,8 +83,8 @@ impl Live {
         self.steps
     }
 
-    /// Brings what is wanted to a moment, in about so many counted steps at most, on any machine: nothing that takes longer keeps a
-    /// frame waiting. What is farther away gets there in the frames that follow, of which each asks for the next.
+    /// Brings the wanted measures to a moment, in about so many counted steps at most, on any machine: no frame waits for more.
+    /// A moment that is farther away is reached in the frames that follow, each of which asks for the next.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -94,6 +94,7 @@ impl Live {
         wake: &Wake,
     ) {
         if wanted == Wanted::default() {
+            // The run stays as far as it was read, for when something asks again.
             self.measured = None;
             return;
         }
@@ -110,13 +111,16 @@ impl Live {
             Ok(moved) => moved,
             Err(error) => return self.refuse(sentence(&error.to_string())),
         };
+
         self.steps += moved.steps;
         let is_known = self.measured.as_ref().is_some_and(|(of, _)| *of == key);
         if !is_known || moved.steps > 0 {
             self.measured = Some((key, Arc::new(measured(moment))));
             self.share = moment.spectrum().map(LiveSpectrum::share);
         }
+
         if !moved.arrived {
+            // The next frame goes on from here.
             wake();
         }
     }

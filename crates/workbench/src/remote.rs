@@ -60,16 +60,16 @@ pub struct Wanted {
     pub layers: Option<Option<Layers>>,
     /// The property of samples that their colour shows.
     pub colouring: Option<Colouring>,
-    /// The look.
+    /// The light or dark look, or a projector's.
     pub look: Option<Look>,
 }
 
-/// A request.
+/// A request of a page, with valid fields.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// Asks for the state.
     State,
-    /// Opens a link.
+    /// Opens a link, as a user would.
     Link(String),
     /// Samples with these parameters.
     Parameters(Box<Parameters>),
@@ -88,11 +88,11 @@ pub enum Request {
     SeekPart(f64),
     /// Goes to the moment after the next or previous event of this kind.
     SeekTarget(Target, Direction),
-    /// Changes the view.
+    /// Changes parts of the view.
     View(Wanted),
     /// Plays, at this speed if one is given.
     Play(Option<f32>),
-    /// Stops playing.
+    /// Stops playing at the moment that is shown.
     Pause,
     /// Asks something of lessons.
     Lesson(LessonRequest),
@@ -107,9 +107,9 @@ pub enum LessonRequest {
     Tour,
     /// Presents the lesson that is open; not in a frame.
     Present,
-    /// Gives this answer.
+    /// Gives this answer to the open question.
     Answer(Value),
-    /// Issues a command.
+    /// Issues a command about the lesson.
     Command(LessonCommand),
 }
 
@@ -135,27 +135,27 @@ pub enum RequestError {
     /// A field does not belong to this request.
     #[error("\"{action}\" has no field \"{field}\"")]
     UnknownField {
-        /// The request.
+        /// The name of the request.
         action: &'static str,
-        /// The field.
+        /// The field that it does not have.
         field: String,
     },
     /// A field has an invalid value.
     #[error("\"{field}\" is {found}; it must be {wanted}")]
     Value {
-        /// The field.
+        /// The field with the invalid value.
         field: String,
-        /// Its value.
+        /// The value as JSON, shortened if it is long.
         found: String,
-        /// The allowed values.
+        /// The allowed values, in words.
         wanted: String,
     },
     /// Not exactly one of several fields is given.
     #[error("\"{action}\" needs exactly one of {fields}")]
     OneOf {
-        /// The request.
+        /// The name of the request.
         action: &'static str,
-        /// The fields.
+        /// The fields, as a list in words.
         fields: &'static str,
     },
     /// The view changes nothing.
@@ -171,19 +171,23 @@ pub enum RequestError {
     Refused(String),
 }
 
-/// Reads a request.
+/// Reads a request, and checks all of its fields.
 pub fn read(text: &str) -> Result<Request, RequestError> {
     if text.len() > MAX_BYTES {
         return Err(RequestError::TooLong(text.len()));
     }
+
     let fields: Map<String, Value> =
         serde_json::from_str(text).map_err(|error| RequestError::NoObject(error.to_string()))?;
+
     let action = fields.get("do").cloned().unwrap_or(Value::Null);
     let known = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
     let Some((name, known)) = REQUESTS.iter().find(known) else {
         return Err(RequestError::Unknown(shown(&action)));
     };
+
     only(name, &fields, known)?;
+    // A misspelt field would otherwise do nothing, without a word.
     match *name {
         "load" => load(&fields),
         "step" => step(&fields),
@@ -271,6 +275,7 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
 }
 
 fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    // With two fields, it would not be clear which moment is meant.
     match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
         [None, None, None, Some(value), None] => {
             let target = target("next", value)?;
@@ -280,20 +285,27 @@ fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
             let target = target("previous", value)?;
             Ok(Request::SeekTarget(target, Direction::Backwards))
         }
+
         [Some(value), None, None, None, None] => {
-            let event = value.as_u64().and_then(|event| usize::try_from(event).ok());
-            let event = event.ok_or_else(|| wrong("event", value, "a whole number from 0 on"))?;
+            let event = value
+                .as_u64()
+                .and_then(|event| usize::try_from(event).ok())
+                .ok_or_else(|| wrong("event", value, "a whole number from 0 on"))?;
             Ok(Request::SeekEvent(event))
         }
+
         [None, Some(value), None, None, None] => match value.as_str() {
             Some(stage) => Ok(Request::SeekStage(stage.to_owned())),
             None => Err(wrong("stage", value, "the name of a stage")),
         },
         [None, None, Some(value), None, None] => {
-            let part = value.as_f64().filter(|part| (0.0..=1.0).contains(part));
-            let part = part.ok_or_else(|| wrong("part", value, "from 0 to 1"))?;
+            let part = value
+                .as_f64()
+                .filter(|part| (0.0..=1.0).contains(part))
+                .ok_or_else(|| wrong("part", value, "from 0 to 1"))?;
             Ok(Request::SeekPart(part))
         }
+
         _ => Err(RequestError::OneOf {
             action: "seek",
             fields: "\"event\", \"stage\", \"part\", \"next\" and \"previous\"",
@@ -315,8 +327,8 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         fields.get(field).map(read).transpose()
     };
 
-    let chosen = ["open", "text", "go", "language", "act", "save", "learner"];
-    let mut chosen = chosen
+    let alternatives = ["open", "text", "go", "language", "act", "save", "learner"];
+    let mut chosen = alternatives
         .into_iter()
         .filter(|field| fields.contains_key(*field));
     let (Some(field), None) = (chosen.next(), chosen.next()) else {
@@ -445,24 +457,30 @@ fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     if value.as_str() == Some(AUTOMATIC) {
         return Ok(None);
     }
+
     let mut layers = Layers::none();
     let refuse = |value: &Value| {
-        let names = Layer::ALL.map(Layer::key);
-        let names = choices(names.iter().map(String::as_str));
+        let keys = Layer::ALL.map(Layer::key);
+        let names = choices(keys.iter().map(String::as_str));
         wrong(
             "layers",
             value,
             format!("\"{AUTOMATIC}\", or a list of some of {names}"),
         )
     };
+
     for name in value.as_array().ok_or_else(|| refuse(value))? {
         let is_meant = |layer: &Layer| name.as_str() == Some(&*layer.key());
-        let layer = Layer::ALL.into_iter().find(is_meant);
-        let layer = layer.ok_or_else(|| refuse(name))?;
+        let layer = Layer::ALL
+            .into_iter()
+            .find(is_meant)
+            .ok_or_else(|| refuse(name))?;
+        // A layer that is named twice must not be switched off again.
         if !layers.has(layer) {
             layers.toggle(layer);
         }
     }
+
     Ok(Some(layers))
 }
 
@@ -485,7 +503,7 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         Parameters::deserialize(&all)
             .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
     };
-    // What is not said of the pattern may follow from the rest.
+    // Parts of the pattern that are not given may follow from the other parameters.
     let asked = laid_over(Parameters::default())?;
     let parameters = laid_over(Parameters {
         pattern: PatternSpec {
@@ -494,10 +512,13 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         },
         ..Parameters::default()
     })?;
+
     let domain = parameters
         .validate_sequential()
         .map_err(|error| RequestError::Parameters(error.to_string()))?;
+
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    // A page may not make a machine work longer than a link may.
     if samples > MAX_SAMPLES {
         let most = grouped(MAX_SAMPLES as usize);
         return Err(RequestError::Parameters(format!(
@@ -524,18 +545,22 @@ fn lay_over(
             let field = quoted(field);
             return Err(RequestError::UnknownField { action, field });
         };
+
         match (current.is_object(), value.as_object()) {
             (true, Some(inner)) => lay_over(current, inner, "pattern")?,
             (true, None) => return Err(wrong(field, value, "an object")),
             (false, _) => {
                 // Seeds may be given as text, since JavaScript would round large numbers.
-                let exact = value.as_str().filter(|_| field == "seed");
-                let exact = exact.and_then(|text| text.parse::<u64>().ok());
+                let text = value.as_str().filter(|_| field == "seed");
+                let exact = text.and_then(|text| text.parse::<u64>().ok());
                 let value = &exact.map_or_else(|| value.clone(), Value::from);
+
+                // Refused here, so that the message names the field.
                 if !same_kind(current, value) {
                     let wanted = format!("of the kind of {current}");
                     return Err(wrong(field, value, wanted));
                 }
+
                 *current = value.clone();
             }
         }

@@ -48,9 +48,9 @@ pub enum UndoPart {
 /// Something that a command names by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Numbered {
-    /// A sample.
+    /// A sample, by its id in the run.
     Sample(u32),
-    /// An event.
+    /// An event of the recording.
     Event(usize),
     /// A moment, by the number of events before it.
     Moment(usize),
@@ -58,9 +58,9 @@ pub enum Numbered {
     Stage(usize),
     /// A scene of the user's.
     Scene(usize),
-    /// A breakpoint.
+    /// A breakpoint, by its index in the list.
     Breakpoint(usize),
-    /// A watch.
+    /// A watch, by its index in the list.
     Watch(usize),
     /// A pass of the GPU.
     Pass(usize),
@@ -94,7 +94,7 @@ impl Rules {
     }
 }
 
-/// The rules of commands that only change what is shown of a moment up to an open question's.
+/// The rules of commands that change only how moments are shown, none of them later than an open question's.
 const VIEW: Rules = Rules {
     undo: None,
     in_frame: true,
@@ -137,9 +137,11 @@ impl Command {
                 ends_tour: true,
                 ..REVEALING
             },
+
             // A frame shows one run.
             Self::Cancel(Which::First) => VIEW,
             Self::Cancel(Which::Second) => NOT_IN_FRAME,
+
             Self::Time(command) => time(command),
             Self::Scene(command) => scene(command),
             Self::Lesson(command) => lesson(command),
@@ -148,12 +150,14 @@ impl Command {
             Self::View(which, command) => view(*which, command),
             Self::Appearance(command) => appearance(*command),
             Self::Window(command) => window(command),
+
             Self::OpenPasses => REVEALING,
             Self::Passes(command) => passes(command),
             Self::Compare(command) => compare(*command),
             Self::Analysis(command) => analysis(command),
             Self::File(command) => file(command),
             Self::Export(command) => export(command),
+
             // To open a link closes the lesson.
             Self::Link(LinkCommand::Copy | LinkCommand::Open(_)) => VIEW,
             Self::Undo | Self::Redo => REVEALING,
@@ -175,6 +179,7 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::Reset
         | FormCommand::GeneratedPattern => Some(UndoPart::Form),
     };
+
     Rules {
         undo,
         // Small runs follow the parameters at once.
@@ -197,6 +202,7 @@ const fn time(command: &TimeCommand) -> Rules {
             ..VIEW
         },
         TimeCommand::RunTo(Target::Sample(id), _) => VIEW.naming(Numbered::Sample(*id)),
+
         TimeCommand::StepBack
         | TimeCommand::StepForward
         | TimeCommand::FirstStage
@@ -262,7 +268,9 @@ const fn lesson(command: &LessonCommand) -> Rules {
 
 const fn talk(command: &TalkCommand) -> Rules {
     let reveals = match command {
+        // Without answers and notes it says no more than the lesson itself.
         TalkCommand::Handout { answers, notes, .. } => *answers || *notes,
+
         TalkCommand::Lesson { .. }
         | TalkCommand::Lecture
         | TalkCommand::Scenes
@@ -290,6 +298,7 @@ const fn talk(command: &TalkCommand) -> Rules {
         | TalkCommand::Keep(_)
         | TalkCommand::Restore(_) => false,
     };
+
     // Stage and notes are windows, which a frame has not.
     Rules {
         reveals,
@@ -318,6 +327,7 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         Which::First => VIEW,
         Which::Second => NOT_IN_FRAME,
     };
+
     match command {
         ViewCommand::Pan(_)
         | ViewCommand::Zoom(..)
@@ -332,9 +342,11 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
             moves_camera: true,
             ..rules.naming(Numbered::Sample(*id))
         },
+
         ViewCommand::Pick(Selection::Sample(id)) => rules.naming(Numbered::Sample(*id)),
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
+
         // What one run's event, verdict or selection shows is that run's alone: the other camera stays.
         ViewCommand::GoToCurrent
         | ViewCommand::FlyToWitness(_)
@@ -393,8 +405,10 @@ const fn passes(command: &PassCommand) -> Rules {
         reveals: true,
         ..VIEW
     };
+
     match command {
         PassCommand::Select(index) => rules.naming(Numbered::Pass(*index)),
+
         // Buffers and rows are those of a pass that may still be on its way; others than it has change nothing.
         PassCommand::Previous
         | PassCommand::Next

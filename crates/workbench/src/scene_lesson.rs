@@ -32,13 +32,17 @@ pub(crate) fn lesson_of(
         side: parameters.pattern.side,
         ..PatternSpec::default()
     };
+
     if has_own_pattern || parameters.pattern != generated {
         let text = "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there.";
         return Err(text.to_owned());
     }
+
     let mut text =
         "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
+    // A minute for each scene, within the limits of a lesson.
     let _ = writeln!(text, "minutes: {}\n---", scenes.len().clamp(1, 120));
+
     let mut titles: Vec<String> = Vec::new();
     for (index, scene) in scenes.iter().enumerate() {
         let (caption, note) = split_caption(&scene.caption);
@@ -47,21 +51,25 @@ pub(crate) fn lesson_of(
         // Each step has a name of its own, made from its title.
         let name = step_name(&title);
         let is_taken = titles.iter().any(|other| step_name(other) == name);
-        let title = Some(title).filter(|_| !name.is_empty() && !is_taken);
-        let title = title.unwrap_or_else(|| format!("Scene {}", index + 1));
+        let own_title = Some(title).filter(|_| !name.is_empty() && !is_taken);
+        let title = own_title.unwrap_or_else(|| format!("Scene {}", index + 1));
+
         let _ = write!(text, "\n# {title}\n\n```run\n");
         if index == 0 {
             run(&mut text, parameters);
         }
         moment(&mut text, scene);
         text.push_str("```\n");
+
         for paragraph in paragraphs(&rest) {
             let _ = write!(text, "\n{paragraph}\n");
         }
+
         let notes = paragraphs(note);
         if !notes.is_empty() {
             let _ = write!(text, "\n```note\n{}\n```\n", notes.join("\n\n"));
         }
+
         titles.push(title);
     }
     Ok(text)
@@ -129,16 +137,19 @@ fn moment(text: &mut String, scene: &SavedScene) {
         (Some(_), None) => "start".to_owned(),
     };
     let _ = writeln!(text, "moment: {moment}");
+
     let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
-    let layers = saved.appearance.chosen_layers.map(|layers| {
+    let names = saved.appearance.chosen_layers.map(|layers| {
         let names: Vec<String> = layers.iter().map(Layer::key).collect();
         names.join(" ")
     });
-    let layers = layers.filter(|names| !names.is_empty());
+    let layers = names.filter(|names| !names.is_empty());
     let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
+
     let camera = SceneCamera::of(&scene.view);
     let placed = camera.and_then(|camera| Some((camera.placed(camera.event, true)?, camera.radii)));
     if let Some((center, radii)) = placed {
+        // A lesson's camera has these limits.
         let radii = radii.clamp(2.0, 1_000.0);
         let [x, y] = center.to_array();
         let _ = writeln!(text, "camera: [{x:.4}, {y:.4}] radii {radii:.3}");

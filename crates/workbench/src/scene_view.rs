@@ -23,20 +23,26 @@ pub(crate) fn view_of_scene(
     let marked = debugger.marked(scene);
     let cursor = marked.cursor()?;
     let is_same_run = matches!(marked, Marked::Here(_));
+
     let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
     let stage = session.stages.get(session.stage_at(cursor));
     let domain = session.size_at(stage.copied());
     let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
+
     let place = place_of_scene(debugger, scene);
+    // The camera moves with the event, so that in another run it shows the same step of the algorithm.
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {
         let center = camera.placed(place, is_same_run)?;
         Camera::checked(center, size[0].min(size[1]) / camera.radii)
     });
+
     let selection = if is_same_run {
+        // In another run this number is another sample.
         saved.selection
     } else {
         Selection::Nothing
     };
+
     let view = PictureView {
         camera: camera.unwrap_or_else(|| Camera::fitting(domain, canvas)),
         size,
@@ -49,6 +55,7 @@ pub(crate) fn view_of_scene(
         legend: None,
         analysis: false,
     };
+
     Some(MomentView {
         moment: Moment::at(session, cursor),
         view,

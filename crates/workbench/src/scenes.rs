@@ -14,15 +14,15 @@ pub enum SceneCommand {
     Replace(usize),
     /// Sets the caption of a scene.
     Caption(usize, String),
-    /// Removes a scene.
+    /// Removes the scene of this index.
     Remove(usize),
     /// Moves a scene from one index of the list to another.
     Move(usize, usize),
-    /// Shows a scene.
+    /// Shows the scene of this index.
     Show(usize),
     /// Shows the next or the previous scene.
     Step(Direction),
-    /// Starts the tour.
+    /// Starts the tour of the window.
     Tour,
     /// Does what the button of this index of the tour's scene offers.
     Offer(usize),
@@ -33,9 +33,9 @@ pub enum SceneCommand {
 /// A list of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneList {
-    /// The user's.
+    /// The user's own scenes.
     Own,
-    /// The tour.
+    /// The scenes of the tour.
     Tour,
 }
 

@@ -60,7 +60,7 @@ pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
 pub struct Refusal {
     /// Its number, from 1.
     pub number: usize,
-    /// Why, in sentences.
+    /// Why it was refused or failed, in sentences.
     pub why: String,
     /// Whether a file could not be read or written.
     pub is_of_file: bool,
@@ -83,20 +83,20 @@ fn carry_out<E>(
     mut after: impl FnMut(&State, Option<Refusal>) -> Result<(), E>,
 ) -> Result<State, E> {
     let mut state = State::new(Arc::new(|| {}));
+    // Cameras jump, as no time passes between two commands in which they could fly.
     state.restore(Settings {
         prefers_reduced_motion: Some(true),
         ..Settings::default()
     });
     let canvas = Rect::from_min_size(Pos2::ZERO, vec2(CANVAS[0], CANVAS[1]));
-    let canvas = ViewCommand::Viewport(canvas);
-    state.apply(Command::View(Which::First, canvas));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     state.settle();
+
     let mut commands = commands.into_iter().enumerate().peekable();
     while let Some((index, command)) = commands.next() {
         let next = commands.peek().map(|(_, next)| next);
-        let refusal = refusal_before(&state, &command);
-        let refusal = refusal.or_else(|| apply(&mut state, &command, next));
-        let refusal = refusal.map(|why| Refusal {
+        let why = refusal_before(&state, &command).or_else(|| apply(&mut state, &command, next));
+        let refusal = why.map(|why| Refusal {
             number: index + 1,
             why,
             is_of_file: matches!(command, Command::File(_) | Command::Export(_)),
@@ -129,8 +129,11 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
 
     let notice = state.messages().notice.as_ref();
     // A file that was written is no failure, whatever the notice says of the set in it.
-    let failed = notice.filter(|notice| notice.is_error && notice.folder.is_none());
-    let failed = failed.map(|notice| notice.text.clone());
+    let failed = notice
+        .filter(|notice| notice.is_error && notice.folder.is_none())
+        .map(|notice| notice.text.clone());
+
+    // A command without a notice of its own leaves the older one, as in the window.
     if notice.is_none() && !matches!(command, Command::DismissNotice) {
         let again = before.map(Effect::Tell);
         state.carry_out(Which::First, again.into_iter().collect());
@@ -153,6 +156,7 @@ pub fn run<E: From<ScriptError>>(
     refused: &mut dyn FnMut(usize, &str, bool),
 ) -> Result<Option<bool>, E> {
     let commands = read(text)?;
+
     let mut print_state = |state: &State| print(&format!("{}\n", to_json(state)));
     let state = carry_out(commands, |state, refusal| {
         if let Some(Refusal {
@@ -165,6 +169,7 @@ pub fn run<E: From<ScriptError>>(
         }
         if each { print_state(state) } else { Ok(()) }
     })?;
+
     if !each {
         print_state(&state)?;
     }

@@ -28,7 +28,7 @@ use crate::analysis::reference_file::{self, ReferenceFile};
 pub struct ReadTask {
     /// The purpose; `None` for dropped files, whose content decides.
     pub purpose: Option<Purpose>,
-    /// The files.
+    /// Where the files come from.
     pub source: FileSource,
     /// The generation of the session, if one is read.
     pub generation: u64,
@@ -39,9 +39,9 @@ pub struct ReadTask {
 /// The source of files.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum FileSource {
-    /// In memory.
+    /// In memory, as chosen or dropped in a browser.
     Bytes(Vec<NamedBytes>),
-    /// On the disk.
+    /// On the disk, natively.
     #[cfg(not(target_arch = "wasm32"))]
     Paths(Vec<PathBuf>),
 }
@@ -67,7 +67,7 @@ impl FileOutcome {
 /// The result of reading or writing a file.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub enum Done {
-    /// It was written.
+    /// It was written under this path.
     Saved(String),
     /// It is ready for download.
     Download(NamedBytes),
@@ -79,7 +79,7 @@ pub enum Done {
     Pattern(OwnPattern),
     /// A point set was read and measured.
     Against {
-        /// The set.
+        /// The set that was measured.
         file: Box<ReferenceFile>,
         /// Why it is not a pattern, if it was tried as one.
         no_pattern: Option<String>,
@@ -89,12 +89,12 @@ pub enum Done {
 /// A session that was read, computed again.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Opened {
-    /// The file.
+    /// The file's path or name.
     pub path: String,
-    /// The saved content.
+    /// The saved content, apart from the run.
     #[serde(with = "as_json")]
     pub saved: SavedContent,
-    /// The session.
+    /// The session, computed again.
     pub session: Session,
 }
 
@@ -141,15 +141,19 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         generation,
         run,
     } = task;
+
     let gathered = match source {
         FileSource::Bytes(files) => gather(files).ok_or_else(|| "there is no file".to_owned()),
         #[cfg(not(target_arch = "wasm32"))]
         FileSource::Paths(paths) => super::disk::gather_paths(&paths, purpose, monitor),
     };
+
+    // A browser packs a set and its certificate into an archive. It is opened like the set.
     let (incoming, left) = match gathered.and_then(opened) {
         Ok(gathered) => gathered,
         Err(why) => return FileOutcome::of(Err(why)),
     };
+
     let done = match purpose {
         None => dropped(&incoming, generation, run, monitor),
         Some(Purpose::Open) => open(&incoming, generation, monitor),
@@ -197,20 +201,24 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let text = incoming.text()?;
     let value = serde_json::from_str::<Value>(text).unwrap_or_default();
+    // Only saved sessions have a cursor; a layout has none.
     if value.get("cursor").is_some() && !holds_combination(&value) {
         let name = &incoming.name;
         return Err(format!(
             "{name} is the saved session of a run, not a combination"
         ));
     }
+
     let saved = value
         .get("combination")
-        .map(|_| SavedCombination::from_json(text));
-    let saved = saved.transpose().map_err(|error| named(&error))?;
+        .map(|_| SavedCombination::from_json(text))
+        .transpose()
+        .map_err(|error| named(&error))?;
     let layout = match &saved {
         Some(saved) => saved.layout().map_err(|error| named(&error))?,
         None => Layout::from_json(text.as_bytes()).map_err(|error| named(&error))?,
     };
+
     // The session of a combination must not refer to files.
     let around = saved.is_none().then_some(incoming);
     let session = match make(layout, around, generation, monitor) {
@@ -220,9 +228,12 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
         }
         Err(error) => return Err(named(&error)),
     };
+
     if let Some(saved) = &saved {
+        // The digest shows whether the combination is the one that was saved.
         saved.prove(&session).map_err(|error| named(&error))?;
     }
+
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
         saved: SavedContent::Combination(saved),
@@ -233,12 +244,15 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
 fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let saved = Saved::from_json(incoming.text()?).map_err(|error| named(&error))?;
+
     let mut own = None;
+    // The recording takes the pattern itself, the session also its file.
     let mut loader = |file: &PatternFile| {
         let pattern = find_pattern(file, incoming, monitor)?;
         own = Some(pattern.clone());
         Ok(Pattern::clone(&pattern.pattern))
     };
+
     let mut observer = Reporter { monitor };
     let recording = match saved.record(&mut loader, &mut observer) {
         Ok(recording) => Arc::new(recording),
@@ -247,14 +261,17 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         }
         Err(error) => return Err(named(&error)),
     };
+
     // Check here, in the background, that the session fits the recording.
     Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
+
     let parameters = saved.parameters;
     let recipe = Recipe {
         own,
         ..Recipe::from(parameters)
     };
     let session = Session::from_recording(recording, generation).with(&recipe);
+
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
         saved: SavedContent::Run(Box::new(saved)),
@@ -306,30 +323,38 @@ fn dropped(
     monitor: &Monitor,
 ) -> Made {
     let name = &incoming.name;
+    // A certificate says how its set was made, but has no samples.
     if name.ends_with(CERTIFICATE_SUFFIX) {
         return Err(format!(
             "{name} is a certificate; drop it together with its point set"
         ));
     }
+
     if incoming.is_document() {
         return open(incoming, generation, monitor);
     }
+
     let set = incoming.point_set()?;
     if let Some(session) = nesting::of_file(&set, name, generation) {
         return session.map(|session| Done::Levels(Box::new(session)));
     }
+
+    // Any set can be compared with a run, but only a maximal one can be a pattern: the rarer use comes first.
     let no_pattern = match recipe::pattern_of(&set, name) {
         Ok(own) => return Ok(Done::Pattern(own)),
         Err(why) => why,
     };
+
     let Some((region, radius)) = run else {
         return Err(no_pattern);
     };
+
     match reference_file::of(set, name, region, radius, monitor) {
         Ok(file) => Ok(Done::Against {
             file: Box::new(file),
             no_pattern: Some(no_pattern),
         }),
+        // The reason is the user's: that it is no pattern either need not be said.
         Err(why) if monitor.is_cancelled() => Err(why),
         Err(why) => Err(format!(
             "{no_pattern}. It cannot be compared with this run either: {why}"

@@ -13,7 +13,7 @@ use super::NamedBytes;
 /// The files read, and messages about those that were not.
 #[derive(Default)]
 pub struct ReadFiles {
-    /// The files.
+    /// The files that were read whole.
     pub files: Vec<NamedBytes>,
     /// Messages about files that were not read.
     pub refused: Vec<String>,
@@ -23,7 +23,9 @@ pub struct ReadFiles {
 /// with the chosen files.
 #[must_use]
 pub fn choose(wake: &Wake) -> Job<ReadFiles> {
+    // The dialog opens here and not in the job, as browsers allow it only while they handle the press.
     let opened = open_dialog();
+
     Job::start_future(wake, move |_| async move {
         let chosen = match opened {
             Ok((input, answered)) => answer(&input, answered).await,
@@ -43,18 +45,22 @@ fn open_dialog() -> Result<(HtmlInputElement, Promise), JsValue> {
     let missing = || JsValue::from_str("there is no page");
     let window = web_sys::window().ok_or_else(missing)?;
     let document = window.document().ok_or_else(missing)?;
+
     let input: HtmlInputElement = document.create_element("input")?.unchecked_into();
     input.set_type("file");
     // A set is chosen with its certificate, a session with its pattern.
     input.set_multiple(true);
     input.set_hidden(true);
     document.body().ok_or_else(missing)?.append_child(&input)?;
+
     let mut listens = Ok(());
+    // The browser answers by one of two events: `cancel` comes when the user closes the dialog.
     let answered = Promise::new(&mut |resolve, _| {
         let change = input.add_event_listener_with_callback("change", &resolve);
         let cancel = input.add_event_listener_with_callback("cancel", &resolve);
         listens = change.and(cancel);
     });
+
     listens?;
     input.click();
     Ok((input, answered))
@@ -71,7 +77,7 @@ async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>
         .collect())
 }
 
-/// Reads dropped files.
+/// Reads files that were dropped on the page.
 #[must_use]
 pub fn take(files: Vec<File>, wake: &Wake) -> Job<ReadFiles> {
     Job::start_future(wake, move |_| read_all(files))
@@ -81,12 +87,15 @@ async fn read_all(files: Vec<File>) -> ReadFiles {
     let names: Vec<String> = files.iter().map(File::name).collect();
     let lengths = files.iter().map(|file| file.size() as u64);
     let about: Vec<(&str, u64)> = names.iter().map(String::as_str).zip(lengths).collect();
+
     let mut found = ReadFiles::default();
     for ((file, name), refusal) in files.iter().zip(&names).zip(refusals(&about)) {
+        // Refused by its length before it is read, as a file is read into memory whole.
         if let Some(why) = refusal {
             found.refused.push(why);
             continue;
         }
+
         match JsFuture::from(file.array_buffer()).await {
             Ok(buffer) => {
                 let bytes = Uint8Array::new(&buffer).to_vec();

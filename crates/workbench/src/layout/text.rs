@@ -4,7 +4,7 @@ use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
 /// The unit of written shares is one over this.
 const PART: f32 = 10_000.0;
-/// The largest share.
+/// The largest share that is written or read.
 const MAX_SHARE: f32 = 100.0;
 /// The end of a container.
 const END: char = '-';
@@ -29,6 +29,7 @@ pub fn written(layout: &Layout) -> String {
 fn write(tile: &LayoutTile, text: &mut String) {
     match tile {
         LayoutTile::Panel(panel) => text.push(panel.letter()),
+
         LayoutTile::Tabs { tiles, open } => {
             text.push('T');
             for (index, tile) in tiles.iter().enumerate() {
@@ -39,6 +40,7 @@ fn write(tile: &LayoutTile, text: &mut String) {
             }
             text.push(END);
         }
+
         LayoutTile::Linear { axis, tiles } => {
             text.push(match axis {
                 Direction::Horizontal => 'H',
@@ -46,6 +48,7 @@ fn write(tile: &LayoutTile, text: &mut String) {
             });
             for (tile, share) in tiles {
                 write(tile, text);
+                // A tile can be dragged to a share that would not be read.
                 let share = share.clamp(0.0, MAX_SHARE);
                 text.push_str(&((share * PART).round() as u32).to_string());
             }

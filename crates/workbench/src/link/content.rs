@@ -12,7 +12,7 @@ use crate::view::SavedView;
 /// How a link names a moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum NamedMoment {
-    /// The end.
+    /// The end of the run.
     #[default]
     End,
     /// After this many events, or of nested levels this many samples.
@@ -24,21 +24,21 @@ pub enum NamedMoment {
 /// The content of a link: the input of a run, and its view.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkContent {
-    /// The run's parameters.
+    /// The parameters of the run, where one is shown.
     pub parameters: Parameters,
     /// The levels, if nested ones are shown instead of a run.
     pub nested: Option<NestedRequest>,
     /// The layout of the combination, if one is shown instead of a run.
     pub combination: Option<Combination>,
-    /// The moment.
+    /// The moment that is shown.
     pub moment: NamedMoment,
-    /// The view.
+    /// The view of that moment.
     pub view: SavedView,
-    /// The breakpoints.
+    /// The breakpoints, also those that are disabled.
     pub breakpoints: Vec<SavedBreakpoint>,
-    /// The watched expressions.
+    /// The watched expressions, as typed.
     pub watches: Vec<String>,
-    /// The scenes.
+    /// The user's scenes, with their views.
     pub scenes: Vec<SavedScene>,
     /// The lesson that is opened instead of a run.
     pub lesson: Option<WantedLesson>,

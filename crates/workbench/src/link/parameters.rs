@@ -104,17 +104,19 @@ pub fn read<'a>(
         if parameter == Parameter::PatternSide {
             parameters.pattern = following(base, &parameters).pattern;
         }
+
         let Some(text) = texts(link_key(parameter)) else {
             continue;
         };
+
         let read = changed(&parameters, parameter, text);
         if read.is_none() {
             let (text, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
-            let why = match parameter {
+            let refusal = match parameter {
                 Parameter::Method => method_refusal(&text.to_lowercase()),
                 _ => None,
             };
-            let why = why.map_or_else(String::new, |why| format!(": {why}"));
+            let why = refusal.map_or_else(String::new, |why| format!(": {why}"));
             warnings.add(format!(
                 "The link asked for {name}{run} {text}; {used} is used instead{why}."
             ));
@@ -129,7 +131,7 @@ pub fn read<'a>(
 /// Returns the name of a parameter in sentences.
 fn name_of(parameter: Parameter) -> String {
     match parameter.key() {
-        // Of a name of two words the reader sees by the article where it begins.
+        // The article shows where a name of two words begins.
         key if key.contains('-') => format!("the {}", key.replace('-', " ")),
         key => key.to_owned(),
     }
@@ -144,6 +146,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         ));
         p.leaf = MIN_LEAF_RADII;
     }
+
     let side = p
         .pattern
         .side
@@ -155,19 +158,23 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         ));
         p.pattern.side = side;
     }
+
     if p.method == TilingMethod::Exact && *p != p.as_exact() {
         warnings.add(format!(
             "The link asked for choices of elimination and insertion{run} in exact tiling, which keeps whatever arrived first."
         ));
         *p = p.as_exact();
     }
+
     if p.variant == Variant::AsPrinted && p.insertion == Insertion::Uniform {
         warnings.add(format!(
             "The link asked for uniform insertion{run} in Algorithm 4 as printed, which inserts circumcentres."
         ));
         p.insertion = Insertion::Circumcentre;
     }
+
     fit_radius(p, run, warnings);
+    // Each parameter is within its own limits by now, but not all of them go together.
     if let Err(error) = p.validate_sequential() {
         warnings.add(format!(
             "The link's parameters{run} cannot be sampled: {error}. Those of the default session are used instead."
@@ -180,6 +187,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
 pub(crate) fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
     let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
+
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
         let most = grouped(MAX_SAMPLES as usize);
@@ -193,6 +201,7 @@ pub(crate) fn excess(p: &Parameters) -> Vec<String> {
             "the pattern's side, as a link asks for at most {most} r"
         ));
     }
+
     excess
 }
 
@@ -211,14 +220,17 @@ fn radii(p: &Parameters) -> [f64; 2] {
 fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     let [least, largest] = radii(p);
     if up(least) > down(largest) {
+        // The radius that is used instead has three digits, and its rounding must not leave the limits.
         let (width, height) = (exact(p.width), exact(p.height));
         warnings.add(format!(
             "The link asked for a domain{run} of {width} by {height}, for which there is no radius; 1 by 1 is used instead."
         ));
         (p.width, p.height) = (1.0, 1.0);
     }
+
     let [least, largest] = radii(p);
     let asked = exact(p.radius);
+
     if p.radius < least {
         p.radius = up(least);
         warnings.add(format!(

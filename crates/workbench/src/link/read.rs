@@ -90,9 +90,10 @@ fn is_known(key: &str) -> bool {
 impl LinkReader {
     fn split(&mut self, text: &str) {
         let text = text.trim();
-        let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
-        let text = self.cut(text);
-        for (key, value) in pairs(text).flat_map(parted) {
+        let fragment = text.split_once('#').map_or(text, |(_, fragment)| fragment);
+        let limited = self.cut(fragment);
+
+        for (key, value) in pairs(limited).flat_map(parted) {
             let name = quoted(&key);
             match self.pairs.entry(key) {
                 Entry::Occupied(_) => self
@@ -116,11 +117,15 @@ impl LinkReader {
             grouped(text.len()),
             grouped(MAX_BYTES)
         ));
+
         let mut end = MAX_BYTES;
+        // Bytes are counted, and a character may have several.
         while !text.is_char_boundary(end) {
             end -= 1;
         }
+
         let start = &text[..end];
+        // The last part may have lost its end, and would be read as another value.
         start.rfind('&').map_or("", |end| &start[..end])
     }
 
@@ -131,6 +136,7 @@ impl LinkReader {
                 .find(|name| text.eq_ignore_ascii_case(name))
         };
         content.language = self.take("language", |text| known(text).map(str::to_owned));
+
         let Some(lesson) = self.take("lesson", name) else {
             return;
         };
@@ -173,11 +179,13 @@ impl LinkReader {
     fn run(&mut self, content: &mut LinkContent) {
         content.combination = self.combination();
         if content.combination.is_none() {
+            // The layout of a combination has the parameters of each of its sets.
             let texts = |key: &str| self.pairs.get(key).map(|text| tidy(text));
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
             content.nested = self.nested(&content.parameters);
         }
+
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
         content.moment = match (at, stage) {
@@ -192,6 +200,8 @@ impl LinkReader {
         let [levels, exactly, order_within] = NESTED;
         let count = self.take(exactly, |text| text.parse().ok());
         let order = self.take(order_within, |text| named(&WithinLevel::ALL, text));
+
+        // Read before the number of levels, so that each has its own warning even if that is missing.
         let Some(levels) = self.take(levels, |text| text.parse().ok()) else {
             if count.is_some() || order.is_some() {
                 let text = "The link says how nested levels are made but not how many (\"levels\"): they were left out.";
@@ -199,11 +209,13 @@ impl LinkReader {
             }
             return None;
         };
+
         let request = NestedRequest {
             levels,
             exactly: count,
             order_within: order.unwrap_or_default(),
         };
+
         let refusal = if super::content::allows(&request) {
             request
                 .check(parameters)
@@ -215,6 +227,7 @@ impl LinkReader {
                 "they have more samples than the {most} that a link may ask for"
             ))
         };
+
         if let Some(why) = &refusal {
             self.warnings
                 .add(format!("The link's nested levels were left out: {why}."));
@@ -237,6 +250,7 @@ impl LinkReader {
             let [x, y, scale] = numbers(text)?;
             Camera::checked(DVec2::new(x, y), scale)
         });
+
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
             let (layers, unknown) = read_layers(&layers);
             content.view.appearance.chosen_layers = layers;
@@ -245,6 +259,8 @@ impl LinkReader {
                     .add(format!("There is no layer \"{name}\"; it was left out."));
             }
         }
+
+        // A part that is missing or invalid leaves the view as it is in a new window.
         if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
             content.view.appearance.colouring = colouring;
         }
@@ -254,22 +270,27 @@ impl LinkReader {
         if let Some(curve) = self.take("curve", ShownCurve::read) {
             content.view.appearance.curve = curve;
         }
+
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
             content.view.playback.choose(clock);
             // Links from before there were whole runs name the clock that plays.
             content.view.playback.whole_run_secs = None;
         }
+
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
             content.view.playback.choose_speed(speed);
         }
         if let Some(secs) = self.take("whole-run", |text| whole_run(text.parse().ok()?)) {
             content.view.playback.whole_run_secs = Some(secs);
         }
+
         content.view.playback.range = self.take("loop", |text| {
             let (start, end) = text.split_once('-')?;
             let (start, end) = (start.parse().ok()?, end.parse().ok()?);
+            // A loop has at least one event.
             (start < end).then_some(start..end)
         });
+
         if let Some(layout) = self.take("layout", layout::text::read) {
             content.view.layout = layout;
         }
@@ -288,13 +309,16 @@ impl LinkReader {
             }
             return;
         };
+
         if content.combination.is_some() {
             // Parameters of the second run are given relative to a run's.
             content.parameters = Parameters::default();
         }
+
         let pairs = &self.pairs;
         let texts = |key: &str| pairs.get(&format!("b.{key}")).map(|text| tidy(text));
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
+
         let mut links = [false; 3];
         for name in tidy(names).split(',').filter(|name| !name.is_empty()) {
             match LINKS.iter().position(|link| *link == name) {
@@ -305,6 +329,7 @@ impl LinkReader {
                 )),
             }
         }
+
         (content.view.second, content.view.links) = (Some(second), links);
     }
 
@@ -312,9 +337,11 @@ impl LinkReader {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
         content.scenes = self.list("mark", "scene", MAX_SCENES, scene);
+
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
+        // In the order of the scenes, with a place holder where a scene has none.
         for (scene, view) in content.scenes.iter_mut().zip(views) {
             match view {
                 Ok(view) => scene.view = view,
@@ -335,6 +362,7 @@ impl LinkReader {
         let Some(text) = self.pairs.get(key) else {
             return Vec::new();
         };
+
         let texts = items(text);
         if texts.len() > most {
             self.warnings.add(format!(
@@ -342,7 +370,9 @@ impl LinkReader {
                 grouped(texts.len())
             ));
         }
+
         let mut taken = Vec::new();
+        // The others are not even parsed, since a link may come from anywhere and be long.
         for text in texts.iter().take(most) {
             match item(text) {
                 Some(item) => taken.push(item),
@@ -368,8 +398,9 @@ fn parted((key, value): (String, String)) -> Vec<(String, String)> {
     }
     let mut parts = value.split('&');
     let first = parts.next().unwrap_or_default().to_owned();
-    let others = parts.filter_map(|part| part.split_once('='));
-    let others = others.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let others = parts
+        .filter_map(|part| part.split_once('='))
+        .map(|(key, value)| (key.to_owned(), value.to_owned()));
     std::iter::once((key, first)).chain(others).collect()
 }
 
@@ -397,10 +428,12 @@ fn scene(text: &str) -> Option<SavedScene> {
     let event = parts.next()?.parse().ok()?;
     let run = short(parts.next().unwrap_or_default())?;
     let anchor = parts.next().map(|anchor| anchor.parse().ok());
+
     Some(SavedScene {
         event,
         caption: short(note)?,
         run,
+        // An anchor that is there but invalid makes the whole scene invalid.
         anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
         ..SavedScene::default()
     })
@@ -430,23 +463,29 @@ fn combination(text: &str) -> Result<Combination, String> {
             grouped(MAX_COMBINATION)
         ));
     }
+
     let json = match text {
         NINE_SETS => NINE.as_bytes().to_vec(),
         text => from_base64(text).ok_or("it is not base64")?,
     };
+
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
     let expected = placed.expected + of_patterns(&placed.pieces);
+    // The patterns are made, too, and may have more samples than the sets that clip from them.
     if expected > MAX_SAMPLES {
         return Err(format!(
             "it and its patterns make about {expected:.0} samples, and a link may ask for {}",
             grouped(MAX_SAMPLES as usize)
         ));
     }
+
+    // A link comes from anywhere, and must not make the program read files.
     let of_file = |source: &PieceSource| matches!(source, PieceSource::File { .. });
     if placed.pieces.iter().any(|piece| of_file(&piece.source)) {
         return Err("it has sets from files, which a link does not open".to_owned());
     }
+
     Ok(layout)
 }
 

@@ -86,8 +86,8 @@ pub fn rounded(number: f64) -> String {
     let digits = DECIMALS - 1 - number.abs().max(1e-9).log10().floor() as i32;
     let decimals = digits.clamp(DECIMALS, 12) as usize;
     let text = format!("{number:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0" } else { text }.to_owned()
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0" } else { short }.to_owned()
 }
 
 /// Returns the number in a text, if it is finite.

@@ -43,7 +43,7 @@ pub(super) fn selection_text(selection: Selection) -> Option<String> {
     }
 }
 
-/// Reads a selection.
+/// Reads a selection, as [`selection_text`] writes it.
 pub(super) fn read_selection(text: &str) -> Option<Selection> {
     match text.split_once(':')? {
         ("sample", id) => id.parse().ok().map(Selection::Sample),
@@ -64,9 +64,12 @@ pub(super) fn scene_view_text(view: &Value) -> String {
     if view.is_null() {
         return NO_VIEW.to_owned();
     }
+
     let first = SavedView::default();
+    // A reader begins with a new window, so that equal parts can be left out.
     let (saved, _) = SavedView::from_json(view, &first);
     let mut parts = Vec::new();
+
     if let Some(camera) = SceneCamera::of(view) {
         let center = camera.center.map(|center| center.to_array().map(rounded));
         let event = camera.event.map(|event| event.to_array().map(exact));
@@ -74,6 +77,7 @@ pub(super) fn scene_view_text(view: &Value) -> String {
         numbers.extend(center.into_iter().chain(event).flatten());
         parts.push(format!("camera:{}", numbers.join(",")));
     }
+
     if let Some(layers) = saved.appearance.chosen_layers {
         parts.push(format!("layers:{}", layers_text(layers)));
     }
@@ -83,9 +87,11 @@ pub(super) fn scene_view_text(view: &Value) -> String {
     if saved.appearance.look != first.appearance.look {
         parts.push(format!("look:{}", name(&saved.appearance.look)));
     }
+
     if let Some(selection) = selection_text(saved.selection) {
         parts.push(format!("select:{selection}"));
     }
+
     parts.join("/")
 }
 
@@ -94,6 +100,7 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
     if text == NO_VIEW {
         return Some(Value::Null);
     }
+
     let mut view = SavedView::default();
     let mut camera = None;
     for part in text.split('/').filter(|part| !part.is_empty()) {
@@ -107,11 +114,14 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
             _ => return None,
         }
     }
+
     let mut parts: Map<String, Value> = view.to_json().as_object().cloned()?;
+    // The other parts of a view, such as the layout of its panels, are not part of a scene in a link.
     parts.retain(|name, _| matches!(&**name, "layers" | "colouring" | "look" | "selection"));
     if let Some(camera) = camera {
         parts.insert("camera".to_owned(), json!(camera));
     }
+
     Some(Value::Object(parts))
 }
 

@@ -11,7 +11,7 @@ pub struct LinkWarnings {
 }
 
 impl LinkWarnings {
-    /// Adds a warning.
+    /// Adds a warning; beyond the limit it is only counted.
     pub fn add(&mut self, sentence: String) {
         if self.sentences.len() < MAX_WARNINGS {
             self.sentences.push(sentence);

@@ -17,7 +17,7 @@ use super::view::{layers_text, scene_view_text, selection_text};
 use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
 
-/// A permalink.
+/// A permalink, as it was written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Link {
     /// The fragment of the address, without its `#`: at most [`MAX_CHARACTERS`] letters, digits and marks.
@@ -32,12 +32,14 @@ pub(super) const NESTED: [&str; 3] = ["levels", "exactly", "order-within"];
 /// The name that stands for the paper's combination of nine sets; others are written by their layout.
 pub(super) const NINE_SETS: &str = "nine";
 
-/// Writes a link.
+/// Writes a link, as much of it as the limits allow.
 #[must_use]
 pub fn write(content: &LinkContent) -> Link {
     let mut writer = Writer::default();
     writer.put("v", VERSION.to_string());
+
     if let Some(lesson) = &content.lesson {
+        // A lesson makes its own runs, and its steps choose the view.
         writer.lesson(lesson);
         writer.language(content);
         return Link {
@@ -45,12 +47,14 @@ pub fn write(content: &LinkContent) -> Link {
             left_out: Vec::new(),
         };
     }
+
     writer.run(content);
     writer.look(content);
     writer.second(content);
     writer.stops(content);
     writer.panels(content);
     writer.language(content);
+
     Link {
         fragment: writer.text,
         left_out: writer.left_out,
@@ -134,6 +138,7 @@ impl Writer {
         } else {
             base64(json.as_bytes())
         };
+
         if value.len() <= MAX_COMBINATION {
             self.put("combine", value);
         } else {
@@ -144,10 +149,12 @@ impl Writer {
 
     fn look(&mut self, content: &LinkContent) {
         let first = LinkContent::default();
+        // A part that is as in a new window is left out, so that the link stays short.
         if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
         }
+
         if let Some(layers) = content.view.appearance.chosen_layers {
             self.put("layers", layers_text(layers));
         }
@@ -160,21 +167,26 @@ impl Writer {
         if content.view.appearance.curve.number.is_some() {
             self.put("curve", content.view.appearance.curve.to_string());
         }
+
         if let Some(selection) = selection_text(content.view.selection) {
             self.put("select", selection);
         }
+
         let playback = &content.view.playback;
+        // Passes of the GPU are no part of a link, so that their clock is not either.
         let clock = playback.clock_of_events();
         let is_default_clock = clock == first.view.playback.clock;
         if !is_default_clock {
             self.put("clock", name(&clock));
         }
+
         match playback.whole_run_secs {
             None => self.put("speed", playback.speed.to_string()),
             // A link with a clock is played by its ticks, unless it has a duration too.
             secs if is_default_clock && secs == first.view.playback.whole_run_secs => {}
             Some(secs) => self.put("whole-run", secs.to_string()),
         }
+
         if let Some(Range { start, end }) = &content.view.playback.range {
             self.put("loop", format!("{start}-{end}"));
         }
@@ -184,14 +196,18 @@ impl Writer {
         let (Some(parameters), links) = (&content.view.second, &content.view.links) else {
             return;
         };
-        let names = LINKS.into_iter().zip(links);
-        let names: Vec<&str> = names.filter_map(|(name, on)| on.then_some(name)).collect();
+        let switches = LINKS.into_iter().zip(links);
+        let names: Vec<&str> = switches
+            .filter_map(|(name, on)| on.then_some(name))
+            .collect();
         self.put("b", names.join(","));
         self.parameters("b.", parameters, &content.parameters);
     }
 
     fn stops(&mut self, content: &LinkContent) {
+        // A condition or watch without its end would mean something else, and is left out whole. A caption can lose its end.
         let fits = |text: &str| text.chars().count() <= MAX_TEXT;
+
         let breakpoint = |b: &SavedBreakpoint| {
             let condition = b.condition.as_deref().unwrap_or_default();
             fits(condition).then(|| {
@@ -200,6 +216,7 @@ impl Writer {
                 format!("{off}{}{colon}{}", b.line, escaped(&item(condition)))
             })
         };
+
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
         let mark = |mark: &SavedScene| {
             let note: String = mark.caption.chars().take(MAX_TEXT).collect();
@@ -212,11 +229,14 @@ impl Writer {
             let note = escaped(&item(&note));
             Some(format!("{}{run}{colon}{note}", mark.event))
         };
+
         let breakpoints = &content.breakpoints;
         self.list("break", "breakpoints", MAX_STOPS, breakpoints, breakpoint);
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
         let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
+        // A view belongs to the scene at its position.
         self.views(&content.scenes[..written]);
+
         let long = content.scenes.iter().filter(|mark| !fits(&mark.caption));
         match long.count() {
             0 => {}
@@ -245,7 +265,9 @@ impl Writer {
         item: impl Fn(&T) -> Option<String>,
     ) -> usize {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
+
         for item in all.iter().filter_map(item).take(most) {
+            // The first item that does not fit ends the list, as positions of later ones would change.
             if text.len() + item.len() + 1 > room {
                 break;
             }
@@ -255,9 +277,11 @@ impl Writer {
             text.push_str(&item);
             taken += 1;
         }
+
         if taken > 0 {
             self.put(key, text);
         }
+
         if taken < all.len() {
             let missing = all.len() - taken;
             self.left_out

@@ -30,20 +30,24 @@ const NO_EVENTS: &str = "this session has no events; seek a stage";
 /// Answers a request of a page, as described in `web/README.md`. The answer is JSON, too: `{"ok":true,
 /// ...}`, or `{"ok":false,"error":...}` with a sentence that names the value and the limit.
 pub fn ask(state: &mut State, request: &str) -> String {
-    let answer = read(request).and_then(|request| answer(state, request));
-    let answer = answer.unwrap_or_else(|error| {
-        let text = tilescope_session::words::sentence(&error.to_string());
-        json!({"ok": false, "error": text})
-    });
+    let answer = read(request)
+        .and_then(|request| answer(state, request))
+        .unwrap_or_else(|error| {
+            let text = tilescope_session::words::sentence(&error.to_string());
+            json!({"ok": false, "error": text})
+        });
     answer.to_string()
 }
 
 fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
     let mut dropped = None;
+
     let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
+    // Another run is made whole, and could show the answer.
     if is_other_run && state.lessons().veil().is_some() {
         return refused(QUESTION_OPEN);
     }
+
     match request {
         Request::Lesson(request) => {
             let lesson = answer_of_lesson(state, request)?;
@@ -68,6 +72,7 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
         Request::Play(speed) => play_at(state, speed)?,
         Request::Pause => state.carry_out(Which::First, vec![Effect::Pause]),
     }
+
     Ok(match dropped {
         Some(dropped) => json!({"ok": true, "dropped": dropped}),
         None => json!({"ok": true}),
@@ -77,12 +82,15 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
 /// Starts a run with other parameters; the view stays as it is.
 fn load(state: &mut State, parameters: Parameters) {
     state.in_class(|class, _| class.lessons.close_list());
+
     let form = Form {
         draft: Draft::from_parameters(parameters),
         ..Form::default()
     };
     let recipe = form.recipe();
+
     state.carry_out(
+        // In this order: a lesson or the tour gives back the window before the new run changes it.
         Which::First,
         vec![
             Effect::GiveBack,
@@ -105,21 +113,25 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
             state.in_class(|class, context| class.open_wanted(wanted, context));
             state.follow();
         }
+
         LessonRequest::Tour => {
             state.in_class(|class, _| class.lessons.lists = false);
             state.apply(Command::Scene(SceneCommand::Tour));
         }
+
         LessonRequest::Present | LessonRequest::Answer(_) if !has_lesson => {
             return refused(NO_LESSON);
         }
         LessonRequest::Present if state.window().embedding.is_some() => {
+            // A talk needs windows of its own, which a frame has not.
             return refused("a player in a frame presents nothing");
         }
         LessonRequest::Present => {
             state.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
-            // The stage tells nothing of the lesson to the page.
+            // While a talk is open, the page learns nothing about the lesson.
             return Ok(Value::Null);
         }
+
         LessonRequest::Answer(value) => {
             let Some(drafted) = lessons.draft_of(&value) else {
                 return refused("no question is open");
@@ -129,16 +141,19 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
                 found: quoted(&value.to_string()),
                 wanted,
             })?;
+            // The answer is drafted and given by the commands that clicks issue.
             for command in drafted {
                 state.apply(Command::Lesson(LessonCommand::Draft(command)));
             }
             state.apply(Command::Lesson(LessonCommand::Answer));
         }
+
         LessonRequest::Command(command) => match lessons.refusal(&command) {
             Some(why) => return refused(why),
             None => state.apply(Command::Lesson(command)),
         },
     }
+
     Ok(state.lessons().to_json())
 }
 
@@ -157,11 +172,13 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
     if let Some(why) = state.runs().first.clock_refusal(unit) {
         return refused(why);
     }
+
     let step = if forwards {
         TimeCommand::StepForward
     } else {
         TimeCommand::StepBack
     };
+
     let before = state.time().playback.clone();
     let mut by_unit = before.clone();
     by_unit.clock = unit;
@@ -214,6 +231,7 @@ fn seek_target(
     direction: Direction,
 ) -> Result<(), RequestError> {
     need_session(state)?;
+
     let Some(debugger) = &state.runs().first.debugger else {
         return refused(NO_EVENTS);
     };
@@ -221,6 +239,7 @@ fn seek_target(
     if moves::arrive(recording, cursor, target, direction).is_none() {
         return refused(none_there(target, direction));
     }
+
     state.apply(Command::Time(TimeCommand::RunTo(target, direction)));
     Ok(())
 }
@@ -270,10 +289,12 @@ fn play_at(state: &mut State, speed: Option<f32>) -> Result<(), RequestError> {
 pub fn to_json(state: &State) -> Value {
     let session = state.runs().first.session.as_deref();
     let made = session.filter(|session| session.kind().is_run());
+    // Only a run has parameters that a page can send again; otherwise those of the form stand for them.
     let parameters = made.map_or(state.form().draft.parameters, |made| made.run().parameters);
     // A verdict on another prefix of nested levels is not that of the samples shown.
     let is_known = state.runs().first.prefix_at_work().is_none();
     let verdict = state.runs().first.verdict().filter(|_| is_known);
+
     let (cursor, events) = state.runs().first.cursor().unwrap_or((0, 0));
     let stage = state
         .runs()
@@ -281,6 +302,7 @@ pub fn to_json(state: &State) -> Value {
         .current_stage()
         .map(|stage| slug(&stage_name(stage)));
     let Classroom { lessons, talks } = state.classroom();
+
     json!({
         "seed": seed(parameters.seed),
         "parameters": with_seeds(&parameters),
@@ -300,6 +322,7 @@ pub fn to_json(state: &State) -> Value {
         "chosen": state.gpu().chosen(&state.form().draft.parameters),
         "notice": state.messages().notice.as_ref().map(|notice| notice.text.as_str()),
         "view": view_json(state),
+        // While a talk is open, the page learns nothing about the lesson.
         "lesson": talks.open.is_none().then(|| lessons.to_json()),
         "answered": lessons.last,
         "link": state.link().fragment,
