@@ -47,7 +47,7 @@ pub enum Verification {
 /// A message to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Sentences.
+    /// The message, in whole sentences.
     pub text: String,
     /// Whether something went wrong.
     pub is_error: bool,
@@ -56,7 +56,7 @@ pub struct Notice {
 }
 
 impl Notice {
-    /// Returns a notice.
+    /// Returns a notice without a folder.
     #[must_use]
     pub const fn new(text: String, is_error: bool) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Notice {
 /// Whether the window can use full screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FullScreen {
-    /// It can.
+    /// It can enter and leave full screen.
     #[default]
     Free,
     /// The user asked to enter or leave full screen.
@@ -96,21 +96,21 @@ pub struct State {
     form: Form,
     /// The runs that are shown.
     runs: Runs,
-    /// Playback.
+    /// Playback: its clock, speed and loop.
     time: Time,
     /// The appearance of moments.
     appearance: Appearance,
     /// Panels, drawer, list of actions, full screen.
     window: WindowState,
-    /// Files and exports.
+    /// Files and exports, and the sheets for both.
     files: FileState,
     /// The engine and the GPU.
     gpu: GpuState,
-    /// The analysis.
+    /// The reference of moments, and the brush.
     analysis: Analysis,
     /// Scenes: the one that is shown, and their pictures.
     scenes: Scenes,
-    /// Lessons and talks.
+    /// Lessons and talks, apart from the window.
     classroom: Classroom,
     /// Changes to be undone, and what a lesson or the tour has replaced.
     past: Past,
@@ -145,13 +145,16 @@ impl State {
     fn refuse(&mut self, command: &Command) -> bool {
         let lessons = &self.classroom.lessons;
         let hidden = || lessons.hidden_layers(self.runs.first.current_stage());
+
         match command {
+            // A layer that would show the answer is refused alone; others can be switched.
             Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
                 self.messages.tell(HIDDEN_LAYER.to_owned(), false);
             }
             _ if lessons.veil().is_some() && command.rules().reveals => {
                 self.messages.tell(VEILED.to_owned(), false);
             }
+            // A script, or a page or file of others, may name a number that is not there.
             _ => match self.runs.index_refusal(command) {
                 Some(text) => self.messages.tell(format!("{text}."), true),
                 None => return false,
@@ -165,19 +168,24 @@ impl State {
         if self.refuse(&command) {
             return;
         }
+
         let rules = command.rules();
         // What the tour itself offers is carried out by `take_offer`.
         if rules.ends_tour {
             self.end_tour();
         }
+
         if let Command::View(Which::First, ViewCommand::Pick(selection)) = command {
+            // A click on the canvas may answer an open question.
             let at = self.runs.first.position_of(selection);
             let lessons = &mut self.classroom.lessons;
             lessons.draft_from_canvas(selection, at);
         }
+
         if matches!(command, Command::Time(_) | Command::Scene(_)) {
             self.messages.drop_brief();
         }
+
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
@@ -185,9 +193,11 @@ impl State {
             _ => None,
         };
         let seeks = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
+
         match command {
             Command::Undo => self.step_in_history(HistoryStep::Undo),
             Command::Redo => self.step_in_history(HistoryStep::Redo),
+            // The state is compared with the one before, so that a command that changed nothing is no step.
             command => match rules.undo {
                 Some(part) => {
                     let before = Memento::of(self);
@@ -199,6 +209,7 @@ impl State {
                 None => self.dispatch(command),
             },
         }
+
         match before {
             // A conflict, say, that was looked for is to be seen: at the scale of the whole domain it is a speck.
             Some(before) if seeks && self.runs.first.cursor() != before => {
@@ -211,10 +222,11 @@ impl State {
             }
             Some(_) | None => {}
         }
+
         self.follow();
     }
 
-    /// Brings the parts into line with what has changed: layers with an open question, the second run with the first.
+    /// Brings the parts into line after a change: layers with an open question, the second run with the first.
     pub(crate) fn follow(&mut self) {
         let stage = self.runs.first.current_stage();
         let chosen = &mut self.appearance.chosen_layers;
@@ -233,6 +245,7 @@ impl State {
             Command::Cancel(which) => {
                 self.on(which, |run, _| run.cancel());
             }
+            // `apply` has carried these out.
             Command::Undo | Command::Redo => {}
 
             // The window.
@@ -245,7 +258,7 @@ impl State {
             }
             Command::Window(command) => self.window.apply(command),
 
-            // What is shown of the runs.
+            // The view of the runs.
             Command::OpenPasses => self.with(|s, c| s.runs.first.open_passes(&s.gpu, c)),
             Command::Passes(command) => self.with(|s, c| s.runs.first.apply_to_passes(command, c)),
             Command::Compare(command) => {
@@ -264,13 +277,14 @@ impl State {
                 Which::Second => s.runs.apply_to_second_view(command, c),
             }),
 
-            // What is made of them.
+            // Scenes, lessons, files and links, made of the runs.
             Command::Scene(command) => self.in_scenes(|scenes, run, source, c| {
                 scenes.apply(command, run, source, c);
             }),
             Command::Lesson(command) => self.in_class(|class, c| class.apply(command, c)),
             Command::Talk(command) => self.in_class(|class, c| class.apply_to_talk(command, c)),
             Command::File(command) => {
+                // A session is written down from the whole state, before a part of the state is borrowed.
                 let saved = self.files.saves(&command).then(|| SaveTask::of(self));
                 self.with(|s, c| s.files.apply(command, &s.runs.first, saved, c));
             }
@@ -305,8 +319,9 @@ impl State {
         let session = self.runs.first.session.as_ref();
         let is_made = session.is_none_or(|session| session.has_recipe());
         let typed = is_made.then(|| self.form.recipe());
-        let asked = self.messages.notice.as_ref();
-        let asked = asked.map(|notice| notice.text.clone());
+        let notice = self.messages.notice.as_ref();
+        let asked = notice.map(|notice| notice.text.clone());
+
         self.with(|state, context| {
             let history = &mut state.past.history;
             history.step(step, now, typed, asked.as_deref(), context);

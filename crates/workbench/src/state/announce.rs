@@ -61,6 +61,7 @@ fn time_text(run: &RunView, is_playing: bool) -> String {
 
 fn verdict_text(run: &RunView) -> Option<(u64, String)> {
     let generation = run.session.as_ref()?.generation;
+
     let text = match &run.verification {
         Verification::Nothing | Verification::Pending(_) => return None,
         Verification::Failed(why) => format!("There is no verdict. {why}"),
@@ -71,6 +72,7 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
                 (false, true) => "The verifier found conflicts.",
                 (false, false) => "The verifier found conflicts and gaps.",
             };
+
             match verdict.claim {
                 Some(claim) => {
                     let word = if verdict.valid() { "" } else { " not" };
@@ -81,5 +83,6 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
             }
         }
     };
+
     Some((generation, text))
 }

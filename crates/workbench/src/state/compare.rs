@@ -23,7 +23,7 @@ use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
 impl Runs {
-    /// Applies a command; the second run may be made of what is typed in the form, by the chosen engine.
+    /// Applies a command. A second run may be made of the parameters as typed, by the chosen engine.
     pub(super) fn apply(
         &mut self,
         command: CompareCommand,
@@ -60,9 +60,11 @@ impl Runs {
         let Some(session) = &self.first.session else {
             return Some("There is no session yet.".to_owned());
         };
+
         if preset == ComparePreset::Typed {
             return form.refusal(gpu);
         }
+
         match session.kind() {
             SessionKind::Run | SessionKind::Exact => {}
             SessionKind::Combination => return Some(super::engine::NO_PARAMETERS.to_owned()),
@@ -71,9 +73,12 @@ impl Runs {
                 return Some(text.to_owned());
             }
         }
+
         if preset == ComparePreset::Engine && self.other_engine() == EngineChoice::Gpu {
+            // The CPU is always ready.
             return gpu.device.not_ready();
         }
+
         let first = &session.run().parameters;
         let second = preset.parameters(first, &form.draft.parameters);
         let own = session.own.clone();
@@ -81,8 +86,12 @@ impl Runs {
             own,
             ..Recipe::from(second)
         };
-        let refused = second.validate_sequential().err();
-        let refused = refused.or_else(|| recipe.check().err());
+
+        // The changed parameter may not go with the others.
+        let refused = second
+            .validate_sequential()
+            .err()
+            .or_else(|| recipe.check().err());
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
@@ -124,12 +133,14 @@ impl Runs {
         gpu: &GpuState,
         context: &mut Context,
     ) {
+        // Menus show why, but a script may issue the command anyway.
         if self.preset_refusal(preset, form, gpu).is_some() {
             return;
         }
         let Some(session) = &self.first.session else {
             return;
         };
+
         let recipe = match preset {
             ComparePreset::Typed => form.recipe(),
             _ => Recipe {
@@ -138,10 +149,12 @@ impl Runs {
                 nested: None,
             },
         };
+
         let engine = match preset {
             ComparePreset::Engine => self.other_engine(),
             _ => gpu.engine,
         };
+
         context.ask(Effect::OpenPanel(Panel::Compare));
         self.compare_with(recipe, engine, context);
     }
@@ -165,20 +178,26 @@ impl Runs {
         };
         let cursor = self.first.cursor();
         context.ask(Effect::OpenPanel(Panel::Compare));
+
         let (side, _) = self.second.get_or_insert_default();
+        // The view begins anew, but in the same place of the window.
         let viewport = side.viewport;
         *side = RunView::default();
+
+        // The two runs share the recording, and each has its own cursor.
         let recording = session.recording().map(Arc::clone);
         side.debugger = recording.map(|recording| Debugger::new(recording, DEFAULT_BUDGET));
         if let (Some(debugger), Some((cursor, _))) = (&mut side.debugger, cursor) {
             debugger.jump(cursor);
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
+
         let first = &self.first;
         (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
         (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
         side.show_whole(session.summary.count);
         side.session = Some(session);
+
         side.verify(context);
     }
 
@@ -195,6 +214,7 @@ impl Runs {
             self.first.put_stops(stops, context);
             self.second = Some((side, comparison));
         }
+
         if let Some(session) = &self.first.session
             && session.has_recipe()
         {
@@ -204,6 +224,7 @@ impl Runs {
                 own_pattern: session.own.clone(),
                 live: false,
             })));
+            // The steps to undo are of the run that was first before.
             context.ask(Effect::Forget);
         }
     }
@@ -215,14 +236,18 @@ impl Runs {
         if let Some((side, _)) = &mut self.second {
             side.apply_to_view(command, context);
         }
+
         let after = self.second_at();
         let Some((side, comparison)) = &mut self.second else {
             return;
         };
+
         if moves && comparison.linked_cameras {
             (self.first.camera, self.first.fitted) = (side.camera, side.fitted);
+            // Only the first camera flies, and the second follows it in every frame.
             self.first.flight = side.flight.take();
         }
+
         if comparison.linked_playback && before != after {
             self.follow_second();
         }
@@ -256,9 +281,11 @@ impl Runs {
         if comparison.linked_cameras {
             (side.camera, side.fitted, side.flight) = (self.first.camera, self.first.fitted, None);
         }
+
         if !comparison.linked_playback {
             return;
         }
+
         let (Some(at), Some([first, second])) = (self.first.moment(), self.compared()) else {
             return;
         };
@@ -270,7 +297,7 @@ impl Runs {
         }
     }
 
-    /// Advances the second run by `dt_secs`, with what is asked of its moment. Returns whether something moves.
+    /// Advances the second run by `dt_secs`, and its measures as far as they are `asked` for. Returns whether something moves.
     pub(super) fn advance_second(
         &mut self,
         dt_secs: f32,
@@ -323,6 +350,7 @@ impl Runs {
         let (Some((_, comparison)), Some([first, second])) = (&self.second, self.compared()) else {
             return;
         };
+
         let cursors = match comparison.divergence(first, second) {
             Some(&Divergence::Events { a, b, .. }) => [a, b],
             Some(&Divergence::Ends { event, .. }) => [event, event],
@@ -333,6 +361,7 @@ impl Runs {
             }
             _ => return,
         };
+
         // The moment after the event shows what differs.
         self.first.jump(cursors[0] + 1);
         self.first.apply_to_view(ViewCommand::GoToCurrent, context);

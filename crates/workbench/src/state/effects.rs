@@ -31,13 +31,13 @@ use crate::view::SavedView;
 
 /// A request of a part to the others, which the state carries out after the command.
 pub(crate) enum Effect {
-    /// Show this notice.
+    /// Show this notice, in place of another one.
     Tell(Notice),
     /// Copy a text to the clipboard.
     Copy(String),
     /// Open the panel of the selection.
     Inspect,
-    /// Download a file.
+    /// Download a file through the browser.
     Download(NamedBytes),
     /// Show a notice that only confirms a command: it goes with the next move in time or the next scene.
     TellBriefly(String),
@@ -59,9 +59,9 @@ pub(crate) enum Effect {
     Curve(ShownCurve),
     /// Replace breakpoints, watches and scenes.
     Stops(Stops),
-    /// Stop playing.
+    /// Stop playing at this moment.
     Pause,
-    /// Remove the loop.
+    /// Remove the loop of playback.
     EndLoop,
     /// Choose the unit of a tick.
     Clock(Clock),
@@ -69,13 +69,13 @@ pub(crate) enum Effect {
     Playback(Box<Playback>),
     /// Close the sheet of files.
     CloseFileSheet,
-    /// Close the notice.
+    /// Close the notice, whatever it says.
     CloseNotice,
     /// Append a sentence to the notice, or show a new one.
     Add(String),
     /// Show a session that was read from a file.
     Open(Box<Opened>),
-    /// Open a link.
+    /// Open a link, as its command does.
     OpenLink(String),
     /// Compare the runs with a point set.
     Against(Arc<ReferenceFile>),
@@ -87,7 +87,7 @@ pub(crate) enum Effect {
     Make(Box<Made>),
     /// Stop making and reading sessions, and close the notice.
     StopMaking,
-    /// Show a session.
+    /// Show a session as the first run.
     Show(Box<Session>),
     /// Set the camera; without one, fit the whole domain.
     Camera(Option<Camera>),
@@ -272,21 +272,26 @@ impl State {
 
     fn carry_out_of_class(&mut self, effect: classroom::Effect) {
         use classroom::Effect as E;
+
         match effect {
             E::Tell { text, is_error } => self.messages.tell(text, is_error),
             E::EndTour => self.end_tour(),
             E::Begin => {
                 self.end_tour();
                 self.borrow_window();
+                // A scene's caption or an older notice would stand over the lesson.
                 (self.scenes.shown, self.messages.notice) = (None, None);
             }
             E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
+
             E::MakeRun(parameters) => {
+                // A link whose run is still being made would replace the run of the step.
                 self.runs.arriving = None;
                 self.time.playback.stop();
                 // Lessons need events, which runs of the GPU do not have.
                 self.start_sampling(Which::First, Recipe::from(*parameters), EngineChoice::Cpu);
             }
+
             E::ShowRun(recording, cursor) => self.with(|state, context| {
                 let run = &mut state.runs.first;
                 (state.time).show_recording(&recording, Some(cursor), run, context);
@@ -297,15 +302,18 @@ impl State {
                     state.time.show_step(&view, &mut state.runs.first, context);
                 });
             }
+
             E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
             E::ShowSomeRun => {
                 if self.runs.first.session.is_none() {
                     self.run();
                 }
             }
+
             E::RememberFile(path) => self.files.remember_file(&path),
             E::Save(file) => self.with(|state, context| state.files.save_new(file, context)),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
+
             E::LessonOfScenes => {
                 let made = self.runs.first.lesson_of_scenes();
                 self.in_class(|class, context| class.present_scenes(made, context));
@@ -319,6 +327,7 @@ impl State {
         act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
     ) -> T {
         self.with(|state, context| {
+            // Taken apart, as the exports change while they read the other parts.
             let Self {
                 files,
                 runs,
@@ -329,6 +338,7 @@ impl State {
                 window,
                 ..
             } = state;
+
             let source = ExportSource {
                 run: &runs.first,
                 time,
@@ -336,6 +346,7 @@ impl State {
                 causes: analysis.causes(&runs.first, window),
                 caption: scenes.caption(&runs.first),
             };
+
             act(&mut files.exports, source, files.delivery, context)
         })
     }
@@ -361,9 +372,11 @@ impl State {
 impl State {
     /// Sets aside what a lesson or the tour replaces, unless it is already.
     fn borrow_window(&mut self) {
+        // However many lessons follow each other, only the first one finds the user's own window.
         if self.past.borrowed.is_some() {
             return;
         }
+
         let has_run = self.runs.first.session.is_some();
         let run = has_run.then(|| Box::new(self.runs.first.set_aside()));
         self.past.borrowed = Some(Box::new(Borrowed {
@@ -376,6 +389,7 @@ impl State {
             run,
             second: self.runs.second.take(),
         }));
+
         self.time.rest(false);
         // A window in a frame has no panels; its layout is that of the whole app.
         if self.window.embedding.is_none() {
@@ -405,6 +419,7 @@ impl State {
         };
         let borrowed = *borrowed;
         self.window.put_back(borrowed.panels);
+        // Look and motion stay, as the user may have chosen them meanwhile.
         self.form.take(borrowed.form);
         self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
         self.appearance.colouring = borrowed.appearance.colouring;

@@ -38,6 +38,7 @@ impl Runs {
             }),
             None => task::start(&context.wake, SampleTask { recipe, generation }),
         };
+
         if let Some(run) = self.get_mut(which) {
             run.sampling = Some(job);
         }
@@ -49,8 +50,10 @@ impl Runs {
             CombineCommand::Nine => NINE.to_owned(),
             CombineCommand::Text(text) => text,
         };
+        // A link whose run is still being made would replace the combination.
         self.arriving = None;
         context.ask(Effect::CloseNotice);
+
         match Layout::from_json(text.as_bytes()) {
             Ok(layout) => {
                 context.ask(Effect::RememberRun(UndoPart::Run));

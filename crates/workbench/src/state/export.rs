@@ -36,7 +36,7 @@ pub struct Exports {
     pub sheet: Option<ExportForm>,
     /// The number of frames of the sheet's animation.
     frames: Option<Count>,
-    /// The running export.
+    /// The running export, if there is one.
     pub work: Option<Job<Outcome>>,
     /// The system's file dialog for it, if open.
     #[cfg(not(target_arch = "wasm32"))]
@@ -59,9 +59,9 @@ impl Drop for Exports {
 /// The input of an export: the parts of the state that it shows.
 #[derive(Clone, Copy)]
 pub struct ExportSource<'a> {
-    /// The run.
+    /// The run that the panels show.
     pub run: &'a RunView,
-    /// Playback.
+    /// Playback, whose loop an animation can show.
     pub time: &'a Time,
     /// The appearance of moments.
     pub appearance: &'a Appearance,
@@ -81,8 +81,10 @@ impl Exports {
         context: &mut Context,
     ) {
         if let Some(form) = &mut self.sheet {
+            // Scenes may have come or gone since the sheet was opened.
             form.scenes = source.scenes().len();
         }
+
         match command {
             ExportCommand::Open(kind) => {
                 // One sheet at a time, and what the notice says is not about it.
@@ -91,11 +93,13 @@ impl Exports {
                 self.sheet.get_or_insert_default().scenes = source.scenes().len();
                 self.choose(kind, source);
             }
+
             ExportCommand::Close => self.sheet = None,
             ExportCommand::Choose(kind) => self.choose(kind, source),
             ExportCommand::Clock(clock) => {
                 if let Some(form) = &mut self.sheet {
                     form.clock = clock;
+                    // The number was proposed for another clock.
                     self.propose_every(source);
                 }
             }
@@ -105,6 +109,7 @@ impl Exports {
                     self.propose_every(source);
                 }
             }
+
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
                 if let Some(why) = crate::files::dialog::refusal() {
@@ -114,18 +119,21 @@ impl Exports {
                 let browse = |form| crate::export::browse::browse(form, &context.wake);
                 self.browsing = form.map(browse).or_else(|| self.browsing.take());
             }
+
             ExportCommand::Write => self.start(source, delivery, context),
             ExportCommand::Cancel => {
                 if let Some(job) = &self.work {
                     job.cancel();
                 }
             }
+
             command => {
                 if let Some(form) = &mut self.sheet {
                     fill_in(form, command);
                 }
             }
         }
+
         self.count_frames(source);
     }
 
@@ -170,8 +178,8 @@ impl Exports {
                 let (shown, scale) = checked_scenes(form, source)?;
                 check_measured(form, session, shown.len())?;
                 let pictures = counted(shown.len(), "picture", "pictures");
-                let left = form.scenes.saturating_sub(shown.len());
-                let left = match left {
+                let left_out = form.scenes.saturating_sub(shown.len());
+                let left = match left_out {
                     0 => String::new(),
                     left => format!("; {left} of other runs are left out"),
                 };
@@ -220,10 +228,13 @@ impl Exports {
 
     /// Returns the export that the sheet describes.
     pub fn job(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
+        // The description of an export already finds every reason to refuse it.
         self.prospect(source)?;
+
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
         };
+
         let content = match form.kind {
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
@@ -254,6 +265,7 @@ impl Exports {
                 }
             }
         };
+
         Ok(ExportJob {
             path: form.file(),
             session: tilescope_session::task::SessionRef(Arc::clone(session)),
@@ -288,7 +300,7 @@ impl ExportSource<'_> {
         self.run.session.as_ref().ok_or(ExportRefusal::NoSession)
     }
 
-    /// Returns why nothing of a kind can be exported now, independent of the sheet.
+    /// Returns why no export of a kind is possible now, whatever the sheet says.
     #[must_use]
     pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
         let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
@@ -377,11 +389,12 @@ impl ExportSource<'_> {
             return format!("The first {} of {all}", grouped(count));
         }
         let stage = self.run.current_stage().map(|stage| stage.to_string());
-        let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
-        let stage = stage.trim_end_matches('.');
+        let sentence = tilescope_session::words::sentence(&stage.unwrap_or_default());
+        let name = sentence.trim_end_matches('.');
+
         match self.run.cursor() {
-            Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
-            None => stage.to_owned(),
+            Some((at, all)) => format!("{name}, event {} of {}", grouped(at), grouped(all)),
+            None => name.to_owned(),
         }
     }
 }
@@ -436,12 +449,14 @@ fn checked_scale(
     view: &PictureView,
 ) -> Result<f64, ExportRefusal> {
     let (low, high) = view.camera.visible(source.run.viewport);
+    // The index has all samples of the session. Those of a shorter prefix of nested levels are farther apart.
     let spacing = source.run.shown().map_or(1.0, |shown| shown.spacing());
-    let samples = source.session()?.index.count_in(low, high) as f64 / spacing.powi(2);
-    let samples = samples as usize;
+    let in_view = source.session()?.index.count_in(low, high) as f64 / spacing.powi(2);
+    let samples = in_view as usize;
     if samples > MAX_DRAWN {
         return Err(ExportRefusal::TooManySamples(samples));
     }
+
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };
     let animated = form.kind == ExportKind::Animation;
     size_refusal(view, scale, animated).map_or(Ok(scale), Err)

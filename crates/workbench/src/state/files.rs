@@ -39,6 +39,7 @@ impl SaveTask {
         let first = &state.runs.first;
         let session = first.session.as_ref();
         let run = first.debugger.as_ref().zip(session);
+
         Self {
             name: LAST_SESSION.to_owned(),
             combination: session
@@ -46,6 +47,7 @@ impl SaveTask {
             run: run.map(|(debugger, session)| {
                 let mut saved = debugger.session();
                 saved.view = view;
+                // The debugger knows no talks, so that their record goes with the view.
                 if let (Some(record), Some(view)) = (record, saved.view.as_object_mut()) {
                     view.insert("talk".to_owned(), json!(record));
                 }
@@ -61,9 +63,11 @@ impl SaveTask {
 /// are not part of it.
 #[must_use]
 pub fn session_to_keep(state: &State) -> Option<String> {
+    // The run of a lesson or the tour is not the user's own.
     if state.past.borrowed.is_some() || state.window.embedding.is_some() {
         return None;
     }
+
     let run = &state.runs.first;
     let session = run.session.as_ref()?;
     let parameters = Form::default().draft.parameters;
@@ -71,7 +75,9 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     if is_default && run.stops() == Stops::default() {
         return None;
     }
+
     if run.save_refusal().is_some() {
+        // A session without events can be kept as a link alone, which has no files.
         let combination = session.combination.as_ref();
         let has_files = session.own.is_some() || combination.is_some_and(|made| made.files > 0);
         return (!has_files).then(|| json!({ "link": state.link().fragment }).to_string());
@@ -94,6 +100,7 @@ impl FileState {
         saved: Option<SaveTask>,
         context: &mut Context,
     ) {
+        // Another part opens lessons, whichever way they come.
         match self.take_lesson(&command) {
             Some(Ok(lesson)) => {
                 return context.ask(Effect::Issue(Box::new(Command::Lesson(lesson))));
@@ -101,6 +108,7 @@ impl FileState {
             Some(Err(why)) => return context.tell(why, true),
             None => {}
         }
+
         match command {
             FileCommand::Sheet(purpose) => {
                 // What the sheet shows is about its own file.
@@ -118,17 +126,21 @@ impl FileState {
                     form.chosen = Arc::default();
                 }
             }
+
             FileCommand::Chosen(files) => self.choose(files),
             FileCommand::Browse => self.browse(context),
             FileCommand::Go => self.file_away(run, saved, context),
+            // The file may be a point set, to be compared with the first run: that must be there.
             FileCommand::Open(path) => self.awaiting = Some(path),
             FileCommand::Last => self.reopen_last(run, context),
             FileCommand::SaveCurve(format) => self.save_curve(run, format, context),
+
             FileCommand::Cancel => {
                 if let Some(filing) = &self.filing {
                     filing.job.cancel();
                 }
             }
+
             #[cfg(not(target_arch = "wasm32"))]
             FileCommand::Dropped(paths) => {
                 let names = paths.iter().map(PathBuf::from).collect();
@@ -150,6 +162,8 @@ impl FileState {
         };
         last.is_reopened = true;
         let text = last.text.clone();
+
+        // `session_to_keep` wrote it: an object with a link, or the file of a session.
         let read: Option<Value> = serde_json::from_str(&text).ok();
         if let Some(link) = read.as_ref().and_then(|read| read["link"].as_str()) {
             context.ask(Effect::OpenLink(link.to_owned()));
@@ -180,6 +194,7 @@ impl FileState {
             Purpose::Open if self.in_browser() => String::new(),
             Purpose::Save | Purpose::Open => session_path.unwrap_or(SESSION_NAME).to_owned(),
         };
+        // One sheet is open at a time.
         self.exports.sheet = None;
         self.sheet = Some(FileForm {
             purpose,
@@ -248,12 +263,14 @@ impl FileState {
             }
             return;
         };
+
         if self.filing.is_some() {
             let text = format!("{first} was not opened: another file is being read or written.");
             context.tell(text, true);
             return;
         }
-        self.begin_reading((None, first.clone()), source, run, context);
+        self.begin_reading(None, first.clone(), source, run, context);
+        // The notice at the end names them, too.
         if let Some(filing) = &mut self.filing {
             filing.refused = refused.to_vec();
         }
@@ -261,13 +278,15 @@ impl FileState {
 
     fn begin_reading(
         &mut self,
-        (purpose, path): (Option<Purpose>, String),
+        purpose: Option<Purpose>,
+        path: String,
         source: FileSource,
         run: &RunView,
         context: &mut Context,
     ) {
         let domain = run.session.as_ref().map(|session| session.run().domain);
         let run = domain.map(|domain| (region(&domain), domain.radius()));
+
         let generation = context.next_generation();
         let task = ReadTask {
             purpose,
@@ -275,6 +294,7 @@ impl FileState {
             generation,
             run,
         };
+
         let job = task::start(&context.wake, task);
         self.wait_for(purpose, path, job);
     }
@@ -300,7 +320,7 @@ impl FileState {
         });
     }
 
-    /// Stops reading.
+    /// Stops reading; a file that is being written is still written.
     pub(super) fn stop_reading(&mut self) {
         let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
         self.filing = self.filing.take().filter(saves);
@@ -310,10 +330,13 @@ impl FileState {
         let Some(form) = &mut self.sheet else {
             return;
         };
+
         let path = form.path.trim().to_owned();
+        // The file that is being read or written comes first.
         if path.is_empty() || self.filing.is_some() {
             return;
         }
+
         let purpose = form.purpose;
         if purpose == Purpose::Save {
             if let Some(saved) = saved {
@@ -322,14 +345,16 @@ impl FileState {
             }
         } else if !form.chosen.is_empty() {
             let source = FileSource::Bytes(form.chosen.to_vec());
-            self.begin_reading((Some(purpose), path), source, run, context);
+            self.begin_reading(Some(purpose), path, source, run, context);
+        // A page cannot open a path.
         } else if self.in_browser() {
             let text = "Choose the file with Browse, or drop it on the window.";
             context.tell(text.to_owned(), true);
         } else {
             #[cfg(not(target_arch = "wasm32"))]
             self.begin_reading(
-                (Some(purpose), path.clone()),
+                Some(purpose),
+                path.clone(),
                 FileSource::Paths(vec![PathBuf::from(path)]),
                 run,
                 context,
@@ -343,14 +368,18 @@ impl FileState {
     )]
     fn start_saving(&mut self, task: SaveTask, at_hand: &RunView, context: &Context) {
         let path = task.name.clone();
+        // The sheet closes when the file of its name is written, and the name may have got its extension.
         if let Some(form) = &mut self.sheet {
             form.path.clone_from(&path);
         }
+
         match self.delivery {
             #[cfg(not(target_arch = "wasm32"))]
             Delivery::Disk => {
+                // The session's own file is replaced without a question.
                 let known = at_hand.session_path.as_deref() == Some(path.as_str());
                 let taken = Path::new(&path).exists() && !known;
+
                 if let Some(form) = &mut self.sheet
                     && taken
                     && !form.asked
@@ -358,6 +387,7 @@ impl FileState {
                     form.asked = true;
                     return;
                 }
+
                 self.start_filing(Some(Purpose::Save), path, context, move |_| {
                     FileOutcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
                 });
@@ -381,11 +411,13 @@ impl FileState {
         command: &FileCommand,
     ) -> Option<Result<LessonCommand, String>> {
         let is_lesson = |name: &str| name.to_lowercase().ends_with(".md");
+
         match command {
             FileCommand::Dropped(paths) => {
                 let path = paths.iter().find(|path| is_lesson(path))?;
                 Some(Ok(LessonCommand::File(path.into())))
             }
+
             FileCommand::DroppedBytes(files, _) => {
                 let file = files.iter().find(|file| is_lesson(&file.name))?;
                 let name = file.name.trim_end_matches(".md").to_owned();
@@ -396,13 +428,16 @@ impl FileState {
                         .map_err(not_text),
                 )
             }
+
             FileCommand::Go => {
+                // The sheet for sessions also opens lessons.
                 let opens =
                     |sheet: &&FileForm| sheet.purpose == Purpose::Open && is_lesson(&sheet.path);
                 let path = self.sheet.as_ref().filter(opens)?.path.clone();
                 self.sheet = None;
                 Some(Ok(LessonCommand::File(path.into())))
             }
+
             FileCommand::Sheet(_)
             | FileCommand::Close
             | FileCommand::Path(_)
@@ -419,6 +454,7 @@ impl FileState {
     fn save_curve(&self, run: &RunView, format: CurveFormat, context: &mut Context) {
         let curve = (run.session.as_ref())
             .and_then(|session| run.curve.file(session, format, provenance(session)));
+
         let why = match (curve, run.curve.number()) {
             (Some(Ok(bytes)), Some(number)) => {
                 return self.save_new(
@@ -435,6 +471,7 @@ impl FileState {
             (_, Some(_)) => "The curve is not made yet.".to_owned(),
             (_, None) => "No curve is shown: choose its number first.".to_owned(),
         };
+
         context.tell(why, true);
     }
 
@@ -446,14 +483,17 @@ impl FileState {
             path,
             bytes,
         } = file;
+
         if self.in_browser() {
             let file = NamedBytes::new(format!("{stem}.{extension}"), bytes);
             return context.ask(Effect::Download(file));
         }
+
         let named = |number: usize| match number {
             0 => PathBuf::from(format!("{stem}.{extension}")),
             _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
+        // A new file replaces no other one.
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
         write_new(&path.unwrap_or_default(), &bytes, context);
     }

@@ -39,19 +39,24 @@ impl Form {
     /// Returns why it cannot be run now, or `None` if it can.
     #[must_use]
     pub fn refusal(&self, gpu: &GpuState) -> Option<String> {
-        let refusal = self.draft.refusals().into_iter().next();
-        let refusal = refusal.as_ref().map(DraftRefusal::with_name);
+        let first = self.draft.refusals().into_iter().next();
+        let of_draft = first.as_ref().map(DraftRefusal::with_name);
+
         let own =
             "Nested levels have a pattern of their own; they cannot be made from that of a file.";
         let has_own = self.draft.levels.is_some() && self.own_pattern.is_some();
-        let refusal = refusal.or_else(|| has_own.then(|| own.to_owned()));
-        refusal.or_else(|| gpu.waiting())
+
+        of_draft
+            .or_else(|| has_own.then(|| own.to_owned()))
+            .or_else(|| gpu.waiting())
     }
 
     /// Returns a sentence that names what differs from the run shown, if anything.
     #[must_use]
     pub fn remark(&self, run: &RunView, gpu: &GpuState) -> Option<String> {
+        // While another run is being made, the run shown is about to go.
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
+
         if !session.has_recipe() {
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
@@ -61,6 +66,7 @@ impl Form {
             };
             return Some(format!("{what} shown, not a run of these parameters."));
         }
+
         let made = session.recipe();
         let mut names = self.draft.differences(&made.parameters);
         if self.draft.nesting() != made.nested {
@@ -72,6 +78,7 @@ impl Form {
         if gpu.differs(run, &self.draft) {
             names.push("engine");
         }
+
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 
@@ -85,6 +92,7 @@ impl Form {
             FormCommand::Preset(preset) => {
                 let draft = Draft::from_parameters(preset.parameters());
                 self.draft = draft.with_nesting(preset.nesting());
+                // A preset describes its pattern.
                 self.own_pattern = None;
             }
             FormCommand::Choose(choice) => self.draft.choose(choice),

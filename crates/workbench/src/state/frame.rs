@@ -27,15 +27,15 @@ pub struct FrameStart {
     pub is_full: Option<bool>,
 }
 
-/// What the program tells the window outside of commands, mostly at its start: the settings of an earlier use, and what is
-/// around the window. What is `None` stays as it is.
+/// Facts that the program tells the window outside of commands, mostly at its start: the settings of an earlier use, and the
+/// surroundings of the window. A part that is `None` stays as it is.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// The layout of the panels.
     pub layout: Option<Layout>,
     /// The paths of the files that were opened or saved last, the newest first.
     pub recent: Option<Vec<String>>,
-    /// The look.
+    /// The light or dark look, or a projector's.
     pub look: Option<Look>,
     /// Whether the bar at the top is left out, as in pictures of panels.
     pub is_bare: Option<bool>,
@@ -84,7 +84,7 @@ impl State {
         self.window.is_full = start.is_full;
     }
 
-    /// Takes settings: those of an earlier use of the program, and what is around the window.
+    /// Takes settings: those of an earlier use of the program, and the surroundings of the window.
     pub fn restore(&mut self, settings: Settings) {
         let Settings {
             layout,
@@ -98,6 +98,7 @@ impl State {
             last_session,
             page,
         } = settings;
+
         put(&mut self.window.layout, layout);
         put(&mut self.window.bare, is_bare);
         put(&mut self.window.embedding, embedding);
@@ -114,12 +115,15 @@ impl State {
         if let Some(look) = look {
             self.appearance.choose_look(look);
         }
+        // A choice of the user's comes before the system's preference, which counts only without one.
         if let Some(chosen) = reduced_motion {
             self.appearance.choose_motion(chosen);
         }
         if let Some(preferred) = prefers_reduced_motion {
             self.appearance.prefer_reduced_motion(preferred);
         }
+
+        // A camera that flies must stop if motion is reduced from now on.
         self.runs.end_flights(&self.appearance);
     }
 
@@ -154,7 +158,7 @@ impl State {
         self.classroom.lessons.take_stored(stored)
     }
 
-    /// Returns what is to be put into the store, which contains `stored`, if there are new results.
+    /// Returns the results to be stored, if there are new ones; `stored` is the content of the store.
     pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
         self.classroom.lessons.store_results(stored)
     }
@@ -167,6 +171,7 @@ impl State {
             prefers_reduced_motion: Some(start.reduced_motion),
             ..Settings::default()
         });
+
         if !start.full_screen {
             let why = "The browser does not allow this page full screen.";
             self.window.full_screen = FullScreen::Refused(why);
@@ -174,6 +179,7 @@ impl State {
         if !start.reason.is_empty() {
             self.messages.notice = Some(Notice::new(start.reason.clone(), true));
         }
+
         self.with(|state, context| state.gpu.begin_on_page(start, context));
     }
 }
@@ -192,7 +198,7 @@ impl State {
         &self.runs
     }
 
-    /// Returns playback.
+    /// Returns the state of playback.
     #[must_use]
     pub const fn time(&self) -> &Time {
         &self.time
@@ -222,13 +228,13 @@ impl State {
         &self.gpu
     }
 
-    /// Returns the analysis.
+    /// Returns the reference of moments, and the brush.
     #[must_use]
     pub const fn analysis(&self) -> &Analysis {
         &self.analysis
     }
 
-    /// Returns the scenes.
+    /// Returns the scenes: the one that is shown, and their pictures.
     #[must_use]
     pub const fn scenes(&self) -> &Scenes {
         &self.scenes
@@ -240,7 +246,7 @@ impl State {
         &self.classroom.lessons
     }
 
-    /// Returns presenter mode.
+    /// Returns presenter mode: the talk that is open.
     #[must_use]
     pub const fn talks(&self) -> &Talks {
         &self.classroom.talks

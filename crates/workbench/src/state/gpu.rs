@@ -22,7 +22,7 @@ const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes 
 /// The choice of the engine, and the state of the GPU.
 #[derive(Default)]
 pub struct GpuState {
-    /// The chosen engine.
+    /// The engine that the user chose.
     pub engine: EngineChoice,
     /// The device that samples.
     pub device: Device,
@@ -117,6 +117,7 @@ impl GpuState {
             }
             return;
         }
+
         self.device = Device::from_test(outcome);
         if self.engine == EngineChoice::Gpu
             && let Some(reason) = self.device.refusal()
@@ -182,6 +183,7 @@ impl GpuState {
         let Some(session) = &run.session else {
             return Some("There is no session yet.".to_owned());
         };
+
         if session.combination.is_some() {
             let text =
                 "This is a combination of sets, made on the CPU; the passes are those of a run.";
@@ -195,6 +197,7 @@ impl GpuState {
             let text = "This session's pattern comes from a file; passes can be inspected only with a generated pattern.";
             return Some(text.to_owned());
         }
+
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(
@@ -205,6 +208,7 @@ impl GpuState {
             let text = "This is an exact tiling, made on the CPU; the passes are those of KDRT.";
             return Some(text.to_owned());
         }
+
         self.device.not_ready()
     }
 
@@ -220,7 +224,9 @@ impl GpuState {
     pub fn engine_text(&self, parameters: &Parameters) -> Option<(String, String)> {
         let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
         let takes = self.takes(self.engine);
+
         let line: &str = match &self.device {
+            // Of the runs that a ready device could take, it cannot make the first two kinds.
             Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
                 "CPU: it alone makes exact tilings."
             }
@@ -237,12 +243,14 @@ impl GpuState {
             Device::Unknown if is_free && self.failure.is_some() => "CPU: the GPU failed.",
             _ => return None,
         };
+
         let device = self.device.description();
         let all = match (self.chosen(parameters), device) {
             (Some(why), Some(test)) if self.device.ready().is_some() => format!("{why} {test}"),
             (Some(why), _) => why,
             (None, device) => device?,
         };
+
         Some((line.to_owned(), all))
     }
 

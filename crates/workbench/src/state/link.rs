@@ -1,5 +1,5 @@
-//! Permalinks: makes the link to what is shown, from a [`LinkSource`], and applies an opened link to a run. `state/work.rs`
-//! opens links: the run is made first; then moment, view and the rest are applied.
+//! Permalinks: makes the link to the run and view that are shown, from a [`LinkSource`], and applies an opened link to a run.
+//! `state/work.rs` opens links: the run is made first; then moment, view and the rest are applied.
 
 use serde_json::{Value, json};
 use tilescope_classroom::lessons::{LessonSource, Lessons, WantedLesson};
@@ -19,9 +19,9 @@ pub(super) struct Arriving {
     pub warnings: LinkWarnings,
 }
 
-/// What a link to what is shown is made from.
+/// The parts of the state that a link is made from.
 pub(super) struct LinkSource<'a> {
-    /// The runs.
+    /// The runs that are shown.
     pub runs: &'a Runs,
     /// The current view, as it is saved.
     pub view: SavedView,
@@ -29,13 +29,13 @@ pub(super) struct LinkSource<'a> {
     pub layout: &'a Layout,
     /// The input of the next run.
     pub form: &'a Form,
-    /// Lessons.
+    /// Lessons: the one that is open, or wanted by a link.
     pub lessons: &'a Lessons,
 }
 
 impl LinkSource<'_> {
-    /// Returns the link to what is shown: run, moment and view. While the run of an opened link is being made, it is
-    /// that link. Cheap enough to be called every frame.
+    /// Returns the link to the run, moment and view that are shown. While the run of an opened link is being made, it is that
+    /// link. Cheap enough to be called every frame.
     pub(super) fn link(&self) -> Link {
         if let Some(arriving) = &self.runs.arriving {
             return link::write(&arriving.content);
@@ -54,6 +54,7 @@ impl LinkSource<'_> {
     /// question.
     fn lesson_link(&self) -> Option<Link> {
         let lessons = self.lessons;
+
         let lesson = match (&lessons.wanted, &lessons.open) {
             (Some(wanted), _) => wanted.clone(),
             (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
@@ -62,15 +63,17 @@ impl LinkSource<'_> {
                 practice: open.learner.practised(),
             },
             (None, Some(_)) => {
+                // A reader of the link does not have the file.
                 let left_out = vec!["the lesson, which comes from a file".to_owned()];
                 let fragment = String::new();
                 return Some(Link { fragment, left_out });
             }
             (None, None) => return None,
         };
+
         let lesson = Some(lesson);
-        // Whoever follows the link gets the language that is shown; English, the lessons' own, is not named, so that readers
-        // of other languages get theirs.
+        // A reader gets the language that is shown. English, the lessons' own, is not named, so that readers of other languages
+        // get theirs.
         let language = Some(lessons.language.clone()).filter(|name| name == "de");
         Some(link::write(&LinkContent {
             lesson,
@@ -81,21 +84,26 @@ impl LinkSource<'_> {
 
     fn content(&self, left_out: &mut Vec<String>) -> LinkContent {
         let mut view = self.view.clone();
+        // The link shows where the camera flies to, not where it is on its way.
         if self.runs.first.before_pattern.is_none() {
             let flight = self.runs.first.flight.as_ref();
             let destination = flight.map(tilescope_drawing::camera::Flight::destination);
             view.camera = view.camera.map(|camera| destination.unwrap_or(camera));
         }
+
         view.second = self.linked_second(view.second, left_out);
+
         let mut content = LinkContent {
             moment: self.linked_moment(),
             view,
             ..LinkContent::default()
         };
+
         if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches.clone_from(&debugger.watches);
             content.scenes.clone_from(&debugger.scenes);
+
             let layout = json!(self.layout);
             let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
             let scenes = content.scenes.iter();
@@ -106,8 +114,10 @@ impl LinkSource<'_> {
                     counted(count, "scene", "scenes")
                 )),
             }
+
             for mark in &mut content.scenes {
                 mark.ends = None;
+                // Layouts of panels would make the link too long.
                 if let Some(view) = mark.view.as_object_mut() {
                     view.remove("layout");
                 }
@@ -117,16 +127,20 @@ impl LinkSource<'_> {
                 }
             }
         }
+
         self.put_run(&mut content, left_out);
         content
     }
 
     fn put_run(&self, content: &mut LinkContent, left_out: &mut Vec<String>) {
+        // Without a session the typed parameters are all that there is.
         content.parameters = self.form.draft.parameters;
         content.nested = self.form.draft.nesting();
+
         let Some(session) = &self.runs.first.session else {
             return;
         };
+
         match &session.combination {
             None => {
                 let recipe = link::normal(session.recipe());
@@ -139,6 +153,7 @@ impl LinkSource<'_> {
                         None => "come from a file",
                     };
                     left_out.push(format!("the nested levels, which {why}"));
+                    // The moment is one of the levels that are left out.
                     content.moment = NamedMoment::End;
                 }
             }
@@ -151,6 +166,7 @@ impl LinkSource<'_> {
                 content.combination = Some(combination.layout.clone());
             }
         }
+
         if session.own.is_some() {
             left_out.push("the pattern, which comes from a file".to_owned());
         }
@@ -196,6 +212,7 @@ impl Link {
                 ": put it behind the address of any Tilescope page, or open it with tilescope --link."
             }
         };
+
         let mut text = format!("The link is copied{hint}");
         if !left_out.is_empty() {
             text = format!("{text} It leaves out {}.", left_out.join("; "));
@@ -241,6 +258,7 @@ impl RunView {
             NamedMoment::Stage(name) if self.prefix().is_none() => self.stage_named(name),
             _ => None,
         };
+
         let missed = match (moment, len, index) {
             (NamedMoment::Event(cursor), Some(len), _) if *cursor <= len => {
                 return self.jump(*cursor);
@@ -264,6 +282,7 @@ impl RunView {
                 Some(format!("This run has no stage \"{}\"", quoted(name)))
             }
         };
+
         if let Some(missed) = missed {
             warnings.add(format!("{missed}; the end is shown instead."));
         }
@@ -288,18 +307,23 @@ impl RunView {
             }
             return;
         };
+
         let len = debugger.recording().len();
+        // A scene of another run is found by its anchor, wherever its event is.
         let fits = |mark: &&SavedScene| !mark.run.is_empty() || mark.event <= len;
         let scenes: Vec<SavedScene> = content.scenes.iter().filter(fits).cloned().collect();
         let behind = content.scenes.len() - scenes.len();
+
         let stops = Stops {
             breakpoints: content.breakpoints.clone(),
             watches: content.watches.clone(),
             scenes,
         };
+
         if let Err(error) = debugger.put_stops(stops) {
             warnings.add(tilescope_session::words::sentence(&error.to_string()));
         }
+
         if behind > 0 {
             let marks = counted(behind, "scene", "scenes");
             warnings.add(format!(

@@ -10,7 +10,7 @@ pub struct PageStart {
     pub display: String,
     /// Why, if that needs an explanation.
     pub reason: String,
-    /// The engine.
+    /// The engine to begin with.
     pub engine: EngineChoice,
     /// The part of the window to show when it is embedded in another page.
     pub embedding: Option<Embedding>,

@@ -12,7 +12,7 @@ use crate::files::{Delivery, FileForm, Filing, LastSession, Purpose};
 use crate::layout::Layout;
 use crate::link::LinkWarnings;
 
-/// The runs that are shown, and what is needed to make others.
+/// The runs that are shown, and the data that making others needs.
 pub struct Runs {
     /// The run that the panels show.
     pub first: RunView,
@@ -65,7 +65,7 @@ impl Runs {
     }
 }
 
-/// Files and exports.
+/// Files and exports, and the sheets for both.
 #[derive(Default)]
 pub struct FileState {
     /// The export sheet, and the running export.
@@ -96,7 +96,7 @@ pub struct FileState {
     pub folder_to_open: Option<std::path::PathBuf>,
 }
 
-/// What was before: changes to be undone, and what a lesson or the tour has replaced.
+/// The past: changes to be undone, and the parts that a lesson or the tour has replaced.
 #[derive(Default)]
 pub struct Past {
     /// The changes to undo and to redo.

@@ -46,7 +46,7 @@ pub(super) type Made = Result<Result<Session, MakeError>, String>;
 
 /// A run and its view.
 pub struct RunView {
-    /// The session.
+    /// The session, once one is made.
     pub session: Option<Arc<Session>>,
     /// The session being made.
     pub sampling: Option<Job<Result<Session, MakeError>>>,
@@ -56,13 +56,13 @@ pub struct RunView {
     pub stage: usize,
     /// The events of the session with the cursor, if events were recorded.
     pub debugger: Option<Debugger>,
-    /// The camera.
+    /// The camera of its canvas.
     pub camera: Camera,
     /// The rectangle of its canvas in the window.
     pub viewport: Rect,
     /// The sample under the pointer.
     pub hovered: Option<u32>,
-    /// The selected sample.
+    /// The selected sample, by its id.
     pub selected: Option<u32>,
     /// The selected place, in r.
     pub place: Option<DVec2>,
@@ -117,12 +117,14 @@ impl Default for RunView {
             verification: Verification::Nothing,
             stage: 0,
             debugger: None,
+
             camera: Camera::default(),
             viewport: Rect::NOTHING,
             hovered: None,
             selected: None,
             place: None,
             witness_mark: None,
+
             geometry: Geometry::default(),
             live: Live::default(),
             measuring: Measuring::default(),
@@ -135,8 +137,10 @@ impl Default for RunView {
             passes: None,
             query: EventQuery::default(),
             history_found: FoundEvents::default(),
+
             hits: Hits::default(),
             flight: None,
+            // A new run is shown whole.
             fitted: true,
             framed: None,
             before_pattern: None,
@@ -176,7 +180,7 @@ impl RunView {
         self.shown().map(|shown| shown.moment())
     }
 
-    /// Returns what is selected.
+    /// Returns the selected sample or place.
     #[must_use]
     pub fn selection(&self) -> Selection {
         let sample = self.selected.map(Selection::Sample);

@@ -22,7 +22,7 @@ pub type Outcome = Result<Ended, WriteError>;
 /// Where the files of an export are.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub enum Ended {
-    /// On the disk.
+    /// On the disk, at the path that was chosen.
     #[cfg(not(target_arch = "wasm32"))]
     Written(Written),
     /// In memory, as one file that is to be downloaded.
@@ -72,12 +72,15 @@ impl Exports {
         if self.work.is_some() {
             return;
         }
+
         let job = match self.job(source) {
             Ok(job) => job,
             Err(refusal) => {
                 return context.tell(format!("Nothing was exported. {refusal}"), true);
             }
         };
+
+        // A browser replaces no file: it chooses another name.
         let replaces = delivery != Delivery::Download;
         if let Some(form) = self.sheet.as_mut().filter(|_| replaces) {
             form.look();
@@ -86,6 +89,7 @@ impl Exports {
                 return;
             }
         }
+
         self.work = Some(task::start(&context.wake, ExportTask { job, delivery }));
     }
 
@@ -108,8 +112,11 @@ impl Exports {
                 Err(failure) => context.tell(sentence(&failure), true),
             }
         }
+
         #[cfg(target_arch = "wasm32")]
+        // Only the dialog needs them, and a page has no such dialog.
         let _ = (source, delivery);
+
         if let Some(outcome) = self.work.as_ref().and_then(Job::poll) {
             self.finish(outcome, context);
         }
@@ -143,6 +150,8 @@ impl Exports {
             }
             Err(failure) => context.tell(sentence(&failure), true),
         }
+
+        // The file may exist by now: the sheet asks before it is replaced.
         if let Some(form) = &mut self.sheet {
             form.look();
             form.asked = false;
@@ -174,6 +183,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
         Some(name) => format!("as {name}"),
         None => format!("to {path}"),
     };
+
     match &written.what {
         What::Samples {
             certificate,
@@ -185,15 +195,19 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
+            // The result must be valid, so that this is worth a sentence for the samples of a moment alone.
             if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
+
             for warning in warnings {
                 text.push(' ');
                 text.push_str(&sentence(&warning.to_string()));
             }
+
             (text, *result && !valid)
         }
+
         What::Picture => (format!("{verb} the picture {to}."), false),
         What::Scenes { count } => {
             let pictures = counted(*count, "picture", "pictures");

@@ -11,15 +11,17 @@ use crate::state::effects::{Context, Effect};
 use crate::state::{FileState, RunView, Runs};
 
 impl FileState {
-    /// Takes what was chosen in a dialog, and the outcome of reading or writing.
+    /// Takes the choice made in a dialog, and the outcome of reading or writing.
     pub(in crate::state) fn poll(&mut self, runs: &mut Runs, context: &mut Context) {
         let finding = self.finding.as_ref();
         let found = finding.and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
+
         if let Some((purpose, outcome)) = found {
             self.finding = None;
             // The sheet may have been opened for another purpose since.
             let form = self.sheet.as_ref();
             let same = form.is_some_and(|form| form.purpose == purpose);
+
             match outcome {
                 #[cfg(not(target_arch = "wasm32"))]
                 Ok(Some(path)) if same => {
@@ -40,6 +42,7 @@ impl FileState {
                 Err(failure) => context.tell(sentence(&failure), true),
             }
         }
+
         let filing = self.filing.as_ref();
         if let Some(outcome) = filing.and_then(|filing| filing.job.poll()) {
             self.filed(outcome, runs, context);
@@ -84,6 +87,7 @@ impl FileState {
         match done {
             Ok(done) => {
                 self.close_sheet(&filing);
+                // The last session is no file of the user's.
                 if filing.path != LAST_SESSION {
                     self.remember_file(&filing.path);
                 }
@@ -92,6 +96,7 @@ impl FileState {
                 self.take_done(done, runs, context);
             }
             Err(why) => {
+                // A sentence begins with a capital letter, but not where the name of a file begins it.
                 let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
                 let begins = names.any(|name| why.starts_with(name));
                 let text = if begins { ended(&why) } else { sentence(&why) };
@@ -107,7 +112,7 @@ impl FileState {
         }
     }
 
-    /// Takes what was read or written.
+    /// Takes the content of a file that was read, or the name of one that was written.
     fn take_done(&mut self, done: Done, runs: &mut Runs, context: &mut Context) {
         match done {
             Done::Saved(path) => {
@@ -119,8 +124,10 @@ impl FileState {
                 self.saved_as(text, file.name.clone(), runs, context);
                 self.downloads.push(file);
             }
+
             Done::Opened(opened) => context.ask(Effect::Open(opened)),
             Done::Against { file, no_pattern } => {
+                // A dropped set was tried as a pattern first.
                 if let Some(why) = no_pattern {
                     let name = file.name();
                     let text = format!(
@@ -131,12 +138,15 @@ impl FileState {
                 context.ask(Effect::OpenPanel(Panel::Analysis));
                 context.ask(Effect::Against(Arc::new(*file)));
             }
+
             Done::Levels(session) => {
+                // In this order: a lesson gives back the window first, so that the step to undo is of the user's own run.
                 context.ask(Effect::GiveBack);
                 context.ask(Effect::StopMaking);
                 context.ask(Effect::RememberRun(UndoPart::Run));
                 context.ask(Effect::Show(session));
             }
+
             Done::Pattern(own) => {
                 let samples = counted(own.pattern.samples().len(), "sample", "samples");
                 let text = format!(
