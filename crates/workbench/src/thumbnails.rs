@@ -19,14 +19,14 @@ use crate::view::SceneCamera;
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
 /// How much larger the picture is laid out than it is shown, so that lines and texts are small.
 const LAID_OUT: f64 = 3.0;
-/// The height of a picture that shows what is near an event, in r.
+/// The height of a picture that shows the surroundings of an event, in r.
 const NEAR: f64 = 14.0;
 /// The pixels in a point of the picture shown, so that it is sharp on dense screens.
 const SHARPNESS: f64 = 2.0;
 
 /// Everything that a picture depends on.
 struct ThumbnailKey {
-    /// The session's generation.
+    /// The generation of the session that has the scene.
     generation: u64,
     dark: bool,
     /// The scene without its caption.
@@ -89,19 +89,24 @@ impl Thumbnails {
                 *drawn = Drawn::Done(outcome.unwrap_or_default().map(Arc::new));
             }
         }
+
         let scenes = &debugger.scenes;
         let is_there =
             |key: &ThumbnailKey| scenes.iter().any(|scene| key.is_of(session, scene, dark));
         self.0.retain(|(key, _)| is_there(key));
+
         for scene in scenes {
             let mut drawn = self.0.iter();
+            // One at a time: a later frame starts the next one.
             if drawn.any(|(_, drawn)| matches!(drawn, Drawn::Pending(_))) {
                 return;
             }
+
             let mut drawn = self.0.iter();
             if drawn.any(|(key, _)| key.is_of(session, scene, dark)) {
                 continue;
             }
+
             let key = ThumbnailKey {
                 generation: session.generation,
                 dark,
@@ -110,6 +115,7 @@ impl Thumbnails {
                     ..scene.clone()
                 },
             };
+
             // A run without the scene's moment has no picture of it.
             let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
             let mut shown = view_of_scene(session, debugger, scene, size, dark);
@@ -119,6 +125,7 @@ impl Thumbnails {
                     scale: size[0].min(size[1]) / NEAR,
                 };
             }
+
             let drawn = shown.map_or(Drawn::Done(None), |shown| {
                 let session = SessionRef(Arc::clone(session));
                 Drawn::Pending(task::start(wake, ThumbnailTask { session, shown }))
@@ -128,8 +135,8 @@ impl Thumbnails {
     }
 }
 
-/// Returns the place of a scene's event if the scene shows the whole domain: at this size all of its moments look alike, so
-/// the picture shows what is near the event. `None` where a stage ends, which concerns the whole domain.
+/// Returns the place of a scene's event if the scene shows the whole domain: at this size all of its moments look alike, so the
+/// picture shows the surroundings of the event. `None` where a stage ends, which concerns the whole domain.
 fn place_to_show(debugger: &Debugger, scene: &SavedScene) -> Option<DVec2> {
     let is_whole = SceneCamera::of(&scene.view).is_none() && scene.ends.is_none();
     place_of_scene(debugger, scene).filter(|_| is_whole)

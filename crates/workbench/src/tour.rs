@@ -10,7 +10,7 @@ use crate::command::Command;
 /// A scene of the tour.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TourScene {
-    /// The heading.
+    /// The heading of its card.
     pub title: String,
     /// The moment, the view and the caption.
     #[serde(flatten)]

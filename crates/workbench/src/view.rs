@@ -32,7 +32,7 @@ pub struct SavedView {
     pub appearance: Appearance,
     /// Where the panels stand.
     pub layout: Layout,
-    /// The selection.
+    /// The selected sample or place.
     pub selection: Selection,
     /// The state of playback.
     pub playback: Playback,
@@ -65,10 +65,12 @@ impl SavedView {
         let mut put = |name: &str, value: Value| {
             map.insert(name.to_owned(), value);
         };
+
         if let Some(camera) = self.camera {
             put("camera", json!(camera));
         }
         put("fitted", json!(self.camera.is_none()));
+
         let names = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());
         let layers = appearance.chosen_layers.map(names);
         put("layers", layers.unwrap_or_else(|| json!(AUTOMATIC)));
@@ -76,14 +78,18 @@ impl SavedView {
         put("look", json!(appearance.look));
         put("curve", json!(appearance.curve));
         put("layout", json!(self.layout));
+
         if self.selection != Selection::Nothing {
             put("selection", json!(self.selection));
         }
+
+        // The passes of the GPU are not saved.
         put("clock", json!(self.playback.clock_of_events()));
         match self.playback.whole_run_secs {
             Some(secs) => put("whole-run", json!(secs)),
             None => put("speed", json!(self.playback.speed)),
         }
+
         if let Some(range) = &self.playback.range {
             put("range", json!([range.start, range.end]));
         }
@@ -91,6 +97,7 @@ impl SavedView {
             put("second", json!(second));
             put("links", json!(self.links));
         }
+
         Value::Object(map)
     }
 
@@ -102,39 +109,49 @@ impl SavedView {
             value,
             dropped: Vec::new(),
         };
+
         let mut view = now.clone();
+
         let camera = parts.take("camera", |Camera { center, scale }| {
             Camera::checked(center, scale)
         });
+        // A fitted view needs no camera, and a file may have both.
         match parts.take("fitted", Some) {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
         }
+
         parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
         parts.set(&mut view.appearance.curve, "curve", |curve: ShownCurve| {
+            // A file can state any height.
             Some(curve.within_limits())
         });
         parts.set(&mut view.layout, "layout", |saved: String| {
             text::read(&saved)
         });
         parts.set(&mut view.selection, "selection", selection);
+
         if let Some(clock) = parts.take("clock", Some) {
             view.playback.choose(clock);
         }
         if let Some(speed) = parts.take("speed", speed) {
             view.playback.choose_speed(speed);
         }
+        // In this sequence, since a speed ends playing by a duration.
         if let Some(secs) = parts.take("whole-run", whole_run) {
             view.playback.whole_run_secs = Some(secs);
         }
+
         let range = parts.take("range", |[start, end]: [usize; 2]| {
             (start < end).then_some(start..end)
         });
+
         view.playback.range = range.or(view.playback.range);
         view.second = parts.take("second", second);
         parts.set(&mut view.links, "links", Some);
+
         (view, parts.dropped)
     }
 }

@@ -17,7 +17,7 @@ macro_rules! tasks {
             }
         }
 
-        /// Their names.
+        /// The names of all tasks.
         #[cfg(test)]
         const NAMES: &[&str] = &[$(<$task>::NAME,)*];
     };

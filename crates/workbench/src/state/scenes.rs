@@ -36,7 +36,7 @@ impl SceneList {
 pub struct Scenes {
     /// The scene that is shown, if one is.
     pub shown: Option<ShownScene>,
-    /// The scenes' pictures.
+    /// Small pictures of the user's scenes.
     pub thumbnails: Thumbnails,
 }
 
@@ -91,6 +91,7 @@ impl Scenes {
             SceneCommand::Add => self.add(run, source, context),
             SceneCommand::Replace(index) => {
                 let view = scene_view(run, &source.view);
+                // The new scene takes the place and the caption of the old one.
                 change_scenes(run, |debugger| {
                     if let Some(caption) = debugger.scenes.get(index).map(|s| s.caption.clone()) {
                         debugger.scenes.remove(index);
@@ -99,19 +100,23 @@ impl Scenes {
                     }
                 });
             }
+
             SceneCommand::Caption(index, text) => change_scenes(run, |debugger| {
                 if let Some(scene) = debugger.scenes.get_mut(index) {
                     scene.caption = text;
                 }
             }),
+
             SceneCommand::Remove(index) => {
                 change_scenes(run, |debugger| {
                     if index < debugger.scenes.len() {
                         debugger.scenes.remove(index);
                     }
                 });
+                // It may be the scene that is shown; the tour has a list of its own.
                 self.shown = self.shown.filter(|_| self.is_touring());
             }
+
             SceneCommand::Move(from, to) => {
                 if from < count && to < count {
                     change_scenes(run, |debugger| {
@@ -121,6 +126,7 @@ impl Scenes {
                     self.follow_moved(from, to);
                 }
             }
+
             SceneCommand::Show(index) => self.show(SceneList::Own, index, run, source, context),
             SceneCommand::Step(direction) => self.step(direction, run, source, context),
             SceneCommand::Tour => context.ask(Effect::StartTour),
@@ -193,6 +199,7 @@ impl Scenes {
             (Some(shown), Direction::Forwards) => (shown.list, Some(shown.index + 1)),
             (Some(shown), Direction::Backwards) => (shown.list, shown.index.checked_sub(1)),
         };
+
         let len = list.scenes(run).len();
         match to {
             Some(index) if index < len => self.show(list, index, run, source, context),
@@ -223,12 +230,14 @@ impl Scenes {
         let Some(scene) = list.scenes(run).get(index).map(|&scene| scene.clone()) else {
             return;
         };
+
         if list == SceneList::Own && self.is_touring() {
             // The scene is shown in the run that comes back.
             let show = Command::Scene(SceneCommand::Show(index));
             context.ask(Effect::EndTour);
             return context.ask(Effect::Issue(Box::new(show)));
         }
+
         self.shown = Some(ShownScene { list, index });
         // The last card of the tour leads to the panels.
         if list == SceneList::Tour && index + 1 == tour().len() {
@@ -252,6 +261,7 @@ fn scene_view(run: &RunView, view: &SavedView) -> Value {
         center: Some(run.camera.center),
         event: run.current_place(),
     });
+
     let mut view = view.to_json();
     if let Some(parts) = view.as_object_mut() {
         parts.retain(|name, _| PARTS.contains(&name.as_str()));
@@ -271,10 +281,12 @@ fn arrive_at(scene: &SavedScene, run: &mut RunView, source: &SceneSource, contex
         let text = "This run has no such moment: the scene was made in another run.";
         return context.tell(text.to_owned(), false);
     };
+
     context.ask(Effect::Pause);
     let before = run.stage;
     run.jump(cursor);
     run.moved(before);
+
     if !scene.view.is_null() {
         let is_same_run = matches!(marked, Marked::Here(_));
         look_as(&scene.view, is_same_run, run, source, context);
@@ -302,6 +314,7 @@ fn look_as(
         context.ask(Effect::Layout(saved.layout));
     }
 
+    // In another run the number of the sample means another one.
     let can_select = is_same_run && run.can_select(saved.selection);
     let selection = if can_select {
         saved.selection
@@ -309,10 +322,12 @@ fn look_as(
         Selection::Nothing
     };
     run.pick(selection, context);
+
     let placed = SceneCamera::of(view).and_then(|camera| {
         let center = camera.placed(run.current_place(), is_same_run)?;
         Some((center, camera.radii))
     });
+
     match placed {
         Some((center, radii)) => run.fly_to(center, radii, context),
         None => run.fit(context),

@@ -37,8 +37,11 @@ impl Time {
         if run.session.is_none() {
             return;
         }
+
         let before = run.stage;
+        // Any other step in time ends the search for a breakpoint.
         self.continuing = None;
+
         match command {
             TimeCommand::ShowStage(index) => run.show_stage(index),
             TimeCommand::StepBack => self.tick(Direction::Backwards, run, context),
@@ -52,21 +55,25 @@ impl Time {
             TimeCommand::Speed(speed) => self.playback.choose_speed(speed),
             TimeCommand::WholeRun(secs) => {
                 let playback = &mut self.playback;
+                // A duration beyond the limits changes nothing.
                 playback.whole_run_secs = whole_run(secs).or(playback.whole_run_secs);
             }
             TimeCommand::Clock(_) => {}
             TimeCommand::Jump(cursor) => run.jump(cursor),
             TimeCommand::Step(step, direction) => run.step(step, direction),
             TimeCommand::RunTo(target, direction) => run.run_to(target, direction, context),
+
             TimeCommand::Continue(direction) => {
                 self.continuing = Some(direction);
                 self.continue_on(run, context);
             }
+
             TimeCommand::ToRise(direction) => run.go_to_rise(direction, context),
             TimeCommand::LoopStart => self.set_range(run, |range, at| range.start = at),
             TimeCommand::LoopEnd => self.set_range(run, |range, at| range.end = at),
             TimeCommand::Loop(range) => self.playback.range = range,
         }
+
         run.moved(before);
     }
 
@@ -149,16 +156,20 @@ impl Time {
             self.continuing = None;
             return;
         };
+
         let left = Cell::new(MAX_CONDITIONS);
         let stop = debugger.run_while(direction, &|| {
             let before = left.get();
             left.set(before.saturating_sub(1));
             before > 0
         });
+
         run.follow_cursor();
+        // The conditions of this frame are used up, and the next frame goes on from here.
         if stop == Stop::End && left.get() == 0 {
             return;
         }
+
         self.continuing = None;
         if let Stop::BadCondition(index, error) = stop {
             let text = format!(
@@ -178,15 +189,19 @@ impl Time {
             };
             return run.apply_to_passes(command, context);
         }
+
         if run.prefix().is_some() {
             return run.step_prefix(self.playback.clock == Clock::Event, direction);
         }
+
         let Some(debugger) = &run.debugger else {
+            // Without events there are only stages to step through.
             return run.show_stage(match direction {
                 Direction::Forwards => run.stage.saturating_add(1),
                 Direction::Backwards => run.stage.saturating_sub(1),
             });
         };
+
         match self.playback.clock {
             Clock::Event => run.step(Step::Into, direction),
             Clock::Line => run.jump(next_line(debugger, direction)),
@@ -207,6 +222,7 @@ impl Time {
             self.playback.stop();
             return;
         }
+
         if let Some(range) = self.playback.range.clone() {
             let inside = run.cursor().is_some_and(|(at, _)| range.contains(&at));
             if !inside {
@@ -214,10 +230,12 @@ impl Time {
             }
         } else if self.is_at_end(run) {
             match run.prefix() {
+                // A prefix has at least one sample.
                 Some(_) => run.jump(1),
                 None => run.show_stage(0),
             }
         }
+
         self.playback.start();
     }
 
@@ -226,12 +244,14 @@ impl Time {
         if let (Some(secs), Some((at, _))) = (self.playback.pace_secs(), run.cursor()) {
             return self.play_course(dt_secs / secs, at, run);
         }
+
         let before = run.stage;
         let ticks = self.playback.advance(dt_secs);
         for _ in 0..ticks {
             self.tick(Direction::Forwards, run, context);
             match (self.playback.range.clone(), run.cursor()) {
                 (Some(range), Some((at, _))) if at >= range.end => {
+                    // The loop begins anew in the next frame.
                     run.jump(range.start);
                     break;
                 }
@@ -242,6 +262,7 @@ impl Time {
                 _ => {}
             }
         }
+
         if ticks > 0 {
             run.moved(before);
         }
@@ -254,23 +275,28 @@ impl Time {
         let Some(session) = &run.session else {
             return false;
         };
+
         let course = Course::of(session.ends().into_iter());
-        let passed = match self.played {
+        // The share is kept from frame to frame: a frame may be shorter than an event, and the cursor alone would not get on.
+        let passed_before = match self.played {
             Some((passed, cursor)) if cursor == at => passed,
             _ => course.share(at),
         };
-        let passed = passed + f64::from(share);
+        let passed = passed_before + f64::from(share);
+
         let mut cursor = course.cursor(passed).max(at);
         if let Some(range) = self.playback.range.clone()
             && cursor >= range.end
         {
             cursor = range.start;
         }
+
         self.played = (cursor >= at).then_some((passed, cursor));
         if cursor != at {
             run.jump(cursor);
             run.moved(before);
         }
+
         if passed >= 1.0 && self.playback.range.is_none() {
             self.playback.stop();
             self.played = None;

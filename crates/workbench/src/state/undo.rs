@@ -86,8 +86,8 @@ fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
     let restored = layout.clone();
     let is_kept = |panel: &Panel| now.shows(*panel) && !restored.hidden().has(*panel);
     let is_back = |panel: &Panel| now.hidden().has(*panel) && restored.shows(*panel);
-    let is_kept = Panel::all().filter(is_kept);
-    for panel in is_kept.chain(Panel::all().filter(is_back)) {
+    let kept = Panel::all().filter(is_kept);
+    for panel in kept.chain(Panel::all().filter(is_back)) {
         layout.open(panel);
     }
     layout
@@ -147,6 +147,7 @@ impl Change {
     fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
+            // Panels come or go, and the tabs that were opened meanwhile stay open.
             UndoPart::Layout if memento.layout.hidden() != layout.hidden() => {
                 context.ask(Effect::Layout(with_tabs_of(memento.layout, layout)));
             }
@@ -154,10 +155,12 @@ impl Change {
             UndoPart::Curve => context.ask(Effect::Curve(memento.appearance.curve)),
             UndoPart::Stops => context.ask(Effect::Stops(memento.stops)),
             UndoPart::Form => context.ask(Effect::Form(Box::new(memento.form))),
+
             UndoPart::Run => {
                 context.ask(Effect::Form(Box::new(memento.form)));
                 make_again(memento.made, made, context);
             }
+
             UndoPart::Everything => {
                 context.ask(Effect::Form(Box::new(memento.form)));
                 context.ask(Effect::Layout(memento.layout));
@@ -186,7 +189,7 @@ fn make_again(made: Option<Made>, shown: Option<&Made>, context: &mut Context) {
 pub(super) enum HistoryStep {
     /// Undoes the last change.
     Undo,
-    /// Redoes what was undone last.
+    /// Redoes the change that was undone last.
     Redo,
 }
 
@@ -217,8 +220,10 @@ impl History {
         {
             return;
         }
+
         let field = command.and_then(typed_in);
         if before != *now {
+            // Typing in a field is one step, which goes back to before its first letter.
             let goes_on = field.is_some() && field == self.typing;
             if goes_on {
                 self.future.clear();
@@ -237,8 +242,8 @@ impl History {
         self.future.clear();
     }
 
-    /// Adds the step of a run that is about to replace the current one, `now`. What was typed since the last run is part of it,
-    /// so that undo restores parameters and run together.
+    /// Adds the step of a run that is about to replace the current one, `now`. Parameters typed since the last run are part of
+    /// it, so that undo restores parameters and run together.
     pub(super) fn remember_run(&mut self, part: UndoPart, now: Memento) {
         let mut before = now;
         let past = &mut self.past;
@@ -250,10 +255,12 @@ impl History {
         }
 
         let mut count = 0;
+        // The changes of the form since then are part of this step now.
         past.retain(|change| {
             count += 1;
             count <= since || change.part != UndoPart::Form
         });
+
         self.typing = None;
         // A run that was cancelled is not a step.
         let stopped = last.is_some_and(|index| self.past[index].memento.made == before.made);
@@ -305,9 +312,11 @@ impl History {
 
         let (layout, made) = (now.layout.clone(), now.made.clone());
         let mut memento = now;
+        // The run of the typed parameters may still be being made: redo makes that one.
         if change.makes_run() && step == HistoryStep::Undo {
             memento.made = typed.map(Made::Run).or(memento.made);
         }
+
         let part = change.part;
         to.push(Change { part, memento });
         self.typing = None;

@@ -5,7 +5,7 @@ use tilescope_session::words::counted;
 use super::{FileState, RunView};
 
 impl FileState {
-    /// Returns what is lost or ends if the window is closed now, each as a sentence.
+    /// Returns the work that is lost or ends if the window is closed now, each piece as a sentence.
     #[must_use]
     pub fn unfinished(&self, run: &RunView) -> Vec<String> {
         let mut sentences = Vec::new();

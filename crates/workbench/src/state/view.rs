@@ -52,6 +52,7 @@ impl SavedView {
         context.ask(Effect::Appearance(Box::new(self.appearance.clone())));
         context.ask(Effect::Curve(self.appearance.curve));
         context.ask(Effect::Layout(self.layout.clone()));
+
         let run = &mut runs.first;
         let camera = self.camera.unwrap_or(run.camera);
         run.take_camera(self.camera, camera);
@@ -80,6 +81,7 @@ impl SavedView {
                 dropped.push("selection");
             }
         }
+
         runs.second = None;
         if let Some(parameters) = self.second {
             runs.compare_with(Recipe::from(parameters), engine, context);

@@ -86,6 +86,7 @@ impl WindowState {
             WindowCommand::Drawer(DrawerCommand::Tall(is_tall)) => self.drawer.is_tall = is_tall,
             WindowCommand::HidePanel(panel) => self.hide_panel(panel),
             WindowCommand::ToggleSides => self.toggle_sides(),
+
             WindowCommand::ResetLayout => {
                 self.layout = Layout::default();
                 self.put_away = PanelSet::default();
@@ -96,11 +97,14 @@ impl WindowState {
                     Some(_) => None,
                 }
             }
+
             WindowCommand::Help(page) => self.help = Some(page),
             WindowCommand::CloseHelp => self.help = None,
             WindowCommand::Quit => self.quits = true,
             WindowCommand::CloseFinder => self.finder = None,
+            // Another search begins at its first action.
             WindowCommand::FinderText(text) => self.finder = Some(Finder { text, choice: 0 }),
+
             WindowCommand::FinderChoice(choice) => {
                 if let Some(finder) = &mut self.finder {
                     finder.choice = choice;
@@ -149,6 +153,7 @@ impl WindowState {
         let (tabs, hidden) = (self.layout.root.clone(), self.layout.hidden());
         let sides = self.layout.sides();
         if self.shows_sides() {
+            // Panels that were hidden one by one do not come back with the others.
             let shown = sides.panels().filter(|panel| !hidden.has(*panel));
             self.put_away = self.put_away.panels().chain(shown).collect();
             sides.panels().for_each(|panel| self.layout.hide(panel));
@@ -156,6 +161,7 @@ impl WindowState {
             self.layout.root = tabs;
             return;
         }
+
         let away = std::mem::take(&mut self.put_away);
         let back = if away.is_empty() { sides } else { away };
         self.layout.show_all(back);

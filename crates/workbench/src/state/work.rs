@@ -144,16 +144,20 @@ impl State {
         let Some(outcome) = made else {
             return;
         };
+
         match outcome {
             Ok(Ok(session)) => {
+                // Lessons, links and the tour are about the first run.
                 if which == Which::Second {
                     return self.show(which, session);
                 }
+
                 if let Some(run) = self.classroom.made_for_lesson(&session) {
                     // The lesson shows it only up to its question.
                     drop(session);
                     return self.in_class(|class, context| class.arrive_at_step(&run, context));
                 }
+
                 // A live run shows the stage that was shown.
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
@@ -162,6 +166,7 @@ impl State {
                 if let Some(stage) = stage {
                     self.runs.first.show_same_stage(stage);
                 }
+
                 self.arrive();
                 // The scene of the tour is one of the run that is there now.
                 if let Some(shown) = self.scenes.shown.filter(|_| self.scenes.is_touring()) {
@@ -171,6 +176,7 @@ impl State {
                 }
                 return;
             }
+
             Ok(Err(error)) => {
                 let run = self.runs.get(which);
                 let is_kept = run.is_some_and(|run| run.session.is_some());
@@ -181,7 +187,9 @@ impl State {
                 self.messages.tell_of(which, notice);
             }
         }
+
         if which == Which::First {
+            // A link cannot be applied without its run.
             self.runs.arriving = None;
         }
     }
@@ -195,17 +203,21 @@ impl State {
             self.apply(Command::File(FileCommand::Dropped(vec![path])));
         }
         self.with(|state, context| state.files.settle(&mut state.runs, context));
+
         let made = self.runs.first.wait_made();
         self.finish_sampling(Which::First, made);
         let asked = asked_of(self, Which::First);
         self.on(Which::First, |run, context| {
             run.settle(asked, context);
         });
+
+        // A search for a breakpoint goes on from frame to frame.
         while self.time.continuing.is_some() {
             self.with(|state, context| {
                 state.time.continue_on(&mut state.runs.first, context);
             });
         }
+
         let second = self.runs.get_mut(Which::Second);
         let made = second.and_then(RunView::wait_made);
         self.finish_sampling(Which::Second, made);
@@ -213,24 +225,29 @@ impl State {
         self.on(Which::Second, |run, context| {
             run.settle(asked, context);
         });
+
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);
         let run = &self.runs.first;
         let is_analysed = asked_of(self, Which::First).is_analysed;
         self.analysis.settle_with(run, is_analysed, &wake);
+
         self.time.follow_passes(&self.runs.first);
         self.on(Which::First, |run, context| {
             run.want_hits(context);
             run.hits.settle();
         });
+
         let dark = self.appearance.look.is_dark();
         loop {
+            // One picture is drawn at a time.
             self.scenes
                 .follow_thumbnails(&self.runs, &self.window, dark);
             if !self.scenes.thumbnails.wait() {
                 break;
             }
         }
+
         self.in_class(|class, context| class.settle_talk(dark, context));
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
@@ -238,15 +255,18 @@ impl State {
     /// Shows a session at its last stage and has it verified; says if the CPU replaced the GPU or the GPU's run differs.
     pub fn show(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();
+        // A run of the GPU that was found to differ from the CPU's has stages, but no events.
         let differs = session.kind() == SessionKind::Run
             && session.has_stages()
             && session.recording().is_none();
         let engine = session.engine.clone();
         let is_combination = session.combination.is_some();
+
         if which == Which::First {
             let same_run = self.runs.first.is_same_run(&session);
             self.time.rest(same_run);
         }
+
         self.on(which, |run, context| run.show(session, context));
         // A combination is shown with its seams.
         if let Some(layers) = &mut self.appearance.chosen_layers
@@ -277,6 +297,7 @@ impl State {
             saved,
             session,
         } = opened;
+        // Before the window gives anything up, as the session may not fit its recording.
         let debugger = match (&saved, session.recording()) {
             (SavedContent::Run(saved), Some(recording)) => {
                 match Debugger::resume(saved, Arc::clone(recording)) {
@@ -287,8 +308,10 @@ impl State {
             (SavedContent::Run(_), None) => return,
             (SavedContent::Combination(_), _) => None,
         };
+
         self.give_back();
         self.stop_making();
+
         match &saved {
             SavedContent::Run(saved) => {
                 self.form.draft = Draft::from_parameters(saved.parameters);
@@ -339,8 +362,8 @@ impl State {
         })
     }
 
-    /// Returns the link to what is shown: run, moment and view. While the run of an opened link is being made, it is
-    /// that link. Cheap enough to be called every frame.
+    /// Returns the link to the run, moment and view that are shown. While the run of an opened link is being made, it is that
+    /// link. Cheap enough to be called every frame.
     #[must_use]
     pub fn link(&self) -> Link {
         LinkSource {
@@ -405,9 +428,11 @@ impl State {
             content,
             mut warnings,
         } = *arriving;
+        // Another run may have been started meanwhile.
         if !self.runs.first.is_made_from(&content) {
             return;
         }
+
         let shown_before = warnings.clone();
         let notice = self.messages.notice.as_ref();
         let shown = notice.map(|notice| notice.text == shown_before.text());

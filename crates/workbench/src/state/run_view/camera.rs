@@ -25,6 +25,7 @@ impl RunView {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
             ViewCommand::Pan(delta) => {
+                // A picture that is moved by hand is neither fitted nor framed any more, and does not fly on.
                 (self.flight, self.fitted, self.framed) = (None, false, None);
                 self.camera.pan(delta);
             }
@@ -33,12 +34,14 @@ impl RunView {
                 let scales = self.scales();
                 self.camera.zoom_about(self.viewport, pos, factor, scales);
             }
+
             ViewCommand::SelectMiddle => {
                 self.select_middle(context);
                 context.ask(Effect::Inspect);
             }
             ViewCommand::Fit => self.fit(context),
             ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii, context),
+
             ViewCommand::Centre(center) => {
                 (self.fitted, self.framed) = (false, None);
                 let scale = self.camera.scale;
@@ -50,6 +53,7 @@ impl RunView {
                     context.ask(Effect::Copy(format!("{x:.6}, {y:.6}")));
                 }
             }
+
             ViewCommand::GoToCurrent => self.go_to_current(context),
             ViewCommand::FlyToBlock(place) => self.fly_to_block(place, context),
             ViewCommand::FlyToWitness(witness) => self.fly_to_witness(witness, context),
@@ -60,10 +64,13 @@ impl RunView {
                     self.fly_to(center, 12.0, context);
                 }
             }
+
             ViewCommand::Hover(id) => {
+                // The pointer may still be where a sample of the run before was.
                 let is_there = |id: &u32| self.can_select(Selection::Sample(*id));
                 self.hovered = id.filter(is_there);
             }
+
             ViewCommand::Pick(selection) => {
                 self.pick(selection, context);
                 self.forget_unseen();
@@ -92,14 +99,17 @@ impl RunView {
             return;
         }
 
-        let sample = self.selected.zip(self.session.as_ref());
-        let sample = sample.map(|(id, session)| session.position(id));
+        let sample = self
+            .selected
+            .zip(self.session.as_ref())
+            .map(|(id, session)| session.position(id));
         let position = sample.or(self.place);
         let Some(position) = position.filter(|_| self.before_pattern.is_none()) else {
             return;
         };
         if before.contains(camera_before.screen_from_domain(before, position)) {
             let now = self.camera.screen_from_domain(viewport, position);
+            // In a tiny canvas the whole margin would leave no room.
             let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
             self.camera.pan(room.clamp(now) - now);
         }
@@ -110,20 +120,23 @@ impl RunView {
         let Some(shown) = self.shown() else {
             return;
         };
+
         let middle = self.camera.center;
         let mut best: Option<(f64, u32)> = None;
         shown.session.index.visit(middle, middle, 1.0, |seen| {
             let distance = seen.position.distance(middle);
+            // The index has all samples of the run, also those that are not there yet.
             let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
             if there && best.is_none_or(|(least, _)| distance < least) {
                 best = Some((distance, seen.id));
             }
         });
+
         let nearest = best.map_or(Selection::Place(middle), |(_, id)| Selection::Sample(id));
         self.pick(nearest, context);
     }
 
-    /// Returns the size of what is shown, in r: of the domain or of the pattern.
+    /// Returns the size, in r, of the domain or of the pattern, whichever is shown.
     fn shown_size(&self) -> Option<DVec2> {
         let session = self.session.as_ref()?;
         Some(session.size_at(self.current_stage()))
@@ -160,7 +173,7 @@ impl RunView {
         Camera::fitting(size, self.viewport)
     }
 
-    /// Returns the range of scales allowed for what is shown; all scales without a session or a canvas.
+    /// Returns the range of scales allowed for that size; all scales without a session or a canvas.
     fn scales(&self) -> [f64; 2] {
         match self.shown_size() {
             Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
@@ -185,6 +198,7 @@ impl RunView {
         let on_pattern = self.current_stage() == Some(Stage::Pattern);
         match (on_pattern, self.before_pattern) {
             (true, None) => {
+                // The pattern has its own domain, where the run's camera means nothing.
                 self.before_pattern = Some((self.camera, self.fitted));
                 (self.flight, self.fitted, self.framed) = (None, true, None);
                 self.camera = self.fitting();
@@ -242,7 +256,7 @@ impl RunView {
         Some(units::position(point))
     }
 
-    /// Fits what is shown into the canvas.
+    /// Fits the domain, or the pattern if that is shown, into the canvas.
     pub(in crate::state) fn fit(&mut self, context: &Context) {
         self.witness_mark = None;
         (self.fitted, self.framed) = (true, None);
@@ -302,10 +316,13 @@ impl RunView {
         let Some(place) = self.middle_of_event() else {
             return;
         };
+
+        // While the camera flies, its destination counts.
         let camera = self.destination();
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let is_wide = room / camera.scale > FOLLOWED;
         let at = camera.screen_from_domain(self.viewport, place);
+
         if is_wide || !self.inner_viewport().contains(at) {
             let radii = if is_wide {
                 CURRENT
@@ -329,18 +346,22 @@ impl RunView {
             self.fly_to(middle, 5.0, context);
             return;
         }
+
         let Some(session) = &self.session else {
             return;
         };
+
         let leaves = &session.run().blocks.leaves;
         let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
         let block = leaves.iter().find(|block| {
             let rect = &block.rect;
             holds(rect.min.x, rect.max.x, place.x) && holds(rect.min.y, rect.max.y, place.y)
         });
+
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
             let center = units::position(rect.min).midpoint(units::position(rect.max));
+            // Some room is left around the block.
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
             self.fly_to(center, 1.1 * size, context);
         }
@@ -353,18 +374,22 @@ impl RunView {
         let Some(witness_mark) = verdict.witness_mark(witness, session) else {
             return;
         };
+
         let center = match witness_mark {
             WitnessMark::Circle(center, _) => center,
             WitnessMark::Pair([a, b], _) => {
+                // Across the border of a periodic domain, where the two are nearest.
                 let from = session.position(a);
                 from.midpoint(session.image_near(b, from))
             }
         };
+
         // The verdict is about the result, or about a prefix.
         match verdict.claim {
             Some(claim) => self.jump(claim.count),
             None => self.show_stage(session.stages.len() - 1),
         }
+
         self.witness_mark = Some(witness_mark);
         self.fly_to(center, 9.0, context);
     }

@@ -73,7 +73,7 @@ impl FoundEvents {
 /// The query of the event browser.
 #[derive(Default)]
 pub struct EventQuery {
-    /// As typed.
+    /// The query, as it is typed.
     pub text: String,
     /// Its error, if it has one.
     pub error: Option<String>,
@@ -99,6 +99,7 @@ impl RunView {
                 }
             }
         }
+
         self.follow_cursor();
         self.moved(before);
     }
@@ -207,15 +208,18 @@ impl RunView {
         if !self.can_select(selection) {
             return;
         }
+
         (self.selected, self.place) = match selection {
             Selection::Nothing => (None, None),
             Selection::Sample(id) => (Some(id), None),
             Selection::Place(place) => (None, Some(place)),
         };
+
         self.history_found = match selection {
             Selection::Nothing => FoundEvents::Nothing,
             Selection::Sample(id) => self.look(Aim::Sample(id), context),
             Selection::Place(place) => {
+                // Recordings have places on the lattice.
                 let units = (place * f64::from(R)).round().as_ivec2();
                 self.look(Aim::Place(Point::new(units.x, units.y)), context)
             }
@@ -275,14 +279,18 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 debugger.watches.remove(index);
             }
         }
+
         DebugCommand::Why => {
             let Some(last) = debugger.state().cursor().checked_sub(1) else {
                 return;
             };
             if let Some(cause) = why::cause(debugger.recording(), last) {
+                // The moment after the cause shows its effect.
                 debugger.jump(cause + 1);
             }
         }
+
+        // These need the session as well: `apply_to_debugger` carries them out.
         DebugCommand::Query(_) | DebugCommand::SelectEvent(_) | DebugCommand::ToggleEvent(_) => {}
     }
 }
@@ -296,10 +304,13 @@ fn toggle(debugger: &mut Debugger, line: LineId) {
 
 /// Replaces a condition; the order of the breakpoints stays.
 fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
+    // A breakpoint is added behind all others, so that those behind this one are added again, too.
     let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
+
     for _ in &tail {
         debugger.remove_breakpoint(index);
     }
+
     for (offset, breakpoint) in tail.iter().enumerate() {
         let condition = if offset == 0 {
             text

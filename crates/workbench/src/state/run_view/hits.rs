@@ -68,15 +68,19 @@ impl RunView {
             self.hits = Hits::default();
             return;
         };
+
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let stops = enabled.map(|b| (b.line, b.condition.as_str()));
+        // Compared without copies, as every frame asks.
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
             let known = known.iter().map(|(line, text)| (*line, text.as_str()));
             *generation == session.generation && known.eq(stops.clone())
         });
+
         if same {
             return;
         }
+
         let stops: Vec<(LineId, String)> =
             stops.map(|(line, text)| (line, text.to_owned())).collect();
         self.hits.key = Some((session.generation, stops.clone()));
@@ -111,8 +115,10 @@ fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monito
     for (line, condition) in stops {
         debugger.add_breakpoint(*line, condition);
     }
+
     debugger.jump(0);
     let go_on = || !monitor.is_cancelled();
+
     let (mut found, mut unclear) = (Vec::new(), 0);
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {

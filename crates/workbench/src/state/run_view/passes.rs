@@ -34,12 +34,15 @@ impl RunView {
         let Some(passes) = &mut self.passes else {
             return;
         };
+
         let before = passes.selected();
         let shows_canvas = command == PassCommand::ShowCanvas;
         passes.apply(command);
+
         if let Some((name, bytes)) = passes.take_download() {
             context.ask(Effect::Download(NamedBytes { name, bytes }));
         }
+
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
@@ -50,10 +53,13 @@ impl RunView {
                 self.show_stage(count - 1);
             }
         }
+
+        // The buffers stay on the canvas while the timeline stays at this moment.
         let moment = self.moment();
         if let Some(passes) = &mut self.passes {
             passes.note_moment(moment);
         }
+
         if shows_canvas {
             self.show_buffers(context);
         }

@@ -19,7 +19,7 @@ const REST_SECS: f32 = 0.15;
 /// The prefix that is shown.
 #[derive(Default)]
 pub struct Prefix {
-    /// How many samples.
+    /// The number of samples that are shown.
     count: usize,
     /// For how long the number has rested, in seconds.
     rested_secs: f32,
@@ -64,6 +64,7 @@ impl RunView {
         let (Some(session), Some(count)) = (&self.session, self.prefix()) else {
             return;
         };
+
         let ends = session.ends();
         let to = match (by_sample, direction) {
             (true, Direction::Forwards) => count + 1,
@@ -77,6 +78,7 @@ impl RunView {
                 before.unwrap_or(1)
             }
         };
+
         self.show_prefix(to);
     }
 
@@ -106,13 +108,16 @@ impl RunView {
         let (Some(session), Some(count)) = (&self.session, self.prefix()) else {
             return;
         };
+
         self.prefix.rested_secs += dt_secs;
+        // The verification of the whole set began elsewhere, and ends first.
         if matches!(
             self.verification,
             Verification::Pending(_) | Verification::Nothing
         ) {
             return;
         }
+
         if let Some((judged, outcome)) = self
             .prefix
             .work
@@ -122,10 +127,13 @@ impl RunView {
             (self.prefix.work, self.prefix.judged) = (None, judged);
             return self.finish_verification(outcome);
         }
+
+        // Work on a small prefix ends by itself in less than a tenth of a second.
         let is_stale = |(of, _): &(usize, _)| *of != count && *of > MAX_AT_ONCE;
         if self.prefix.work.as_ref().is_some_and(is_stale) {
             self.prefix.work = None;
         }
+
         let is_due = count <= MAX_AT_ONCE || self.prefix.rested_secs >= REST_SECS;
         if count != self.prefix.judged && self.prefix.work.is_none() && is_due {
             let judging = VerifyTask {

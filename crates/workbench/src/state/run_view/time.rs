@@ -19,6 +19,7 @@ impl RunView {
         let Some(session) = &self.session else {
             return Vec::new();
         };
+
         if let (Some(count), Some(nested)) = (self.prefix(), &session.nested) {
             let radius = session.run().domain.radius();
             let samples = counted(session.summary.count, "sample", "samples");
@@ -27,6 +28,7 @@ impl RunView {
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
             ];
         }
+
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
         let count = match session.stages[self.stage] {
             Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
@@ -34,6 +36,7 @@ impl RunView {
             stage => {
                 let debugger = self.debugger.as_ref();
                 let now = debugger.map(|debugger| debugger.state().counts());
+                // The debugger counts samples of the run, and this stage shows those of the pattern.
                 let count = match now.filter(|_| stage != Stage::Pattern) {
                     Some(counts) => counts.undecided + counts.kept,
                     None => session.count_after(self.stage),
@@ -41,11 +44,14 @@ impl RunView {
                 counted(count, "sample", "samples")
             }
         };
+
         let moment = match self.cursor() {
+            // A recording that is cut off here does not say how long the run is.
             Some((at, _)) if session.is_cut_off_at(at) => format!("event {}", grouped(at)),
             Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
             None => format!("stage {} of {}", self.stage + 1, session.stages.len()),
         };
+
         let mut texts = vec![count, moment];
         if let Stage::Iterate(k) = session.stages[self.stage] {
             texts.push(format!("iteration {k}"));
@@ -190,8 +196,10 @@ impl RunView {
         let Some(debugger) = &mut self.debugger else {
             return;
         };
+
         let stop = debugger.run_to(target, direction);
         self.follow_cursor();
+
         if stop == Stop::End {
             let text = none_there(target, direction);
             context.tell(tilescope_session::words::sentence(&text), false);

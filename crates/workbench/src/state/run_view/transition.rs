@@ -27,10 +27,12 @@ impl RunView {
         let is_new = cursor != self.transition.cursor;
         let is_first = self.transition.cursor.is_none();
         let elapsed_secs = match self.transition.elapsed_secs {
+            // At the first frame of a run there was no step that could be drawn in.
             _ if !is_wanted || is_first => None,
             _ if is_new => Some(0.0),
             elapsed => elapsed.map(|elapsed| elapsed + dt_secs),
         };
+
         self.transition = Transition {
             cursor,
             elapsed_secs: elapsed_secs.filter(|&elapsed| elapsed < self.transition_secs()),

@@ -20,7 +20,7 @@ use crate::device::EngineChoice;
 use crate::state::Verification;
 use crate::state::effects::{Context, Effect};
 
-/// What the window shows of a run: what is measured of its moment.
+/// The parts of a run's moment that the window shows, so that they are measured.
 #[derive(Clone, Copy)]
 pub(in crate::state) struct Asked {
     pub(in crate::state) layers: Layers,
@@ -48,11 +48,14 @@ impl RunView {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
         });
+
         let selection = match (self.selected, self.place) {
+            // An id means a sample of one run, a place only needs the same domain.
             (Some(id), _) if self.is_same_run(session) => Selection::Sample(id),
             (_, Some(place)) if same_domain => Selection::Place(place),
             _ => Selection::Nothing,
         };
+
         self.stage = session.stages.len() - 1;
         (self.hovered, self.selected, self.witness_mark) = (None, None, None);
         self.place = None;
@@ -62,11 +65,15 @@ impl RunView {
         if let Some(debugger) = &mut self.debugger {
             debugger.jump(usize::MAX);
         }
+
         self.pick(selection, context);
+
         // The file of the former session is not that of this one.
         self.session_path = None;
         self.verification = Verification::Nothing;
+
         let from_pattern = self.before_pattern.take().is_some();
+        // A camera of another domain, or of the pattern, means nothing here.
         if !same_domain || from_pattern {
             (self.fitted, self.framed) = (true, None);
             self.flight = None;
@@ -76,7 +83,7 @@ impl RunView {
         }
     }
 
-    /// Ends the tour of a program that had no run before it: shows its first run, of what is typed, as after the start.
+    /// Ends the tour of a program that had no run before it: shows the run of the parameters as typed, as after the start.
     pub(in crate::state) fn end_as_started(
         &mut self,
         typed: Recipe,
@@ -86,6 +93,7 @@ impl RunView {
         let Some(session) = &self.session else {
             return;
         };
+
         let is_typed = session.has_recipe() && session.recipe() == typed;
         if is_typed && self.sampling.is_none() {
             self.show_stage(usize::MAX);
@@ -149,6 +157,7 @@ impl RunView {
         if !asked.is_analysed {
             self.measuring.rest();
         }
+        // Taken out of the run, as they change while the moment borrows it.
         let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
         let mut measuring = take(&mut self.measuring);
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
@@ -197,7 +206,7 @@ impl RunView {
         self.query.found.poll();
     }
 
-    /// Waits for the work on the session, including that on what is asked for.
+    /// Waits for the work on the session, including that on the parts that are `asked` for.
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle(&mut self, asked: Asked, context: &Context) {
         if let Verification::Pending(job) = &self.verification {
