@@ -168,8 +168,8 @@ impl Course {
         let (mut from, mut sum) = (0, 0.0);
         let mut ends: Vec<(usize, f64)> = Vec::new();
         for end in stage_ends {
-            // By the logarithm, eighteen splits can be seen and thousands of clips have an end. 2 is added, as a stage without
-            // events takes time, too.
+            // With the logarithm, eighteen splits last long enough to be seen, and thousands of clips do not seem endless. 2 is
+            // added, as a stage without events takes time, too.
             sum += ((end.saturating_sub(from) + 2) as f64).ln();
             ends.push((end, sum));
             from = end;

@@ -287,6 +287,7 @@ fn walk(
             Value::String(text) => text.clone(),
             other => other.to_string(),
         };
+        // The outermost object has no name, so that names begin with a blank.
         found.push((name.trim().replace('_', " "), text(a), text(b)));
     }
 }

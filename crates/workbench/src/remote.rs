@@ -256,6 +256,7 @@ fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
 }
 
 fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    // Numbers of JavaScript are floats, so that 1.0 is a step, too.
     let forwards = match fields.get("by") {
         None => true,
         Some(by) if by.as_f64() == Some(1.0) => true,
@@ -327,6 +328,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         fields.get(field).map(read).transpose()
     };
 
+    // Exactly one of these: two in one request would have no sequence.
     let alternatives = ["open", "text", "go", "language", "act", "save", "learner"];
     let mut chosen = alternatives
         .into_iter()

@@ -106,7 +106,7 @@ pub struct State {
     files: FileState,
     /// The engine and the GPU.
     gpu: GpuState,
-    /// The reference of moments, and the brush.
+    /// The reference that moments are compared with, and the brush.
     analysis: Analysis,
     /// Scenes: the one that is shown, and their pictures.
     scenes: Scenes,

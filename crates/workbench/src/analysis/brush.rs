@@ -295,6 +295,7 @@ fn describe(cause: &Cause) -> String {
             };
             format!("{count}, joined by lines on the canvas{cut}.")
         }
+        // An empty ring has no mean power to state.
         Cause::Shares { frequencies: 0, .. } => "No frequency lies in the ring.".to_owned(),
         Cause::Shares {
             frequencies,

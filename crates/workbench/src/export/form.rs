@@ -141,7 +141,7 @@ impl ExportForm {
         if self.kind.is_set() {
             files.push(tilescope_formats::certificate_path(&file));
         }
-        // A page cannot see what is in the folder of downloads.
+        // A page cannot see the files in the folder of downloads.
         files.retain(|_| cfg!(not(target_arch = "wasm32")));
         files.into_iter()
     }

@@ -294,6 +294,8 @@ fn render_samples(
 
     let certificate = certificate_path(Path::new(name));
     let beside = certificate.to_string_lossy().into_owned();
+
+    // The set itself comes first: the archive for a download is named after it.
     files.push(NamedBytes::new(name, exported.data));
     files.push(NamedBytes::new(beside, exported.certificate_bytes));
 

@@ -354,7 +354,7 @@ fn dropped(
             file: Box::new(file),
             no_pattern: Some(no_pattern),
         }),
-        // The reason is the user's: that it is no pattern either need not be said.
+        // The user stopped it, so that the fault of the pattern need not be named.
         Err(why) if monitor.is_cancelled() => Err(why),
         Err(why) => Err(format!(
             "{no_pattern}. It cannot be compared with this run either: {why}"

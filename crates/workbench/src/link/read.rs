@@ -63,6 +63,7 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.run(&mut content);
     reader.look(&mut content);
     reader.selection(&mut content);
+    // After the run, from which the parameters of the second one differ.
     reader.second(&mut content);
     reader.stops(&mut content);
     (content, reader.warnings)

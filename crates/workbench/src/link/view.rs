@@ -127,6 +127,7 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
 
 /// Reads the width of a view in r, perhaps its middle, and perhaps the place of its event.
 fn read_camera(text: &str) -> Option<SceneCamera> {
+    // One number more than a camera can have, so that a longer list is refused.
     let numbers: Vec<f64> = text.split(',').take(6).map(finite).collect::<Option<_>>()?;
     let place = |at: usize| {
         let place = DVec2::from_slice(numbers.get(at..at + 2)?);

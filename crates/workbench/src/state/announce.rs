@@ -31,6 +31,7 @@ impl Announcer {
             format!("{kind}{}", notice.text)
         });
 
+        // Changes alone are announced, as a screen reader reads each announcement from its beginning.
         let mut new = Vec::new();
         if self.happened != happened {
             new.push(lessons.in_words(&happened));
@@ -73,6 +74,7 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
                 (false, false) => "The verifier found conflicts and gaps.",
             };
 
+            // Of nested levels a prefix has a verdict, by the promise for its number of samples.
             match verdict.claim {
                 Some(claim) => {
                     let word = if verdict.valid() { "" } else { " not" };

@@ -279,6 +279,7 @@ impl Runs {
             return;
         };
         if comparison.linked_cameras {
+            // The camera is copied in every frame, so that it needs no flight of its own.
             (side.camera, side.fitted, side.flight) = (self.first.camera, self.first.fitted, None);
         }
 

@@ -285,7 +285,7 @@ impl State {
             E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
 
             E::MakeRun(parameters) => {
-                // A link whose run is still being made would replace the run of the step.
+                // A link that waits for its run would wait in vain: the run of the step takes its place.
                 self.runs.arriving = None;
                 self.time.playback.stop();
                 // Lessons need events, which runs of the GPU do not have.

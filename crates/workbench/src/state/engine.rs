@@ -50,7 +50,7 @@ impl Runs {
             CombineCommand::Nine => NINE.to_owned(),
             CombineCommand::Text(text) => text,
         };
-        // A link whose run is still being made would replace the combination.
+        // A link that waits for its run would wait in vain: the combination takes the run's place.
         self.arriving = None;
         context.ask(Effect::CloseNotice);
 

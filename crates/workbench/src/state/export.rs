@@ -160,6 +160,8 @@ impl Exports {
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
         };
+
+        // Before the name of the file, since a name does not help where there is nothing to export.
         let refusal = source.kind_refusal(form.kind);
         if let Some(refusal) = refusal.or_else(|| form.name_refusal()) {
             return Err(refusal);
@@ -359,6 +361,8 @@ impl ExportSource<'_> {
         if !self.run.viewport.is_positive() {
             return Err(ExportRefusal::NoCanvas);
         }
+
+        // The frames of an animation show the domain, though the canvas may show the pattern, whose domain is another one.
         let camera = match self.run.before_pattern {
             Some((camera, _)) if kind == ExportKind::Animation => camera,
             _ => self.run.camera,
@@ -432,6 +436,7 @@ fn checked_scenes(
     for MomentView { moment, view } in &mut shown {
         view.print = form.print;
         view.analysis = form.analysis;
+        // A legend has the layers of its own scene.
         let layers = view.layers(moment.stage);
         view.legend = form.legend.then(|| Legend {
             layers,

@@ -284,6 +284,7 @@ impl FileState {
         run: &RunView,
         context: &mut Context,
     ) {
+        // A set to be compared with the run must have its domain.
         let domain = run.session.as_ref().map(|session| session.run().domain);
         let run = domain.map(|domain| (region(&domain), domain.radius()));
 

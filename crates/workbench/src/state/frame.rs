@@ -228,7 +228,7 @@ impl State {
         &self.gpu
     }
 
-    /// Returns the reference of moments, and the brush.
+    /// Returns the reference that moments are compared with, and the brush.
     #[must_use]
     pub const fn analysis(&self) -> &Analysis {
         &self.analysis

@@ -198,6 +198,7 @@ impl GpuState {
             return Some(text.to_owned());
         }
 
+        // On a page the CPU computes the comparison between frames.
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(
@@ -226,7 +227,7 @@ impl GpuState {
         let takes = self.takes(self.engine);
 
         let line: &str = match &self.device {
-            // Of the runs that a ready device could take, it cannot make the first two kinds.
+            // Even a device that is ready cannot make the first two kinds of runs.
             Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
                 "CPU: it alone makes exact tilings."
             }

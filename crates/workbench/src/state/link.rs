@@ -191,6 +191,7 @@ impl LinkSource<'_> {
         left_out: &mut Vec<String>,
     ) -> Option<Parameters> {
         let (side, _) = self.runs.second.as_ref()?;
+        // While run B is being made, its parameters are those that were asked for.
         let second = made.or(side.asked.filter(|_| side.session.is_none()));
         if second.is_none() {
             left_out.push(

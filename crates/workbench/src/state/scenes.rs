@@ -256,6 +256,7 @@ fn change_scenes(run: &mut RunView, change: impl FnOnce(&mut Debugger)) {
 
 /// Returns the current view for a scene.
 fn scene_view(run: &RunView, view: &SavedView) -> Value {
+    // A fitted view has no camera: it fits any canvas.
     let camera = (!run.is_fitted()).then(|| SceneCamera {
         radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
         center: Some(run.camera.center),
@@ -282,6 +283,7 @@ fn arrive_at(scene: &SavedScene, run: &mut RunView, source: &SceneSource, contex
         return context.tell(text.to_owned(), false);
     };
 
+    // Play would leave the moment of the scene at once.
     context.ask(Effect::Pause);
     let before = run.stage;
     run.jump(cursor);

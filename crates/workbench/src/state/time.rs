@@ -108,6 +108,7 @@ impl Time {
         run: &mut RunView,
         context: &mut Context,
     ) {
+        // A question that is open holds the recording up to its moment, so that nothing shows more.
         let shown = match limit {
             Some(cursor) => Arc::new(recording.until(cursor)),
             None => Arc::clone(recording),

@@ -74,6 +74,7 @@ impl State {
             state.time.advance(dt_secs, run, context)
         });
         let is_fast = self.time.playback.is_fast(TRANSITION_SECS);
+        // In fast play the camera would chase events that cannot be seen.
         if !is_fast && self.appearance.follows_events {
             self.on(Which::First, |run, context| {
                 run.follow_event(cursor, context);
@@ -461,8 +462,8 @@ impl State {
         }
     }
 
-    /// Ends what is open before the window closes: a lesson or the tour gives back what it replaced, an export is cancelled
-    /// and removes its unfinished file, and a session that is being saved is saved.
+    /// Ends open work before the window closes: a lesson or the tour gives back what it replaced, an export is cancelled and
+    /// removes its unfinished file, and a session that is being saved is saved.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn finish(&mut self) {
         self.give_back();

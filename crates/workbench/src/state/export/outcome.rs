@@ -195,7 +195,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
-            // The result must be valid, so that this is worth a sentence for the samples of a moment alone.
+            // The result must be valid anyway. Of the samples of a moment it is worth a sentence.
             if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }

@@ -68,6 +68,7 @@ impl RunView {
         let ends = session.ends();
         let to = match (by_sample, direction) {
             (true, Direction::Forwards) => count + 1,
+            // A prefix has at least one sample.
             (true, Direction::Backwards) => count - 1,
             (false, Direction::Forwards) => {
                 let next = ends.into_iter().find(|&end| end > count);
