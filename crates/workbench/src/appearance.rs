@@ -50,7 +50,6 @@ impl Appearance {
 
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
-
             AppearanceCommand::Look(look) => self.choose_look(look),
             // The key that enters projector mode leaves it, too.
             AppearanceCommand::ToggleProjector => self.choose_look(match self.look {

@@ -113,8 +113,8 @@ impl ComparePreset {
             }
             Self::Order => {
                 second.order = match first.order {
-                    // Any other order is compared with the one that runs have by default.
                     Order::OwnBlockFirst => Order::Index,
+                    // Any other order is compared with the one that runs have by default.
                     _ => Order::OwnBlockFirst,
                 }
             }

@@ -186,8 +186,8 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         return Err(RequestError::Unknown(shown(&action)));
     };
 
-    only(name, &fields, known)?;
     // A misspelt field would otherwise do nothing, without a word.
+    only(name, &fields, known)?;
     match *name {
         "load" => load(&fields),
         "step" => step(&fields),
@@ -492,7 +492,7 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
     };
-    // The reference sampler is no tiling, but asked for by people who know the command line.
+    // The reference sampler is no tiling, but people who know the command line ask for it.
     let method = given.get("method").and_then(Value::as_str);
     if let Some(why) = method.and_then(method_refusal) {
         let method = quoted(method.unwrap_or_default());

@@ -268,7 +268,7 @@ const fn lesson(command: &LessonCommand) -> Rules {
 
 const fn talk(command: &TalkCommand) -> Rules {
     let reveals = match command {
-        // Without answers and notes it says no more than the lesson itself.
+        // A handout without answers and notes says no more than the lesson itself.
         TalkCommand::Handout { answers, notes, .. } => *answers || *notes,
 
         TalkCommand::Lesson { .. }
@@ -409,7 +409,7 @@ const fn passes(command: &PassCommand) -> Rules {
     match command {
         PassCommand::Select(index) => rules.naming(Numbered::Pass(*index)),
 
-        // Buffers and rows are those of a pass that may still be on its way; others than it has change nothing.
+        // The buffers of a pass may still be on their way. A number that the pass does not have changes nothing.
         PassCommand::Previous
         | PassCommand::Next
         | PassCommand::First

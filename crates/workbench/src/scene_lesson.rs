@@ -28,11 +28,11 @@ pub(crate) fn lesson_of(
         let text = "There are no scenes: add some, with captions, and present them then.";
         return Err(text.to_owned());
     }
+
     let generated = PatternSpec {
         side: parameters.pattern.side,
         ..PatternSpec::default()
     };
-
     if has_own_pattern || parameters.pattern != generated {
         let text = "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there.";
         return Err(text.to_owned());

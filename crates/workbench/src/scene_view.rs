@@ -36,8 +36,8 @@ pub(crate) fn view_of_scene(
         Camera::checked(center, size[0].min(size[1]) / camera.radii)
     });
 
+    // In another run the number of the sample means another one.
     let selection = if is_same_run {
-        // In another run this number is another sample.
         saved.selection
     } else {
         Selection::Nothing

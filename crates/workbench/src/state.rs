@@ -200,10 +200,10 @@ impl State {
             // The state is compared with the one before, so that a command that changed nothing is no step.
             command => match rules.undo {
                 Some(part) => {
-                    let before = Memento::of(self);
+                    let memento = Memento::of(self);
                     let remembered = command.clone();
                     self.dispatch(command);
-                    self.remember(before, part, Some(&remembered));
+                    self.remember(memento, part, Some(&remembered));
                     self.run_live(&remembered);
                 }
                 None => self.dispatch(command),

@@ -111,7 +111,6 @@ impl SavedView {
         };
 
         let mut view = now.clone();
-
         let camera = parts.take("camera", |Camera { center, scale }| {
             Camera::checked(center, scale)
         });
@@ -147,8 +146,8 @@ impl SavedView {
         let range = parts.take("range", |[start, end]: [usize; 2]| {
             (start < end).then_some(start..end)
         });
-
         view.playback.range = range.or(view.playback.range);
+
         view.second = parts.take("second", second);
         parts.set(&mut view.links, "links", Some);
 

@@ -254,9 +254,9 @@ pub fn cause(
                 let known = share.is_finite();
                 shares[*id as usize] = if known { share as f32 } else { mean };
             }
+
             Ok(Cause::Shares {
                 frequencies: found.frequencies,
-
                 mean_power: found.mean_power,
                 strongest: strongest(&shares, mean),
                 shares,

@@ -150,8 +150,8 @@ impl Measuring {
 
     fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
-
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
+
         // One part at a time, so that its chart is shown while slower parts are still measured.
         let (part, job) = if let Some((known, set)) = growing {
             let Some(part) = missing(&known.measured) else {
@@ -164,8 +164,8 @@ impl Measuring {
                 set,
             };
             (part, task::start(wake, task))
-        // The first task also gathers the samples, and returns them for the parts that follow.
         } else {
+            // The first task also gathers the samples, and returns them for the parts that follow.
             let task = StartMeasuringTask(Still::of(session, shown.moment()));
             (Part::Pairs, task::start(wake, task))
         };
@@ -192,7 +192,6 @@ impl Measuring {
             Ok(Ok((set, measured))) => {
                 let whole = missing(&measured).is_none();
                 let measured = Arc::new(measured);
-
                 let known = Known {
                     key,
                     name,

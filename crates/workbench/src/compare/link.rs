@@ -50,6 +50,7 @@ pub fn corresponding(
         return moment_at(to, cursor);
     }
 
+    // Behind the divergence nothing corresponds exactly. From here on, a and b are the cursors just behind it.
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
         // Never before the divergence.

@@ -138,12 +138,12 @@ fn lines(points: &CurvePoints) -> Vec<Vec<[f64; 2]>> {
 fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
     let column = |point: &[f64; 2]| (point[0] / last.max(1.0) * COLUMNS as f64) as usize;
     let mut thin: Vec<[f64; 2]> = Vec::new();
-    // The first and the last point join the column to its neighbours; the extremes are its peaks.
     for points in line.chunk_by(|a, b| column(a) == column(b)) {
         let value = |index: &usize| points[*index][1];
         let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
         let all = || 0..points.len();
 
+        // The first and the last point join the column to its neighbours; the extremes are its peaks.
         let mut kept: Vec<usize> = [
             Some(0),
             all().min_by(by_value),
@@ -153,6 +153,7 @@ fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
         .into_iter()
         .flatten()
         .collect();
+
         // In the sequence of the events, and each once: the first point may also be the least.
         kept.sort_unstable();
         kept.dedup();

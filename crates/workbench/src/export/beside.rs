@@ -33,7 +33,7 @@ pub(crate) fn too_much(session: &Session, pictures: usize) -> Option<ExportRefus
 ///
 /// # Errors
 ///
-/// [`MeasureError::Cancelled`]; of any other reason the axes say it.
+/// [`MeasureError::Cancelled`]. Any other reason for which there is no spectrum is written on the axes.
 pub fn beside(
     session: &Arc<Session>,
     moment: Moment,

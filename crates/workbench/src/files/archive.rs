@@ -82,15 +82,17 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         let entry = archive.by_index(k).map_err(|error| failed(&error))?;
         let (inner, length) = {
             let inner = entry.name().map_err(|error| failed(&error))?;
-            // The numbers in an archive may be lies: the limits are checked before an entry is unpacked, by the lengths of all
-            // entries so far.
             (last_part(&inner).to_owned(), entry.size())
         };
+
+        // An archive may state anything, so that the limits are checked before an entry is unpacked, by the lengths of all
+        // entries so far.
         about.push((inner.clone(), length));
         let lengths: Vec<(&str, u64)> = about.iter().map(|(name, n)| (&**name, *n)).collect();
         if let Some(why) = refusals(&lengths).pop().flatten() {
             return Err(failed(&why));
         }
+
         // The stated length may be wrong. One byte more than stated is enough to see that.
         let mut bytes = Vec::new();
         let read = entry.take(length + 1).read_to_end(&mut bytes);

@@ -100,7 +100,7 @@ pub fn read<'a>(
 ) -> Parameters {
     let mut parameters = *base;
     for parameter in in_links() {
-        // What it depends on stands before it.
+        // The usual pattern may depend on the size of the set and the seed, which stand before it.
         if parameter == Parameter::PatternSide {
             parameters.pattern = following(base, &parameters).pattern;
         }
@@ -219,8 +219,8 @@ fn radii(p: &Parameters) -> [f64; 2] {
 
 fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     let [least, largest] = radii(p);
+    // The radius that is used instead has three digits, and its rounding must not leave the limits.
     if up(least) > down(largest) {
-        // The radius that is used instead has three digits, and its rounding must not leave the limits.
         let (width, height) = (exact(p.width), exact(p.height));
         warnings.add(format!(
             "The link asked for a domain{run} of {width} by {height}, for which there is no radius; 1 by 1 is used instead."

@@ -199,10 +199,10 @@ impl LinkReader {
     /// Returns the nested levels, if the link has some that can be made with `parameters`.
     fn nested(&mut self, parameters: &Parameters) -> Option<NestedRequest> {
         let [levels, exactly, order_within] = NESTED;
+        // Before the number of levels, so that each has its own warning even if that is missing.
         let count = self.take(exactly, |text| text.parse().ok());
         let order = self.take(order_within, |text| named(&WithinLevel::ALL, text));
 
-        // Read before the number of levels, so that each has its own warning even if that is missing.
         let Some(levels) = self.take(levels, |text| text.parse().ok()) else {
             if count.is_some() || order.is_some() {
                 let text = "The link says how nested levels are made but not how many (\"levels\"): they were left out.";

@@ -236,7 +236,7 @@ fn seek_target(
         return refused(NO_EVENTS);
     };
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
-    // The command itself would go to the end, with a notice in place of an error.
+    // The command itself would do nothing, with a notice in place of an error.
     if moves::arrive(recording, cursor, target, direction).is_none() {
         return refused(none_there(target, direction));
     }

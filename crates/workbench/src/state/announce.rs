@@ -74,7 +74,7 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
                 (false, false) => "The verifier found conflicts and gaps.",
             };
 
-            // Of nested levels a prefix has a verdict, by the promise for its number of samples.
+            // A verdict on nested levels is about a prefix: whether it is as promised for its number of samples.
             match verdict.claim {
                 Some(claim) => {
                     let word = if verdict.valid() { "" } else { " not" };

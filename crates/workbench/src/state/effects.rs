@@ -370,7 +370,7 @@ impl State {
 
 /// What a lesson or the tour replaces, and gives back.
 impl State {
-    /// Sets aside what a lesson or the tour replaces, unless it is already.
+    /// Sets aside what a lesson or the tour replaces, unless that was done already.
     fn borrow_window(&mut self) {
         // However many lessons follow each other, only the first one finds the user's own window.
         if self.past.borrowed.is_some() {
@@ -419,8 +419,8 @@ impl State {
         };
         let borrowed = *borrowed;
         self.window.put_back(borrowed.panels);
-        // Look and motion stay, as the user may have chosen them meanwhile.
         self.form.take(borrowed.form);
+        // Look and motion stay, as the user may have chosen them meanwhile.
         self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
         self.appearance.colouring = borrowed.appearance.colouring;
         self.time.rest(false);

@@ -87,7 +87,7 @@ impl Exports {
 
         match command {
             ExportCommand::Open(kind) => {
-                // One sheet at a time, and what the notice says is not about it.
+                // One sheet is open at a time, and an older notice is not about it.
                 context.ask(Effect::CloseFileSheet);
                 context.ask(Effect::CloseNotice);
                 self.sheet.get_or_insert_default().scenes = source.scenes().len();

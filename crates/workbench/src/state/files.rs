@@ -269,6 +269,7 @@ impl FileState {
             context.tell(text, true);
             return;
         }
+
         self.begin_reading(None, first.clone(), source, run, context);
         // The notice at the end names them, too.
         if let Some(filing) = &mut self.filing {
@@ -347,8 +348,8 @@ impl FileState {
         } else if !form.chosen.is_empty() {
             let source = FileSource::Bytes(form.chosen.to_vec());
             self.begin_reading(Some(purpose), path, source, run, context);
-        // A page cannot open a path.
         } else if self.in_browser() {
+            // A page cannot open a path.
             let text = "Choose the file with Browse, or drop it on the window.";
             context.tell(text.to_owned(), true);
         } else {

@@ -161,7 +161,7 @@ impl LinkSource<'_> {
                 left_out.push("the combination, which has sets from files".to_owned());
             }
             Some(combination) => {
-                // The typed parameters are not those of the combination. Parameters of run B differ from the defaults.
+                // The typed parameters are not those of the combination. Those of run B are given relative to the defaults.
                 (content.parameters, content.nested) = (Parameters::default(), None);
                 content.combination = Some(combination.layout.clone());
             }

@@ -137,8 +137,8 @@ impl Default for RunView {
             passes: None,
             query: EventQuery::default(),
             history_found: FoundEvents::default(),
-
             hits: Hits::default(),
+
             flight: None,
             // A new run is shown whole.
             fitted: true,

@@ -254,8 +254,8 @@ impl History {
             before.form = typed.memento.form.clone();
         }
 
-        let mut count = 0;
         // The changes of the form since then are part of this step now.
+        let mut count = 0;
         past.retain(|change| {
             count += 1;
             count <= since || change.part != UndoPart::Form

@@ -399,9 +399,11 @@ impl State {
         self.give_back();
         let before = Memento::of(self);
         let is_made = self.runs.first.is_made_from(&content);
+        // A run to be made takes its step to undo now. One that is there takes it when the link is applied.
         if !is_made {
             self.remember_run(UndoPart::Everything);
         }
+
         self.form.own_pattern = None;
         let made = if let Some(layout) = content.combination.clone() {
             Made::Combination(layout)
@@ -410,6 +412,7 @@ impl State {
             self.form.draft = draft.with_nesting(content.nested);
             Made::Run(content.recipe())
         };
+
         self.messages.warn(&warnings);
         self.runs.arriving = Some(Box::new(Arriving { content, warnings }));
         if is_made {

@@ -113,8 +113,8 @@ impl Exports {
             }
         }
 
-        #[cfg(target_arch = "wasm32")]
         // Only the dialog needs them, and a page has no such dialog.
+        #[cfg(target_arch = "wasm32")]
         let _ = (source, delivery);
 
         if let Some(outcome) = self.work.as_ref().and_then(Job::poll) {

@@ -361,8 +361,8 @@ impl RunView {
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
             let center = units::position(rect.min).midpoint(units::position(rect.max));
-            // Some room is left around the block.
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
+            // Some room is left around the block.
             self.fly_to(center, 1.1 * size, context);
         }
     }

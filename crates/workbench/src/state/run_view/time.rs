@@ -36,7 +36,7 @@ impl RunView {
             stage => {
                 let debugger = self.debugger.as_ref();
                 let now = debugger.map(|debugger| debugger.state().counts());
-                // The debugger counts samples of the run, and this stage shows those of the pattern.
+                // The debugger counts samples of the run; the stage of the pattern shows those of the pattern.
                 let count = match now.filter(|_| stage != Stage::Pattern) {
                     Some(counts) => counts.undecided + counts.kept,
                     None => session.count_after(self.stage),

@@ -157,9 +157,11 @@ impl RunView {
         if !asked.is_analysed {
             self.measuring.rest();
         }
+
         // Taken out of the run, as they change while the moment borrows it.
         let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
         let mut measuring = take(&mut self.measuring);
+
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             let is_analysed = asked.is_analysed;
@@ -180,6 +182,7 @@ impl RunView {
                 geometry.want(session, &shown, layers.has_net(), &context.wake);
             }
         }
+
         (self.live, self.geometry, self.measuring) = (live, geometry, measuring);
     }
 
