@@ -133,7 +133,7 @@ pub enum Direction {
 pub enum LayoutTile {
     /// A panel, which has no tiles inside.
     Panel(Panel),
-    /// Tiles of which one is visible.
+    /// Tiles in the same place, one of them visible.
     Tabs {
         /// The tiles, in the order of their tabs.
         tiles: Vec<LayoutTile>,

@@ -36,7 +36,7 @@ pub struct Live {
     /// The generation of the session.
     generation: Option<u64>,
     followed: Followed,
-    /// The last moment of which anything is known.
+    /// The last moment that was measured, at least in part.
     measured: Option<(Key, Arc<MeasuredSet>)>,
     /// The share of the frequencies in that.
     share: Option<f64>,

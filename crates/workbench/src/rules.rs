@@ -1,6 +1,6 @@
-//! What decides whether and how a command is carried out: [`Command::rules`]. Each command is named, none falls to a default, so
-//! that a new one does not compile until somebody has decided whether it can be undone, works in a frame, shows an answer, or
-//! names something by a number.
+//! The rules by which a command is carried out: [`Command::rules`]. Each command is named and there is no default, so that a new
+//! one does not compile until it is decided whether it can be undone, works in a frame, shows an answer, or names something by
+//! a number.
 #![deny(
     clippy::wildcard_enum_match_arm,
     clippy::match_wildcard_for_single_variants

@@ -130,6 +130,7 @@ fn run(text: &mut String, parameters: &Parameters) {
 fn moment(text: &mut String, scene: &SavedScene) {
     let moment = match (&scene.ends, &scene.anchor) {
         (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
+        // Lessons record their runs. The stage of regions is one of the parallel engine, which has no events.
         (Some(stage), _) if *stage != Stage::Regions => {
             format!("end of {}", stage.to_string().replace(' ', "-"))
         }

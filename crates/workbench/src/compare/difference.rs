@@ -72,9 +72,9 @@ impl Differences {
         let few = a.session.run().samples.len() + b.session.run().samples.len() <= MAX_AT_ONCE;
         if few {
             self.ready = Some((key, between(covering(a), covering(b))));
-
             return;
         }
+
         let differing =
             DifferenceTask([Still::of(first, a.moment()), Still::of(second, b.moment())]);
         self.work = Some((key, task::start(wake, differing)));

@@ -19,6 +19,7 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
     }
 
     match divergence {
+        // Equal runs correspond at every cursor.
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
         Some(&Divergence::Ends { event, .. }) => Some([event; 2]),

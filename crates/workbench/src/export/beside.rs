@@ -76,11 +76,13 @@ fn spectrum(
             limit: MIN_SAMPLES,
         });
     }
+
     let finished = session.summary.count as f64;
     let window = Spectrum::window(finished, set.region);
-    // Its own frequencies are those of the finished set; so must be its number of samples, as nu is |k| / sqrt(N). With its own
-    // the rings would move while samples come and go.
     let periodogram = Periodogram::of(&set.points, set.region, &window, control)?;
+
+    // The frequencies are those of the finished set, and so must be the number of samples, as nu is |k| / sqrt(N). With its own
+    // number the rings would move while samples come and go.
     Spectrum::of(&Periodogram {
         samples: finished,
         ..periodogram

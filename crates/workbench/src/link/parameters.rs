@@ -260,6 +260,7 @@ fn down(number: f64) -> f64 {
 /// Returns a number of three digits near `number`, on the side of `toward` times `number`.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
+    // Powers of ten with a positive exponent are exact, those with a negative one are not.
     let unit = 10_f64.powi(exponent.abs());
     let scaled = if exponent < 0 {
         number * unit

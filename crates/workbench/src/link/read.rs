@@ -153,6 +153,7 @@ impl LinkReader {
             return;
         };
         let shown = quoted(text);
+        // Each part of a link stands by itself, so that a newer one is read as far as its parts are known.
         match tidy(text).parse::<u32>() {
             Ok(VERSION) => {}
             Ok(newer) if newer > VERSION => self.warnings.add(format!(
@@ -281,6 +282,7 @@ impl LinkReader {
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
             content.view.playback.choose_speed(speed);
         }
+        // After the clock and the speed, which both end playing by a duration.
         if let Some(secs) = self.take("whole-run", |text| whole_run(text.parse().ok()?)) {
             content.view.playback.whole_run_secs = Some(secs);
         }

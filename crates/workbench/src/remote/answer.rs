@@ -89,8 +89,8 @@ fn load(state: &mut State, parameters: Parameters) {
     };
     let recipe = form.recipe();
 
+    // In this order: a lesson or the tour gives back the window before the new run changes it.
     state.carry_out(
-        // In this order: a lesson or the tour gives back the window before the new run changes it.
         Which::First,
         vec![
             Effect::GiveBack,

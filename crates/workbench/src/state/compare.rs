@@ -355,6 +355,7 @@ impl Runs {
         let cursors = match comparison.divergence(first, second) {
             Some(&Divergence::Events { a, b, .. }) => [a, b],
             Some(&Divergence::Ends { event, .. }) => [event, event],
+            // Without events only the stage is known in which the runs differ.
             Some(&Divergence::Stage { stage, .. }) => {
                 let index = first.stages.iter().position(|&other| other == stage);
                 self.first.show_stage(index.unwrap_or(usize::MAX));

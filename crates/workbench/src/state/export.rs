@@ -50,7 +50,7 @@ impl Drop for Exports {
     fn drop(&mut self) {
         if let Some(job) = self.work.take() {
             job.cancel();
-            // How it ends no longer matters to anybody.
+            // The outcome is of no use any more.
             let _ = job.wait();
         }
     }

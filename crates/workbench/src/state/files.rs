@@ -72,6 +72,7 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     let session = run.session.as_ref()?;
     let parameters = Form::default().draft.parameters;
     let is_default = session.has_recipe() && session.recipe() == parameters.into();
+    // The program begins with this session anyway.
     if is_default && run.stops() == Stops::default() {
         return None;
     }

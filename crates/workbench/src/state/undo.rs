@@ -1,6 +1,6 @@
 //! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of the curve above the
-//! timeline, of breakpoints, watches and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
-//! the view only. [`crate::rules`] says which commands can be undone.
+//! timeline, of breakpoints, watches and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera
+//! cannot be undone, since they change the view only. [`crate::rules`] says which commands can be undone.
 
 use tilescope_core::Parameter;
 use tilescope_core::combine::file::Layout as Combination;
@@ -52,6 +52,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Type(field, _) | FormCommand::Nudge(field, _)) => {
             Typed::Parameter(*field)
         }
+        // The number of samples sets the radius.
         Command::Form(FormCommand::Count(_)) => Typed::Parameter(Parameter::Radius),
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),

@@ -27,6 +27,7 @@ impl SavedView {
         // The camera of the pattern is not saved, as the pattern has its own domain.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
         let second = runs.second.as_ref();
+        // Without a second run the links are those with which one begins.
         let links = second.map(|(_, comparison)| comparison.links());
         Self {
             camera: (!fitted).then_some(camera),

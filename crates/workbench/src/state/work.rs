@@ -340,6 +340,7 @@ impl State {
         };
         let (view, mut dropped) = SavedView::from_json(&view, &SavedView::of(self));
         dropped.extend(self.look_as(&view));
+        // The steps to undo are those of the session before.
         self.past.history = History::default();
         if !dropped.is_empty() {
             let text = format!(
@@ -404,6 +405,7 @@ impl State {
             self.remember_run(UndoPart::Everything);
         }
 
+        // A link names no pattern of a file.
         self.form.own_pattern = None;
         let made = if let Some(layout) = content.combination.clone() {
             Made::Combination(layout)
@@ -440,6 +442,8 @@ impl State {
         let shown_before = warnings.clone();
         let notice = self.messages.notice.as_ref();
         let shown = notice.map(|notice| notice.text == shown_before.text());
+
+        // Warnings that stand there already are shown below, together with those that come now.
         if shown == Some(true) {
             self.messages.notice = None;
         }
