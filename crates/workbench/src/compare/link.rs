@@ -51,7 +51,8 @@ pub fn corresponding(
         return moment_at(to, cursor);
     }
 
-    // Behind the divergence nothing corresponds exactly. From here on, a and b are the cursors just behind it.
+    // Behind the divergence nothing corresponds exactly. From here on, a and b are the cursors just behind it, or 0 where it is
+    // not known.
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
         // Never before the divergence.

@@ -89,10 +89,10 @@ impl RunView {
             self.flight = None;
         }
         if before != viewport
-            && let Some(framed) = self.framed
+            && let Some((center, radii)) = self.framed
         {
             // A flight that began in the other viewport would end at the wrong scale.
-            (self.camera, self.flight) = (self.framing(framed), None);
+            (self.camera, self.flight) = (self.framing(center, radii), None);
         }
         self.camera = self.within_scales(self.camera);
         if self.fitted {
@@ -215,7 +215,7 @@ impl RunView {
     pub(in crate::state) fn fly_to(&mut self, center: DVec2, radii: f64, context: &Context) {
         self.fitted = false;
         self.framed = Some((center, radii));
-        self.fly(self.framing((center, radii)), context);
+        self.fly(self.framing(center, radii), context);
     }
 
     /// Takes a camera; if it does not show a place well inside the canvas, flies to the place at the camera's scale.
@@ -240,7 +240,7 @@ impl RunView {
     }
 
     /// Returns the camera that shows so many r around a place.
-    fn framing(&self, (center, radii): (DVec2, f64)) -> Camera {
+    fn framing(&self, center: DVec2, radii: f64) -> Camera {
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         Camera {
             center,
