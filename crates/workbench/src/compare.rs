@@ -115,7 +115,7 @@ impl ComparePreset {
                 second.order = match first.order {
                     Order::OwnBlockFirst => Order::Index,
                     // Any other order is compared with the one that runs have by default.
-                    _ => Order::OwnBlockFirst,
+                    Order::Index | Order::Random | Order::PhaseGroup => Order::OwnBlockFirst,
                 }
             }
             Self::Variant => {

@@ -71,10 +71,13 @@ pub(super) fn scene_view_text(view: &Value) -> String {
     let mut parts = Vec::new();
 
     if let Some(camera) = SceneCamera::of(view) {
-        let center = camera.center.map(|center| center.to_array().map(rounded));
-        let event = camera.event.map(|event| event.to_array().map(exact));
         let mut numbers = vec![rounded(camera.radii)];
-        numbers.extend(center.into_iter().chain(event).flatten());
+        if let Some(center) = camera.center {
+            numbers.extend(center.to_array().map(rounded));
+            // Without a middle of its own the view is where the event is, and the second place in a link is always the event's.
+            let event = camera.event.map(|event| event.to_array().map(exact));
+            numbers.extend(event.into_iter().flatten());
+        }
         parts.push(format!("camera:{}", numbers.join(",")));
     }
 
@@ -160,6 +163,9 @@ mod tests {
             let view = read_scene_view(text).expect(text);
             assert_eq!(scene_view_text(&view), text);
         }
+        // A view that is where its event is has no middle, and a link then no place.
+        let at_event = json!({"camera": {"radii": 12.0, "event": [1.0, 2.0]}});
+        assert_eq!(scene_view_text(&at_event), "camera:12");
         let view = read_scene_view("layers:samples,fireworks").unwrap();
         assert_eq!(view["layers"], json!(["Samples"]));
         for text in [
