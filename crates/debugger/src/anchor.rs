@@ -15,7 +15,7 @@ use crate::recording::Recording;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Anchor {
-    /// The stage.
+    /// The stage or iteration that has the event.
     pub stage: Stage,
     /// The kind of the event.
     pub kind: EventKind,
@@ -55,11 +55,13 @@ impl FromStr for Anchor {
     fn from_str(text: &str) -> Result<Self, AnchorError> {
         let read = || {
             let mut parts = text.split('.');
+            // Ordinals count from 1, so that a 0 is a mistake.
             let anchor = Self {
                 stage: stage_named(parts.next()?)?,
                 kind: EventKind::named(parts.next()?)?,
                 ordinal: parts.next()?.parse().ok().filter(|&ordinal| ordinal > 0)?,
             };
+            // A name has three parts; a fourth makes it another name.
             parts.next().is_none().then_some(anchor)
         };
         read().ok_or_else(|| AnchorError(text.to_owned()))
@@ -88,17 +90,21 @@ impl Recording {
         let mut stages: Vec<(Stage, Range<usize>)> = Vec::new();
         for &begin in &self.begins {
             let begin = begin as usize;
+
             let stage = match self.event(begin).and_then(crate::Event::run_event) {
                 Some(RunEvent::Begin(stage)) => stage,
                 Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
                 _ => continue,
             };
+
             if let Some((last, events)) = stages.last_mut() {
                 if *last == stage {
                     continue;
                 }
                 events.end = begin;
             }
+
+            // The last stage ends with the recording, the others where the next one begins.
             stages.push((stage, begin..self.len()));
         }
         stages
@@ -139,6 +145,7 @@ impl Recording {
     pub fn anchored(&self, anchor: &Anchor) -> Option<usize> {
         let stages = self.stages();
         let (_, events) = stages.iter().find(|(stage, _)| *stage == anchor.stage)?;
+
         let before = |end| {
             self.classes()
                 .count(end, |other| other.kind() == anchor.kind)
@@ -147,7 +154,8 @@ impl Recording {
         if wanted > before(events.end) {
             return None;
         }
-        // Find the lowest end with so many events of the kind before it; it lies just after the event.
+
+        // Counts grow with the end. Find the lowest end with so many events of the kind before it; it lies just after the event.
         let (mut low, mut high) = (events.start, events.end);
         while low + 1 < high {
             let middle = usize::midpoint(low, high);

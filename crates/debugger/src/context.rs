@@ -36,7 +36,7 @@ pub struct Examined {
 /// The context of a cursor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Context {
-    /// The phase.
+    /// The stage or iteration that has begun; `None` before the first event.
     pub phase: Option<Stage>,
     /// The iteration, from 1; 0 before the first.
     pub iteration: u32,
@@ -55,32 +55,44 @@ pub struct Context {
 }
 
 impl Context {
-    /// Applies the event of index `index`.
+    /// Applies an event, whose index on the tape is `index`. Events are applied in sequence.
     pub fn apply(&mut self, event: &Event, index: u32) {
         let Some(run_event) = event.run_event() else {
             return;
         };
+
         match run_event {
             RunEvent::Begin(stage) => self.enter(stage, self.iteration),
             RunEvent::Iteration { number, .. } => self.enter(Stage::Iterate(number), number),
+
             RunEvent::Clip { block } => self.block = Some(block),
+            // Each of these makes a sample the current one. Deep inside a block a sample is kept without a turn.
             RunEvent::Tiled { sample, .. }
             | RunEvent::Take { sample, .. }
             | RunEvent::Detect { sample }
             | RunEvent::Keep { sample, rest: true } => self.take(sample),
+
+            // Algorithm 4 as printed inserts in its first loop, before any event begins an iteration.
             RunEvent::Call { iteration, .. } => self.iteration = iteration,
             RunEvent::Test { other, .. } => self.other = Some(other),
+
+            // From here on candidates of all detectors are taken in one order, so that no detector is the current sample.
             RunEvent::Rank { .. } => {
                 (self.sample, self.search, self.examined) = (None, None, None);
             }
+
+            // As printed, an insertion happens during a search, whose sample remains the current one.
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
+
             RunEvent::Wake { point, .. } => self.dart = Some((point, Verdict::Accepted)),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
+
             RunEvent::Search {
                 centre,
                 radius,
                 found,
             } => {
+                // The place examined before belongs to the search before.
                 self.examined = None;
                 self.search = Some(NeighbourSearch {
                     centre,
@@ -89,6 +101,7 @@ impl Context {
                     event: index,
                 });
             }
+
             RunEvent::Candidate {
                 detector,
                 sites,
@@ -102,6 +115,8 @@ impl Context {
                     verdict,
                 });
             }
+
+            // The rest changes samples or the tree of blocks, not the places that a sample's turn looks at.
             _ => {}
         }
     }

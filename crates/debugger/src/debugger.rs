@@ -15,10 +15,10 @@ use crate::session::{
 };
 use crate::state::State;
 
-/// A breakpoint.
+/// A line of pseudocode where runs stop, with a condition for it.
 #[derive(Clone, Debug)]
 pub struct Breakpoint {
-    /// The line.
+    /// The line, among the shipped listings.
     pub line: LineId,
     /// The text of the condition; empty for none.
     pub condition: String,
@@ -54,11 +54,11 @@ pub enum Stop {
 /// The breakpoints, watches and scenes of a session, which are kept when another run replaces it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
-    /// The breakpoints.
+    /// The breakpoints, in the order in which they were added.
     pub breakpoints: Vec<SavedBreakpoint>,
-    /// The watched expressions.
+    /// The watched expressions, as they were typed.
     pub watches: Vec<String>,
-    /// The scenes.
+    /// The scenes, of any run, in the user's order.
     pub scenes: Vec<SavedScene>,
 }
 
@@ -84,7 +84,7 @@ impl Marked {
     }
 }
 
-/// A debugging session.
+/// A cursor over a recording, with all that a user keeps beside it.
 pub struct Debugger {
     recording: Arc<Recording>,
     evaluator: Evaluator,
@@ -92,7 +92,7 @@ pub struct Debugger {
     state: State,
     run_id: OnceLock<String>,
     breakpoints: Vec<Breakpoint>,
-    /// The watched expressions.
+    /// The watched expressions, as they were typed.
     pub watches: Vec<String>,
     /// The scenes, of this run and of others, in the user's order.
     pub scenes: Vec<SavedScene>,
@@ -120,7 +120,7 @@ impl Debugger {
         }
     }
 
-    /// Returns the recording.
+    /// Returns the recording that the cursor moves over.
     #[must_use]
     pub const fn recording(&self) -> &Arc<Recording> {
         &self.recording
@@ -138,7 +138,7 @@ impl Debugger {
         self.recording.event(self.state.cursor())
     }
 
-    /// Returns the breakpoints.
+    /// Returns the breakpoints in the order in which they were added; indices of [`Stop`] refer to it.
     #[must_use]
     pub fn breakpoints(&self) -> &[Breakpoint] {
         &self.breakpoints
@@ -195,7 +195,7 @@ impl Debugger {
         self.state.seek(&self.recording, cursor);
     }
 
-    /// Makes a step.
+    /// Moves the cursor by a step, as [`moves::step`] computes it.
     pub fn step(&mut self, step: Step, direction: Direction) {
         let cursor = moves::step(&self.recording, self.state.cursor(), step, direction);
         self.jump(cursor);
@@ -226,17 +226,21 @@ impl Debugger {
             if !go_on() {
                 return Stop::End;
             }
+
             let from = self.state.cursor();
             let armed = |event: &Event| {
                 let mut enabled = self.breakpoints.iter().filter(|b| b.enabled);
                 enabled.any(|b| b.line == event.line())
             };
+
+            // Classes of events are asked, not events: a way past millions of events takes a few searches.
             let hit = self.recording.classes().nearest(from, direction, armed);
             let Some(cursor) = hit else {
                 let forwards = direction == Direction::Forwards;
                 self.jump(if forwards { self.recording.len() } else { 0 });
                 return Stop::End;
             };
+            // Conditions see the state just before the line, which the jump makes.
             self.jump(cursor);
             if let Some(stop) = self.stop_here() {
                 return stop;
@@ -247,15 +251,18 @@ impl Debugger {
     fn stop_here(&self) -> Option<Stop> {
         let line = self.event()?.line();
         let here = self.breakpoints.iter().enumerate();
+        // Several breakpoints may be on one line: the first whose condition holds, or fails, stops the run.
         for (index, breakpoint) in here.filter(|(_, b)| b.enabled && b.line == line) {
             let holds = match &breakpoint.parsed {
                 None => Ok(true),
                 Some(Err(error)) => Err(error.clone()),
                 Some(Ok(expression)) => self.evaluator.holds(expression, &self.state),
             };
+
             match holds {
                 Ok(true) => return Some(Stop::Breakpoint(index)),
                 Ok(false) => {}
+                // A condition without a value must not pass for one that is false, as the run would never stop.
                 Err(error) => return Some(Stop::BadCondition(index, error)),
             }
         }
@@ -287,16 +294,21 @@ impl Debugger {
         if mark.run == self.run_id() && mark.event <= self.recording.len() {
             return Marked::Here(mark.event);
         }
+
+        // In another run an event has another number. The end of a stage is found as such, since the events before
+        // it are not the same.
         let cursor = match (mark.ends, &mark.anchor) {
             (Some(stage), _) => self.recording.end_of(stage),
             (None, Some(anchor)) => self.recording.anchored(anchor).map(|event| event + 1),
             (None, None) => (mark.event == 0).then_some(0),
         };
+
         cursor.map_or(Marked::Nowhere, Marked::Like)
     }
 
     /// Returns a scene with the run and the anchor that it lacks.
     fn anchored(&self, mut mark: SavedScene) -> SavedScene {
+        // Without a run it was set in this one, where its number of events can be looked up.
         if mark.run.is_empty() {
             self.run_id().clone_into(&mut mark.run);
             let last = mark.event.checked_sub(1);
@@ -384,19 +396,25 @@ impl Debugger {
             let expected = session.digest.clone();
             return Err(SessionError::Different { expected, found });
         }
+
         let events = recording.len();
         let mut debugger = Self::new(recording, session.budget);
+
+        // Scenes of other runs name events that this run need not have.
         let of_this = |mark: &&SavedScene| mark.run.is_empty() || mark.run == debugger.run_id();
-        let named = session.scenes.iter().filter(of_this);
-        let named = named.map(|scene| scene.event);
+        let scenes = session.scenes.iter().filter(of_this);
+        let named = scenes.map(|scene| scene.event);
+        // A cursor beyond the end would show another moment than the saved one.
         if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
             return Err(SessionError::NoSuchEvent { event, events });
         }
+
         debugger.put_stops(Stops {
             breakpoints: session.breakpoints.clone(),
             watches: session.watches.clone(),
             scenes: session.scenes.clone(),
         })?;
+
         debugger.view.clone_from(&session.view);
         debugger.pattern.clone_from(&session.pattern);
         debugger.jump(session.cursor);

@@ -12,8 +12,11 @@ use crate::tally::Density;
 pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Vec<Density> {
     let end = range.end.min(recording.len());
     let start = range.start.min(end);
+    // In 128 bits, as events times buckets may exceed the machine's words.
     let bound = |k: usize| start + ((end - start) as u128 * k as u128 / buckets as u128) as usize;
     let mut all = Vec::with_capacity(buckets);
+
+    // Each bucket is the difference of two counts from the start, of which the earlier one is known.
     let mut before = (start, up_to(recording, start, (0, Density::default())));
     for k in 1..=buckets {
         let at = bound(k);
@@ -27,6 +30,7 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
 /// Returns the counts of the events before `end`, from those before an earlier one.
 fn up_to(recording: &Recording, end: usize, (known, counts): (usize, Density)) -> Density {
     let key = end / STRIDE;
+    // The nearer of the last stored count and the one that is known already.
     let (from, mut counts) = match recording.tallies.get(key) {
         Some(&tally) if key * STRIDE > known => (key * STRIDE, tally),
         _ => (known, counts),

@@ -15,13 +15,13 @@ use crate::sentence::sentence;
 /// The first difference of two runs, a and b.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Divergence {
-    /// They are equal.
+    /// Nothing that was compared differs.
     Same,
     /// The domains differ in size or boundary.
     Domain {
-        /// The first one.
+        /// The domain of the first run, in words.
         a: String,
-        /// The second one.
+        /// The domain of the second run, in words.
         b: String,
     },
     /// Two events differ, and all before them are equal.
@@ -46,7 +46,7 @@ pub enum Divergence {
     },
     /// A stage differs, and all before it are equal.
     Stage {
-        /// The stage.
+        /// The first stage at which they differ.
         stage: Stage,
         /// The point at which they differ; of several the lowest.
         #[serde(rename = "place")]
@@ -65,10 +65,14 @@ pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
     if let Some(different) = domains(a.domain(), b.domain()) {
         return different;
     }
+
+    // Two budgets leave out different tests, which are then no difference of the runs.
     let whole = a.tape().left_out() == 0 && b.tape().left_out() == 0;
     let mut left = events(a, whole);
     let mut right = events(b, whole);
+
     loop {
+        // Either an event differs, which ends the search, or one recording is longer.
         let (more, index, a_goes_on) = match (left.next(), right.next()) {
             (None, None) => return Divergence::Same,
             (Some((i, x)), Some((j, y))) => {
@@ -85,6 +89,7 @@ pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
             (Some((index, _)), None) => (a, index, true),
             (None, Some((index, _))) => (b, index, false),
         };
+
         return Divergence::Ends {
             a_goes_on,
             event: index,
@@ -98,6 +103,7 @@ fn domains(a: &Domain, b: &Domain) -> Option<Divergence> {
     if same(Domain::width) && same(Domain::height) && a.boundary() == b.boundary() {
         return None;
     }
+
     let text = |domain: &Domain| {
         let kind = if domain.is_periodic() {
             "periodic"
@@ -106,6 +112,7 @@ fn domains(a: &Domain, b: &Domain) -> Option<Divergence> {
         };
         format!("{kind}, {} by {} units", domain.width(), domain.height())
     };
+
     Some(Divergence::Domain {
         a: text(a),
         b: text(b),
@@ -125,8 +132,10 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
     if x.line() != y.line() {
         return false;
     }
+
     match (x.run_event(), y.run_event()) {
         (Some(x), Some(y)) => with_points(a, x) == with_points(b, y),
+        // Notices of tests left out have no run event.
         _ => x == y,
     }
 }
@@ -137,15 +146,19 @@ type Points = [Option<Point>; 5];
 fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points) {
     let mut points = of_block(recording, run_event);
     let mut bare = run_event;
+
+    // Engines number samples as they come, so that ids are compared by their positions.
     let mut at = 0;
     strip(&mut bare, &mut |id: &mut u32| {
         points[at] = recording.point(*id);
         (*id, at) = (0, at + 1);
     });
+
     if let RunEvent::Candidate { sites, .. } = bare {
         // The detector comes before the sites, the sample of the verdict after them.
         points[1..=sites.ids().len()].sort_unstable_by_key(|point| point.map(Point::row_major));
     }
+
     (bare, points)
 }
 
@@ -163,6 +176,8 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
         | RunEvent::Pass { by: sample, .. }
         | RunEvent::Wake { behind: sample, .. }
         | RunEvent::Insert { sample, .. } => take(sample),
+
+        // Events with two samples: the order of the two has a meaning and stays.
         RunEvent::Test {
             pivot: a, other: b, ..
         }
@@ -174,7 +189,9 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
             take(a);
             take(b);
         }
+
         RunEvent::Dart { verdict, .. } => take_from_verdict(verdict, take),
+
         RunEvent::Candidate {
             detector,
             sites,
@@ -185,6 +202,8 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
             take_from_sites(sites, take);
             take_from_verdict(verdict, take);
         }
+
+        // Nodes and blocks keep their numbers, which are compared as they are; the rest names no sample.
         _ => {}
     }
 }
@@ -209,23 +228,29 @@ fn take_from_sites(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
 /// Returns the points that describe a node or a block: its corners, and its cut or the start of its clip.
 fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
     let run = recording.run();
+
     let (corners, third) = match run_event {
         RunEvent::Split { index, .. } => {
             let split = run.blocks.splits.get(index as usize);
+            // The axis takes the place of a coordinate, so that cuts across x and y at one distance differ.
             let plane = split.map(|split| Point::new(split.axis as i32, split.plane));
             (split.map(|split| split.rect), plane)
         }
+
         RunEvent::Leaf { block } => {
             let leaf = run.blocks.leaves.get(block as usize);
             (leaf.map(|leaf| leaf.rect), None)
         }
+
         RunEvent::Clip { block } => {
             let tile = run.tiles.get(block as usize);
             let symmetry = tile.map(|tile| Point::new(i32::from(tile.symmetry.0), 0));
             return [tile.map(|tile| tile.start), symmetry, None, None, None];
         }
+
         _ => return [None; 5],
     };
+
     let ends = [corners.map(|rect| rect.min), corners.map(|rect| rect.max)];
     [ends[0], ends[1], third, None, None]
 }

@@ -1,4 +1,4 @@
-//! Expressions of conditions and watches, in the language of `rhai`, over what is in scope at a cursor. Operations,
+//! Expressions of conditions and watches, in the language of `rhai`, over the names that a cursor has. Operations,
 //! sizes and nesting are limited, and expressions cannot access anything outside the run.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -67,9 +67,9 @@ pub enum ExpressionError {
     /// It is too long.
     #[error("the expression has {length} characters, more than {maximum}")]
     TooLong {
-        /// Its length.
+        /// How many bytes it has.
         length: usize,
-        /// The limit.
+        /// The most it may have, [`MAX_LENGTH`].
         maximum: usize,
     },
     /// It does not parse.
@@ -81,21 +81,21 @@ pub enum ExpressionError {
     /// It cannot be evaluated here.
     #[error("{message}")]
     Evaluation {
-        /// The fault.
+        /// The fault, as `rhai` words it.
         message: String,
     },
     /// A number that it names is not measured yet.
     #[error("the number \"{name}\" is being measured")]
     Pending {
-        /// The number's name.
+        /// The number's name in expressions.
         name: &'static str,
     },
     /// A condition names a number that is for watches alone.
     #[error("a condition cannot have the number \"{name}\": {why}; watch it instead")]
     NotInConditions {
-        /// The number's name.
+        /// The number's name in expressions.
         name: &'static str,
-        /// The reason.
+        /// The reason, as part of a sentence.
         why: &'static str,
     },
     /// The value of a condition is not true or false.
@@ -106,7 +106,7 @@ pub enum ExpressionError {
     },
 }
 
-/// A parsed expression.
+/// A parsed expression, ready to be evaluated at any cursor.
 #[derive(Clone, Debug)]
 pub struct Expression {
     tree: AST,
@@ -127,18 +127,22 @@ impl Evaluator {
     /// Returns an evaluator of expressions over `recording`.
     #[must_use]
     pub fn new(recording: Arc<Recording>) -> Self {
+        // Only arithmetic, comparisons and texts: no files, no time, no other code, as expressions come from links, too.
         let mut engine = Engine::new_raw();
         CorePackage::new().register_into_engine(&mut engine);
         BasicMathPackage::new().register_into_engine(&mut engine);
         engine.disable_symbol("eval");
 
+        // Whatever is written, an evaluation ends soon and takes little memory.
         engine.set_max_operations(MAX_OPERATIONS);
         engine.set_max_expr_depths(MAX_DEPTH, MAX_DEPTH);
         engine.set_max_string_size(MAX_LENGTH);
         engine.set_max_array_size(64);
         engine.set_max_map_size(64);
         engine.set_max_call_levels(8);
+
         register(&mut engine, &recording);
+
         Self {
             engine,
             recording,
@@ -157,6 +161,7 @@ impl Evaluator {
             let (length, maximum) = (text.len(), MAX_LENGTH);
             return Err(ExpressionError::TooLong { length, maximum });
         }
+
         let error = |e: rhai::ParseError| ExpressionError::Syntax {
             message: e.to_string(),
         };
@@ -164,6 +169,7 @@ impl Evaluator {
             .engine
             .compile_expression(with_signs(text))
             .map_err(error)?;
+
         Ok(Expression {
             tree,
             numbers: self.numbers_in(text),
@@ -294,8 +300,12 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
     let mut words = Vec::new();
     let mut quote: Option<char> = None;
     let mut start: Option<usize> = None;
+
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+
+    // A blank behind the end closes a word there.
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        // Within quotes, only the sign that opened them ends them.
         if quote.is_some() {
             if quote == Some(c) {
                 quote = None;
@@ -309,12 +319,14 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
 
         if let Some(from) = start.take() {
             let word = &text[from..at];
+            // A digit begins a number such as 1e5, of which no letter is a name.
             if !word.starts_with(|c: char| c.is_ascii_digit()) {
                 let before = text[..from].trim_end().chars().next_back();
                 let after = text[at..].trim_start().chars().next();
                 words.push((before, word, after));
             }
         }
+
         if matches!(c, '"' | '\'' | '`') {
             quote = Some(c);
         }
@@ -328,10 +340,13 @@ fn with_signs(text: &str) -> String {
     let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut signs = String::with_capacity(text.len());
     let (mut rest, mut is_quoted) = (text, false);
+
     while let Some(first) = rest.chars().next() {
+        // A word as far as it goes, otherwise a single sign.
         let length = rest.find(|c| !is_of_name(c)).unwrap_or(rest.len());
         let (word, after) = rest.split_at(length.max(first.len_utf8()));
         signs.push_str(match word {
+            // A blank fills the place of the third letter.
             "and" if !is_quoted => "&& ",
             "or" if !is_quoted => "||",
             word => word,
@@ -366,10 +381,13 @@ fn sample(id: u32) -> Option<i64> {
 
 fn register(engine: &mut Engine, recording: &Arc<Recording>) {
     let id = |s: i64| u32::try_from(s).unwrap_or(NONE);
+
     let run = Arc::clone(recording);
+    // An id that no sample has gives no value instead of an error, as conditions meet all samples of a run.
     engine.register_fn("x_of", move |s: i64| {
         maybe(run.point(id(s)).map(|p| radii(p.x)))
     });
+
     let run = Arc::clone(recording);
     engine.register_fn("y_of", move |s: i64| {
         maybe(run.point(id(s)).map(|p| radii(p.y)))
@@ -391,16 +409,20 @@ fn register(engine: &mut Engine, recording: &Arc<Recording>) {
 fn scope(recording: &Recording, state: &State) -> Scope<'static> {
     let mut scope = Scope::new();
     event_scope(recording, state, &mut scope);
+
     let (context, counts) = (state.context(), state.counts());
     let mut put = |name: &'static str, value: Dynamic| {
         scope.push_constant_dynamic(name, value);
     };
+
     put("phase", maybe(context.phase.map(|phase| phase.to_string())));
     put("iteration", i64::from(context.iteration).into());
     put("p", maybe(context.sample.map(i64::from)));
+
     let at = context.sample.and_then(|sample| recording.point(sample));
     put("x", maybe(at.map(|p| radii(p.x))));
     put("y", maybe(at.map(|p| radii(p.y))));
+
     put("conflict_point", maybe(context.other.map(i64::from)));
     put(
         "search_radius",
@@ -410,11 +432,13 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
         "buffer_size",
         maybe(context.search.map(|search| i64::from(search.found))),
     );
+
     let others = context
         .examined
         .map_or([NONE; 2], |examined| others(&examined));
     put("m", maybe(sample(others[0])));
     put("n", maybe(sample(others[1])));
+
     for (name, count) in [
         ("undecided", counts.undecided),
         ("kept", counts.kept),
@@ -423,15 +447,19 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
     ] {
         put(name, (count as i64).into());
     }
+
     scope
 }
 
 fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>) {
     let event = recording.event(state.cursor());
     let lines = crate::listing::Listings::shipped();
+
     let mut put = |name: &'static str, value: Dynamic| {
         scope.push_constant_dynamic(name, value);
     };
+
+    // Numbers of events begin with 1 wherever a user meets them.
     put("event", (state.cursor() as i64 + 1).into());
     put("kind", maybe(event.map(|event| event.kind().name())));
     let line = event.and_then(|event| lines.line(event.line()));
@@ -445,11 +473,15 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
                 .map(i64::from),
         ),
     );
+
     put("verdict", maybe(event.and_then(verdict_name)));
+
+    // At the end of a run no event is next, so that all of this is without a value.
     let [a, b, ..] = event.map_or([NONE; 4], crate::event::Event::samples);
     put("a", maybe(sample(a)));
     put("b", maybe(sample(b)));
     put("distance", maybe(distance(recording, a, b)));
+
     let point = event.and_then(|event| recording.event_point(event));
     put("place_x", maybe(point.map(|p| radii(p.x))));
     put("place_y", maybe(point.map(|p| radii(p.y))));

@@ -10,9 +10,9 @@ use crate::tape::Tape;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
-    /// Towards the end.
+    /// Towards the end of the run.
     Forwards,
-    /// Towards the start.
+    /// Towards the start of the run.
     Backwards,
 }
 
@@ -41,6 +41,8 @@ impl Classes {
     pub(crate) fn new(tape: &Tape) -> Self {
         let mut class_of_key = vec![NONE; KEYS];
         let mut classes: Vec<Class> = Vec::new();
+
+        // A sort by counting: first the size of each class, kept in the end of its range.
         for &example in tape.iter() {
             let class = &mut class_of_key[key(&example)];
             if *class == NONE {
@@ -52,18 +54,22 @@ impl Classes {
             }
             classes[*class as usize].events.end += 1;
         }
+
+        // The sizes become empty ranges, one behind the other, which the events then fill.
         let mut start = 0;
         for class in &mut classes {
             let count = class.events.end;
             class.events = start..start;
             start += count;
         }
+
         let mut events = vec![0; tape.len()];
         for (index, event) in (0..).zip(tape.iter()) {
             let class = &mut classes[class_of_key[key(event)] as usize];
             events[class.events.end] = index;
             class.events.end += 1;
         }
+
         Self { classes, events }
     }
 
@@ -86,8 +92,10 @@ impl Classes {
         wanted: impl Fn(&Event) -> bool,
     ) -> Option<usize> {
         let meant = self.classes.iter().filter(|class| wanted(&class.example));
+        // There are some dozens of classes, so that a binary search in each takes less time than a walk along the tape.
         let found = meant
             .filter_map(|class| nearest(&self.events[class.events.clone()], cursor, direction));
+
         match direction {
             Direction::Forwards => found.min(),
             Direction::Backwards => found.max(),
@@ -117,6 +125,9 @@ impl BySample {
     /// Returns the index of the samples that have an id below `count`.
     pub(crate) fn new(tape: &Tape, count: usize) -> Self {
         let mut starts = vec![0_u32; count + 1];
+
+        // A sort by counting: first how many events name each sample. A tape may name samples that a run that was cut
+        // off lacks.
         for event in tape.iter() {
             each_sample(event, |id| {
                 if let Some(start) = starts[..count].get_mut(id as usize) {
@@ -124,10 +135,12 @@ impl BySample {
                 }
             });
         }
+
         let mut total = 0;
         for start in &mut starts {
             total += std::mem::replace(start, total);
         }
+
         let mut events = vec![0; total as usize];
         for (index, event) in (0..).zip(tape.iter()) {
             each_sample(event, |id| {
@@ -137,6 +150,7 @@ impl BySample {
                 }
             });
         }
+
         // Filling moved each start to its end, which is the start of the next.
         starts.rotate_right(1);
         starts[0] = 0;

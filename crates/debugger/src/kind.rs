@@ -8,7 +8,7 @@ macro_rules! kinds {
         pub enum EventKind { $(#[doc = $doc] #[serde(rename = $name)] $kind,)* }
 
         impl EventKind {
-            /// All kinds.
+            /// All kinds, in the order of their numbers.
             pub const ALL: &[Self] = &[$(Self::$kind,)*];
 
             /// Returns the name that queries use.

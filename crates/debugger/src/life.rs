@@ -13,7 +13,7 @@ pub enum Status {
     Undecided,
     /// It is valid and stays.
     Kept,
-    /// It was eliminated.
+    /// It was eliminated by a kept sample.
     Eliminated,
     /// It was tiled outside a bounded domain.
     Dropped,
@@ -32,7 +32,7 @@ impl Status {
 pub struct Life {
     /// It was tiled or inserted.
     pub born: u32,
-    /// It was kept.
+    /// It was kept; of an inserted sample, its insertion.
     pub kept: u32,
     /// It was eliminated or dropped.
     pub lost: u32,
@@ -54,14 +54,18 @@ pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
         RunEvent::Tiled { sample, inside, .. } => {
             let life = &mut lives[sample as usize];
             life.born = index;
+            // A sample outside a closed domain is dropped as it is tiled, without an event of its own.
             if !inside {
                 life.lost = index;
             }
         }
+
         RunEvent::Keep { sample, .. } => lives[sample as usize].kept = index,
         RunEvent::Eliminate { sample, .. } => lives[sample as usize].lost = index,
+
         RunEvent::Insert { sample, .. } => {
             let life = &mut lives[sample as usize];
+            // An inserted sample never awaits a decision.
             (life.born, life.kept) = (index, index);
         }
         _ => {}

@@ -15,7 +15,7 @@ pub enum Lines {
     Darts,
     /// Algorithm 4 as printed.
     Printed,
-    /// Exact tiling.
+    /// Exact tiling, by the order of arrival.
     Exact,
 }
 
@@ -43,6 +43,7 @@ impl Lines {
     fn name(self, run_event: &RunEvent) -> (&'static str, u8) {
         match *run_event {
             RunEvent::Begin(stage) => self.begin(stage),
+            // Exact tiling has its own listing even for events that other runs have, too.
             _ if self == Self::Exact => exact(run_event),
             RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Finish { .. } => {
                 shared(run_event)
@@ -50,11 +51,13 @@ impl Lines {
 
             RunEvent::Clip { .. } => ("tile", 2),
             RunEvent::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
+
             RunEvent::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
             RunEvent::Rank { .. } => ("insert", 1),
             RunEvent::Pass { .. } => ("insert", 2),
             RunEvent::NoGap { .. } => ("detect", 4),
             RunEvent::Pairs { .. } => ("gaps", 1),
+
             RunEvent::Dart { ranked: false, .. } => ("darts", 2),
             RunEvent::Dart {
                 ranked: true,
@@ -62,6 +65,7 @@ impl Lines {
                 ..
             } => ("darts", if verdict == Verdict::Accepted { 4 } else { 3 }),
             RunEvent::Cut { .. } => ("darts", 6),
+
             _ if self == Self::Printed => printed(run_event),
             _ => self.staged(run_event),
         }
@@ -85,6 +89,7 @@ impl Lines {
             (Sites::Three(_), Verdict::Covered { .. }) if printed => ("gaps", 3),
             (Sites::Three(_), _) if printed => ("gaps", 2),
             _ if printed => ("gaps", 6),
+
             (Sites::Three(_), Verdict::Accepted) => ("detect", 6),
             (Sites::Three(_), _) => ("detect", 5),
             _ => ("detect", 7),
@@ -99,12 +104,16 @@ impl Lines {
             RunEvent::Test { .. } => ("eliminate", 4),
             RunEvent::Eliminate { .. } => ("eliminate", 5),
             RunEvent::Mark { .. } => ("eliminate", 7),
+
+            // Darts have the same events as circumcentres from here on, but other lines.
             RunEvent::Iteration { .. } => (if darts { "darts" } else { "detect" }, 1),
             RunEvent::Detect { .. } => ("detect", 2),
+
             RunEvent::Insert { .. } if darts => ("darts", 5),
             RunEvent::Insert { .. } => ("insert", 3),
             RunEvent::IterationEnd { .. } if darts => ("darts", 7),
             RunEvent::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
+
             _ => ("detect", 3),
         }
     }
@@ -123,7 +132,7 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Clip { .. } => ("exact", 2),
         RunEvent::Tiled { .. } => ("exact", 3),
-        // A block lacks what lies beyond its border from the beginning: that has no id.
+        // Without an id, the blocker lies beyond the border of the block, which lacks it from the beginning.
         RunEvent::Wake { behind, .. } => ("exact", if behind == u32::MAX { 4 } else { 9 }),
         RunEvent::Iteration { .. } => ("exact", 5),
         RunEvent::Dart { ranked: false, .. } => ("exact", 6),
@@ -146,7 +155,10 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
         RunEvent::Take { .. } => ("printed", 2),
         RunEvent::Keep { rest: false, .. } => ("printed", 3),
         RunEvent::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
+
+        // The radius tells the searches apart: r for conflicts, 2r for the gap they leave, more in the second loop.
         RunEvent::Search { radius, .. } if radius == tilescope_core::R => ("printed", 5),
+
         RunEvent::Test { .. } => ("printed", 6),
         RunEvent::Eliminate { .. } => ("printed", 7),
         RunEvent::Search { radius, .. }
@@ -155,6 +167,7 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
             ("printed", 8)
         }
         RunEvent::Search { .. } => ("printed", 14),
+
         RunEvent::Keep { .. } => ("printed", 11),
         RunEvent::Iteration { .. } => ("printed", 12),
         RunEvent::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),

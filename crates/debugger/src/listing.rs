@@ -66,18 +66,18 @@ impl ListingLine {
     }
 }
 
-/// A listing.
+/// A listing of pseudocode: a title and numbered lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listing {
     /// Its name: that of its file.
     pub name: String,
-    /// Its title.
+    /// Its title, as shown above it.
     pub title: String,
     /// The numbers of its lines.
     pub lines: std::ops::Range<u8>,
 }
 
-/// All listings.
+/// Several listings, whose lines are numbered through.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listings {
     /// The listings, in the order of the stages.
@@ -91,7 +91,7 @@ pub enum ListingError {
     /// It does not begin with a title.
     #[error("listing {name} does not begin with \"# title\"")]
     NoTitle {
-        /// The listing.
+        /// The listing's name, that of its file.
         name: String,
     },
     /// A line does not have four or five parts, the second of them a number.
@@ -99,9 +99,9 @@ pub enum ListingError {
         "listing {name}: \"{line}\" is not \"number | indentation | text | explanation | erratum\""
     )]
     BadLine {
-        /// The listing.
+        /// The listing's name, that of its file.
         name: String,
-        /// The line.
+        /// The line as it is written.
         line: String,
     },
     /// There are more than 256 lines.
@@ -158,8 +158,9 @@ impl Listings {
         let mut all = Self::default();
         for &(name, text) in texts {
             let mut rows = text.lines().filter(|row| !row.trim().is_empty());
-            let title = rows.next().and_then(|row| row.strip_prefix("# "));
-            let title = title.ok_or_else(|| ListingError::NoTitle { name: name.into() })?;
+            let head = rows.next().and_then(|row| row.strip_prefix("# "));
+            let title = head.ok_or_else(|| ListingError::NoTitle { name: name.into() })?;
+
             let first = all.lines.len();
             for row in rows {
                 let line = parse_line(name, row).ok_or_else(|| ListingError::BadLine {
@@ -168,6 +169,8 @@ impl Listings {
                 })?;
                 all.lines.push(line);
             }
+
+            // An event has a byte for its line.
             let byte = |n: usize| u8::try_from(n).map_err(|_| ListingError::TooMany);
             all.listings.push(Listing {
                 name: name.into(),
@@ -175,6 +178,7 @@ impl Listings {
                 lines: byte(first)?..byte(all.lines.len())?,
             });
         }
+
         Ok(all)
     }
 

@@ -34,11 +34,11 @@ pub enum Target {
     Kind(EventKind),
     /// Two samples found to be in conflict.
     Conflict,
-    /// An elimination.
+    /// The elimination of a sample.
     Elimination,
     /// A place found to lie in a gap.
     Gap,
-    /// An insertion.
+    /// The insertion of a sample.
     Insertion,
     /// An insertion beside an inserted sample: one of its sites was inserted, or, for a dart, a sample
     /// inserted before it is within 2r.
@@ -90,6 +90,7 @@ pub fn run_to(
     target: Target,
     direction: Direction,
 ) -> Option<usize> {
+    // Few kinds come into question, so that most classes of events are never looked through.
     let kinds: &[EventKind] = match target {
         Target::Sample(sample) => {
             return index::nearest(recording.events_of(sample), cursor, direction);
@@ -102,7 +103,10 @@ pub fn run_to(
             return recording.classes().nearest(cursor, direction, meant);
         }
     };
+
     let meant = |event: &Event| kinds.contains(&event.kind());
+
+    // These targets depend on the samples of an event, too: each event of the kinds is asked, the nearest first.
     let next = |&from: &usize| recording.classes().nearest(from, direction, meant);
     std::iter::successors(next(&cursor), next).find(|&index| {
         let event = recording.event(index);
@@ -122,9 +126,12 @@ pub fn arrive(
     if let Target::Line(_) = target {
         return run_to(recording, cursor, target, direction);
     }
+
+    // The event that has just happened is where the cursor is already, so that the search begins beyond it.
     let found = match (cursor.checked_sub(1), direction) {
         (Some(last), _) => run_to(recording, last, target, direction),
         (None, Direction::Backwards) => None,
+        // Before the first event there is no such one: the search must not skip the first.
         (None, Direction::Forwards) => {
             let first = recording.event(0);
             let is_first = first.is_some_and(|event| matches_target(recording, 0, event, target));
@@ -133,6 +140,7 @@ pub fn arrive(
                 .or_else(|| run_to(recording, 0, target, direction))
         }
     };
+
     found.map(|index| index + 1)
 }
 
@@ -158,13 +166,16 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
         return false;
     };
+
     let origins = &recording.run().samples.origins;
     let inserted = |id: &u32| matches!(origins[*id as usize], Origin::Inserted { .. });
+
     match &origins[sample as usize] {
         Origin::Tiled { .. } => false,
         Origin::Inserted {
             sites: Sites::Dart | Sites::Unrecorded,
             ..
+        // A dart has no sites. Its disk touches that of an inserted sample within 2r.
         } => recording.point(sample).is_some_and(|point| {
             let near = recording.valid_near(point, 2 * R, index);
             near.iter().any(inserted)
@@ -178,10 +189,13 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
     if !matches!(event.kind(), EventKind::Keep | EventKind::Insert) {
         return false;
     }
+
     let sample = event.samples()[0];
     let Some(point) = recording.point(sample) else {
         return false;
     };
+
+    // The search finds samples without a decision, too, which may still be eliminated.
     let stays =
         |&id: &u32| id != sample && recording.status(id, index + 1) == crate::life::Status::Kept;
     recording.valid_near(point, R, index + 1).iter().any(stays)

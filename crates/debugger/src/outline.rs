@@ -35,13 +35,17 @@ impl Outline {
     /// Returns the tree of `len` events of these depths, each below [`LEVELS`].
     fn of_depths(depths: impl DoubleEndedIterator<Item = u8>, len: usize) -> Self {
         let mut ends = vec![0; len];
+
         // The nearest event after the current one whose depth is at most this.
         let mut next = [len as u32; LEVELS];
+        // From the last event to the first, so that the end of each event's descendants is known when it is met.
         for (index, depth) in (0..len).rev().zip(depths.rev()) {
             let depth = usize::from(depth).min(LEVELS - 1);
             ends[index] = next[depth];
+            // An event ends all that are at least as deep as it is.
             next[depth..].fill(index as u32);
         }
+
         let mut outline = Self {
             ends,
             ancestors: Vec::with_capacity(len / STRIDE + 1),
@@ -59,11 +63,14 @@ impl Outline {
             {
                 open.pop();
             }
+
             if index.is_multiple_of(STRIDE) {
                 let mut row = [NONE; LEVELS];
                 row[..open.len()].copy_from_slice(&open);
                 self.ancestors.push(row);
             }
+
+            // Events without children are no ancestors, so that at most four are open at a time.
             if self.has_children(index) {
                 open.push(index as u32);
             }
@@ -102,12 +109,15 @@ impl Outline {
         if index >= self.len() {
             return None;
         }
+
         let holds = |&event: &usize| self.ends[event] as usize > index;
         let key = index / STRIDE;
         let near = (key * STRIDE..index).rev().find(holds);
+
+        // An ancestor from before the stored row is in the row, whose last entry is the deepest.
         near.or_else(|| {
-            let earlier = self.ancestors[key].iter().rev();
-            let earlier = earlier.filter(|&&event| event != NONE);
+            let stored = self.ancestors[key].iter().rev();
+            let earlier = stored.filter(|&&event| event != NONE);
             earlier.map(|&event| event as usize).find(holds)
         })
     }

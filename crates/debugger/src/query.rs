@@ -22,7 +22,7 @@ pub enum QueryError {
         meant(near)
     )]
     UnknownWord {
-        /// The word.
+        /// The word as it was typed.
         word: String,
         /// Similar words that are known.
         near: Vec<&'static str>,
@@ -32,39 +32,39 @@ pub enum QueryError {
         "\"{word}\": there is no \"{name}\"; there are event, iteration, block, sample, distance, depth, line, kind and verdict"
     )]
     UnknownName {
-        /// The word.
+        /// The word as it was typed.
         word: String,
-        /// The name.
+        /// The part before the comparison.
         name: String,
     },
     /// The value is not a whole number.
     #[error("\"{word}\": \"{value}\" is not a whole number")]
     NotANumber {
-        /// The word.
+        /// The word as it was typed.
         word: String,
-        /// The value.
+        /// The part behind the comparison.
         value: String,
     },
     /// The value is not a number.
     #[error("\"{word}\": \"{value}\" is not a number of radii")]
     NotALength {
-        /// The word.
+        /// The word as it was typed.
         word: String,
-        /// The value.
+        /// The part behind the comparison.
         value: String,
     },
     /// The value of `kind`, `line` or `verdict` is unknown.
     #[error("\"{word}\": \"{value}\" is not known here")]
     UnknownValue {
-        /// The word.
+        /// The word as it was typed.
         word: String,
-        /// The value.
+        /// The part behind the comparison.
         value: String,
     },
     /// The comparison needs numbers, and the values are not.
     #[error("\"{word}\": only = and != can be used here")]
     NotOrdered {
-        /// The word.
+        /// The word as it was typed.
         word: String,
     },
 }
@@ -90,7 +90,7 @@ enum Term {
     Distance(Orderings, u64),
 }
 
-/// A parsed query.
+/// A parsed query; by default it accepts every event.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Query {
     terms: Vec<Term>,
@@ -152,11 +152,11 @@ const COMPARISONS: [(&str, &str); 8] = [
 
 const VERDICTS: [&str; 5] = ["accepted", "too-far", "outside", "covered", "not-nearest"];
 
-/// Returns the words of queries with their meanings: what is run to, kinds of events, and beginnings of comparisons.
+/// Returns the words of queries with their meanings: targets of runs, kinds of events, and beginnings of comparisons.
 pub fn words() -> impl Iterator<Item = (&'static str, &'static str)> {
     let targets = TARGETS.iter().map(|&(word, _, meaning)| (word, meaning));
-    let kinds = EventKind::ALL.iter();
-    let kinds = kinds.map(|kind| (kind.name(), kind.explanation()));
+    let all = EventKind::ALL.iter();
+    let kinds = all.map(|kind| (kind.name(), kind.explanation()));
     targets.chain(kinds).chain(COMPARISONS)
 }
 
@@ -167,7 +167,9 @@ pub fn completions(text: &str) -> Vec<(&'static str, &'static str)> {
     if last.is_empty() || words().any(|(word, _)| word == last) {
         return Vec::new();
     }
+
     let mut near: Vec<_> = words().filter(|(word, _)| is_near(word, last)).collect();
+    // Words that only have to be finished come before those that are corrected.
     near.sort_by_key(|(word, _)| !word.starts_with(last));
     near
 }
@@ -184,6 +186,7 @@ pub fn completed(text: &str, word: &str) -> String {
 /// be added, removed or replaced.
 fn is_near(known: &str, typed: &str) -> bool {
     let typed = typed.to_lowercase();
+    // Two changes leave little of a word of three letters, so that short ones must be a part.
     known.contains(&typed) || (typed.len() > 3 && strsim::levenshtein(known, &typed) <= 2)
 }
 
@@ -239,18 +242,24 @@ impl Term {
             Self::Line(line, wanted) => (event.line() == line) == wanted,
             Self::Verdict(name, wanted) => (verdict_name(event) == Some(name)) == wanted,
             Self::Sample(sample, wanted) => event.touches(sample) == wanted,
+
             Self::Number(number, orderings, value) => {
                 let found = match number {
+                    // Numbers of events begin with 1 wherever a user meets them.
                     NumberField::Event => Some(index as i64 + 1),
                     NumberField::Iteration => Some(context.iteration.into()),
                     NumberField::Depth => Some(event.depth().into()),
                     NumberField::Block => block(recording, event).map(i64::from),
                 };
+
+                // An event without a block is in none, whatever the comparison.
                 found.is_some_and(|found| orderings.contains(&found.cmp(&value)))
             }
+
             Self::Distance(orderings, value) => {
                 let [a, b, ..] = event.samples();
                 let value = f64::from_bits(value);
+
                 let ordering =
                     distance(recording, a, b).and_then(|found| found.partial_cmp(&value));
                 ordering.is_some_and(|ordering| orderings.contains(&ordering))
@@ -265,9 +274,11 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     if let Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) = event.run_event() {
         return Some(block);
     }
+
     let sample = event.samples()[0];
     match recording.run().samples.origins.get(sample as usize)? {
         Origin::Tiled { block, .. } => Some(*block),
+        // An insertion fills a gap of any block. The block is the one whose rectangle holds the place.
         Origin::Inserted { .. } => {
             let point = recording.point(sample)?;
             let leaves = &recording.run().blocks.leaves;
@@ -307,15 +318,18 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
 fn joined(text: &str) -> String {
     let text = text.replace("&&", " ");
     let mut joined = String::with_capacity(text.len());
+
     let compares = |c: char| "=<>!:".contains(c);
     let mut is_value_next = false;
     for c in text.chars() {
+        // Blanks before a comparison are taken back, those behind it are not copied.
         if compares(c) {
             joined.truncate(joined.trim_end().len());
         } else if c.is_whitespace() && is_value_next {
             continue;
         }
         is_value_next = compares(c);
+
         joined.push(c);
     }
     joined
@@ -332,6 +346,8 @@ struct Word<'a> {
 fn parse_word(word: &str) -> Result<Term, QueryError> {
     let signs = OPERATORS.iter();
     let split = signs.filter_map(|&(sign, o)| word.split_once(sign).map(|parts| (parts, o)));
+
+    // The first sign in the word divides it. Of several at one place the longest counts, which the list has first.
     let Some(((name, value), orderings)) = split.min_by_key(|((name, _), _)| name.len()) else {
         if let Some((_, target, _)) = TARGETS.iter().find(|(name, ..)| *name == word) {
             return Ok(Term::Found(*target));
@@ -340,9 +356,11 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
             word: word.into(),
             near: completions(word).iter().map(|(near, _)| *near).collect(),
         };
+
         let kind = EventKind::named(word).ok_or_else(unknown)?;
         return Ok(Term::Kind(kind, true));
     };
+
     let word = Word {
         text: word,
         name,
@@ -368,12 +386,15 @@ impl Word<'_> {
                 let name = VERDICTS.into_iter().find(|&name| name == self.value);
                 Ok(Term::Verdict(self.known(name)?, self.same()?))
             }
+
             "sample" => Ok(Term::Sample(self.whole()?, self.same()?)),
             "event" => self.number(NumberField::Event),
             "iteration" => self.number(NumberField::Iteration),
             "block" => self.number(NumberField::Block),
             "depth" => self.number(NumberField::Depth),
+
             "distance" => self.distance(),
+
             _ => Err(QueryError::UnknownName {
                 word: self.text.into(),
                 name: self.name.into(),

@@ -22,13 +22,13 @@ use crate::tape::Tape;
 /// Events between two stored contexts.
 pub(crate) const STRIDE: usize = 1024;
 
-/// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: whoever holds a recording gives it
+/// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: the crate `live` gives a recording
 /// its numbers, so that every evaluator of that recording has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NumberName {
     /// Its name in expressions.
     pub name: &'static str,
-    /// What it is.
+    /// Its meaning, for lists of the names.
     pub meaning: &'static str,
     /// Whether its values are whole.
     pub is_count: bool,
@@ -36,10 +36,10 @@ pub struct NumberName {
     pub not_in_conditions: Option<&'static str>,
 }
 
-/// What is known of a number of a moment.
+/// How far a number of a moment is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NumberValue {
-    /// Its value.
+    /// It is measured, and this is its value.
     Known(f64),
     /// It is not defined there.
     Undefined,
@@ -134,11 +134,13 @@ impl Recording {
     #[must_use]
     pub fn of(run: Run, tape: Tape) -> Self {
         let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
+        // Samples outside a closed domain have no cell in the grid, and cover nothing inside it.
         for (id, (&point, &fate)) in (0..).zip(run.samples.points.iter().zip(&run.samples.fates)) {
             if fate != Fate::Dropped {
                 grid.insert(id, point);
             }
         }
+
         let mut recording = Self {
             lives: vec![UNBORN; run.samples.len()],
             contexts: Vec::with_capacity(tape.len() / STRIDE + 1),
@@ -157,25 +159,34 @@ impl Recording {
             tape,
             is_cut_within_stage: false,
         };
+
         recording.index();
         recording
     }
 
     fn index(&mut self) {
         let (mut context, mut tally) = (Context::default(), Density::default());
+        // The tape is taken out while its events change the recording.
         let tape = std::mem::replace(&mut self.tape, Tape::new(&self.run.parameters, 0));
+
         for (index, event) in (0..).zip(tape.iter()) {
+            // Stored before the event, so that they hold for the cursor of this number.
             if (index as usize).is_multiple_of(STRIDE) {
                 self.contexts.push(context);
                 self.tallies.push(tally);
             }
+
             context.apply(event, index);
             tally.add(event);
+            // A notice of tests left out changes nothing.
             if let Some(run_event) = event.run_event() {
                 self.note(run_event, index);
             }
         }
+
         self.tape = tape;
+
+        // Searched by sites, then by event.
         self.gaps.sort_unstable();
         if self.is_exact() {
             self.expect_darts();
@@ -186,6 +197,7 @@ impl Recording {
     fn expect_darts(&mut self) {
         let mut arrived = Vec::new();
         for (index, event) in (0..).zip(self.tape.iter()) {
+            // A dart is said to arrive by a wake, or by a throw that hits an open place; its arrival has a rank.
             match event.run_event() {
                 Some(
                     RunEvent::Wake { point, .. }
@@ -194,6 +206,7 @@ impl Recording {
                         ranked: false,
                         verdict: Verdict::Accepted,
                     },
+                    // Sorted by place first: one place may have several darts, and each arrival belongs to the last one said before it.
                 ) => self.expected.push(ExpectedDart {
                     point,
                     said: index,
@@ -231,11 +244,13 @@ impl Recording {
             RunEvent::Split { .. } => self.splits.push(index),
             RunEvent::Leaf { .. } => self.leaves.push(index),
             RunEvent::Clip { .. } => self.clips.push(index),
+
             RunEvent::Candidate {
                 sites,
                 verdict: Verdict::Accepted,
                 ..
             } => self.gaps.push((sites, index)),
+
             RunEvent::Mark { sample, .. } => self.lives[sample as usize].marked = index,
             _ => note_change(&mut self.lives, run_event, index),
         }
@@ -281,7 +296,7 @@ impl Recording {
         })
     }
 
-    /// Returns the tape.
+    /// Returns the events in the form in which they were recorded.
     #[must_use]
     pub const fn tape(&self) -> &Tape {
         &self.tape
@@ -299,13 +314,13 @@ impl Recording {
         self.tape.is_empty()
     }
 
-    /// Returns an event.
+    /// Returns the event of an index, from 0; `None` beyond the last.
     #[must_use]
     pub fn event(&self, index: usize) -> Option<&Event> {
         self.tape.get(index)
     }
 
-    /// Returns the domain.
+    /// Returns the domain of the run, on the lattice.
     #[must_use]
     pub const fn domain(&self) -> &Domain {
         &self.run.domain
@@ -332,6 +347,8 @@ impl Recording {
 
     pub(crate) fn status_of(&self, life: &Life, sample: u32, cursor: usize) -> Status {
         let before = |event: u32| (event as usize) < cursor;
+
+        // A life has one event of each kind at most, so that comparisons with the cursor say all. `NONE` is never before.
         if !before(life.born) {
             Status::Absent
         } else if before(life.lost) {
@@ -350,7 +367,9 @@ impl Recording {
     #[must_use]
     pub fn context(&self, cursor: usize) -> Context {
         let key = (cursor.min(self.len()) / STRIDE).min(self.contexts.len().saturating_sub(1));
+
         let mut context = self.contexts.get(key).copied().unwrap_or_default();
+        // From the last stored context on, fewer than a stride of events is applied.
         let count = cursor.saturating_sub(key * STRIDE);
         for (index, event) in self.tape.from(key * STRIDE).take(count) {
             context.apply(event, index as u32);
@@ -380,7 +399,9 @@ impl Recording {
     pub fn ever_near(&self, point: Point, radius: i32) -> Vec<u32> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = Vec::new();
+
         self.grid.any_near(point, radius, |near| {
+            // The grid finds a square; the disk lies in it.
             if near.offset.as_i64vec2().length_squared() <= limit {
                 found.push(near.id);
             }
@@ -397,6 +418,7 @@ impl Recording {
             RunEvent::Candidate {
                 detector, offset, ..
             } => {
+                // The offset of a centre may lead across a periodic border, or out of a closed one, where there is no point.
                 let at = I64Vec2::from(self.point(detector)?);
                 self.domain().wrap(at + offset.as_i64vec2())
             }
@@ -416,6 +438,7 @@ impl Recording {
         let same = self.gaps[first..]
             .iter()
             .take_while(|(other, _)| *other == sites);
+
         let before = same
             .map(|&(_, event)| event as usize)
             .filter(|&event| event < end);

@@ -20,11 +20,14 @@ pub fn sentence(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {
         return "The run has ended.".to_owned();
     };
+
     let words = Words(recording);
     let mut text = match event.run_event() {
         Some(run_event) => words.run_event(run_event, index),
         None => left_out(event.left_out().unwrap_or(0)),
     };
+
+    // The texts below begin in lower case, as parts of a sentence. All begin with a letter of ASCII or a digit.
     if let Some(first) = text.get(..1).map(str::to_ascii_uppercase) {
         text.replace_range(..1, &first);
     }
@@ -35,6 +38,8 @@ pub fn sentence(recording: &Recording, index: usize) -> String {
 /// Returns a length in r with two decimals, or with three if two would round another length to 1.00.
 pub(crate) fn radii(units: f64) -> String {
     let radii = units / f64::from(R);
+
+    // "1.00 r" would say neither whether two samples are in conflict nor whether a place is covered.
     let off = (radii - 1.0).abs();
     if off > 0.0 && off < 0.005 {
         format!("{radii:.3} r")
@@ -84,9 +89,11 @@ impl Words<'_> {
     }
 
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
+        // Exact tiling has the events of other runs, but a turn means an arrival there.
         if let Some(text) = self.exact(run_event) {
             return text;
         }
+
         match run_event {
             RunEvent::Begin(stage) => self.begin(stage),
             RunEvent::Candidate {
@@ -102,19 +109,25 @@ impl Words<'_> {
                 verdict,
             } => self.dart(point, ranked, verdict),
             RunEvent::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
+
+            // The functions for all other events pass on what they do not know, in the order of the stages.
             _ => self.change(run_event, index),
         }
     }
 
     fn begin(&self, stage: Stage) -> String {
         let run = self.0.run();
+
+        // Samples that were dropped at a closed border take no part in elimination, and inserted ones come later.
         let samples = || {
             let tiled = run.tiles.last().map_or(0, |tile| tile.samples.end as usize);
             let fates = run.samples.fates.iter().take(tiled);
             let inside = fates.filter(|&&fate| fate != Fate::Dropped).count();
             count(inside as u64, "sample")
         };
+
         let blocks = || count(run.blocks.leaves.len() as u64, "block");
+
         match stage {
             Stage::Pattern => "the pattern is about to be made".to_owned(),
             Stage::Blocks => format!(
@@ -123,6 +136,8 @@ impl Words<'_> {
                 blocks()
             ),
             Stage::Tile => format!("the tiling of {} is about to begin", blocks()),
+
+            // As printed, each elimination is followed by insertions, so that no stage only resolves conflicts.
             Stage::Eliminate if run.parameters.variant == Variant::AsPrinted => format!(
                 "conflicts among {} are about to be resolved and gaps filled in turn",
                 samples()
@@ -130,6 +145,7 @@ impl Words<'_> {
             Stage::Eliminate => {
                 format!("conflicts among {} are about to be resolved", samples())
             }
+
             Stage::Iterate(k) => format!("iteration {} is about to begin", grouped(k.into())),
             Stage::Regions => "the regions are about to be sampled".to_owned(),
             Stage::Finish => "the valid samples are about to be put in order".to_owned(),
@@ -140,12 +156,15 @@ impl Words<'_> {
         let blocks = &self.0.run().blocks;
         match run_event {
             RunEvent::Split { index, turned } => self.split(index, turned),
+
             RunEvent::Leaf { block } => {
+                // A recording that was cut off may lack the block, and the sentence then has no size.
                 let leaf = blocks.leaves.get(block as usize);
                 let size = leaf.map_or_else(String::new, |leaf| format!(", {}", size(&leaf.rect)));
                 let block = grouped(block.into());
                 format!("block {block} is a leaf of the KD-tree{size}")
             }
+
             RunEvent::Clip { block } => {
                 let tile = self.0.run().tiles.get(block as usize);
                 let samples = tile.map_or(0, |tile| tile.samples.len() as u64);
@@ -155,6 +174,7 @@ impl Words<'_> {
                     count(samples, "sample")
                 )
             }
+
             _ => self.round(run_event),
         }
     }
@@ -163,15 +183,19 @@ impl Words<'_> {
         let Some(split) = self.0.run().blocks.splits.get(index as usize) else {
             return format!("node {} of the KD-tree is cut", grouped(index.into()));
         };
+
         let axis = match split.axis {
             Axis::X => "x",
             Axis::Y => "y",
         };
+
+        // Algorithm 1 takes the axes in turn; a node too short for two leaves across its axis is cut across the other.
         let reason = if turned {
             ", since it is too short across the other axis"
         } else {
             ""
         };
+
         let (node, plane) = (size(&split.rect), radii(f64::from(split.plane)));
         format!("a node, {node}, is cut across {axis} at {plane}{reason}")
     }
@@ -180,12 +204,15 @@ impl Words<'_> {
         match run_event {
             RunEvent::Tiled { sample, inside, .. } => self.tiled(sample, inside),
             RunEvent::Take { sample, valid } => self.take(sample, valid),
+
+            // Elimination keeps samples deep inside a block without a turn, since no other clip reaches them.
             RunEvent::Keep { sample, rest: true } => {
                 format!("{} is kept, since nothing contests it", self.sample(sample))
             }
             RunEvent::Keep { sample, .. } => {
                 format!("{} is kept and claims its disk", self.sample(sample))
             }
+
             RunEvent::Test {
                 pivot,
                 other,
@@ -199,6 +226,7 @@ impl Words<'_> {
                     format!("{a} does not cover {b}, {apart} away")
                 }
             }
+
             RunEvent::Eliminate { sample, by } => {
                 let (winner, loser) = (self.sample(by), self.sample(sample));
                 format!(
@@ -206,16 +234,20 @@ impl Words<'_> {
                     self.apart(by, sample)
                 )
             }
+
+            // Line 3 of Algorithm 4 marks the sample whose turn it is, without another one as the reason.
             RunEvent::Mark { sample, because } if sample == because => {
                 format!("{} stays and becomes a gap detector", self.sample(sample))
             }
             RunEvent::Mark { sample, because } => self.mark(sample, because, index),
+
             _ => self.tree(run_event),
         }
     }
 
     fn take(&self, sample: u32, valid: bool) -> String {
         let name = self.sample(sample);
+
         match self.0.run().samples.fates.get(sample as usize) {
             _ if valid => format!("the turn of {name} comes, and it is valid"),
             Some(&Fate::Eliminated { by }) => {
@@ -243,11 +275,13 @@ impl Words<'_> {
 
     fn mark(&self, sample: u32, because: u32, index: usize) -> String {
         let (name, lost) = (self.sample(sample), self.sample(because));
+
         let gone = match self.0.status(because, index) {
             crate::life::Status::Dropped => "was dropped",
             crate::life::Status::Eliminated => "was eliminated",
             _ => "opened a place",
         };
+
         let apart = self.apart(sample, because);
         format!("{name} becomes a gap detector: {lost}, {apart} away, {gone}")
     }
@@ -255,27 +289,33 @@ impl Words<'_> {
     fn round(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Iteration { number, detectors } => {
+                // Staged insertion by darts has no detectors: it throws at cells that may hold uncovered places.
                 let noun = match self.0.run().parameters.insertion {
                     Insertion::Uniform if self.0.run().parameters.variant == Variant::Staged => {
                         "active cell"
                     }
                     _ => "detector",
                 };
+
                 let (number, detectors) = (grouped(number.into()), count(detectors.into(), noun));
                 format!("iteration {number} begins with {detectors}")
             }
+
             RunEvent::IterationEnd { number, inserted } => {
                 let (number, what) = (grouped(number.into()), count(inserted.into(), "sample"));
                 format!("iteration {number} ends: it inserted {what}")
             }
+
             RunEvent::Rank { candidates } => {
                 let verb = if candidates == 1 { "is" } else { "are" };
                 let candidates = count(candidates.into(), "candidate");
                 format!("{candidates} {verb} put in random order")
             }
+
             RunEvent::Finish { count: number } => {
                 format!("the result is there: {}", count(number.into(), "sample"))
             }
+
             _ => self.search(run_event),
         }
     }
@@ -283,6 +323,7 @@ impl Words<'_> {
 
 /// Returns a length in r, small ones as a fraction, since the sides of cells are halved.
 fn fraction(units: i32) -> String {
+    // Cells are halved from a part of r on, and R is a power of two, so that their sides divide it.
     if units > 0 && units < R && R % units == 0 {
         format!("r / {}", grouped(u64::from((R / units).unsigned_abs())))
     } else {

@@ -73,7 +73,7 @@ impl SavedBreakpoint {
 pub struct SavedScene {
     /// How many events have happened, in the run in which it was set.
     pub event: usize,
-    /// The caption.
+    /// The caption, as the user wrote it; may be empty.
     pub caption: String,
     /// The [`crate::Debugger::run_id`] of the run in which it was set. If empty, that of the session.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -94,7 +94,7 @@ pub struct SavedScene {
 pub struct PatternFile {
     /// Its path, which the pattern loader interprets.
     pub path: String,
-    /// The pattern's [`pattern_digest`].
+    /// The pattern's [`pattern_digest`], as it was when the session was saved.
     pub digest: String,
 }
 
@@ -109,13 +109,13 @@ pub struct Session {
     pub budget: usize,
     /// The digest of the result, 16 hexadecimal digits.
     pub digest: String,
-    /// The cursor.
+    /// The cursor: how many events have happened.
     pub cursor: usize,
-    /// The breakpoints.
+    /// The breakpoints, in the user's order.
     pub breakpoints: Vec<SavedBreakpoint>,
-    /// The watched expressions.
+    /// The watched expressions, as they were typed.
     pub watches: Vec<String>,
-    /// The scenes.
+    /// The scenes, in the user's order.
     pub scenes: Vec<SavedScene>,
     /// The state of the user interface, not read here; null if there is none.
     #[serde(default, skip_serializing_if = "Value::is_null")]
@@ -146,7 +146,7 @@ pub enum SessionError {
     /// It was written by a newer version of the program.
     #[error("the session has version {found}; this program reads versions up to {VERSION}")]
     Newer {
-        /// Its version.
+        /// The version that the session has.
         found: u32,
     },
     /// It is of a method whose runs have no steps.
@@ -158,13 +158,13 @@ pub enum SessionError {
     /// A breakpoint is on an unknown line.
     #[error("the session has a breakpoint on line \"{line}\", which there is not")]
     UnknownLine {
-        /// The line's id.
+        /// The line's id as it was saved.
         line: String,
     },
     /// The result of the run differs from the saved one.
     #[error("the run has digest {found}, the saved one had {expected}: it is not the same run")]
     Different {
-        /// The saved digest.
+        /// The digest in the session.
         expected: String,
         /// The digest of the run.
         found: String,
@@ -172,7 +172,7 @@ pub enum SessionError {
     /// The cursor or a scene is past the end.
     #[error("the session names event {event}; the run has {events}")]
     NoSuchEvent {
-        /// The event.
+        /// The number that is past the end.
         event: usize,
         /// How many there are.
         events: usize,
@@ -190,17 +190,17 @@ pub enum SessionError {
     /// The pattern's file cannot be loaded.
     #[error("the session's pattern {path} cannot be loaded: {reason}")]
     PatternGone {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// Why.
+        /// Why it cannot be loaded, in words.
         reason: String,
     },
     /// The file holds another pattern.
     #[error("the pattern {path} has digest {found}, the saved one had {expected}: it has changed")]
     PatternChanged {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// The saved digest.
+        /// The digest in the session.
         expected: String,
         /// The digest of the pattern in the file.
         found: String,
@@ -223,18 +223,22 @@ impl Session {
     /// Parses a session. Fails if the version is newer, a line is unknown, or a limit is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
+        // The size, the version and the method come first: what follows may be unreadable for reasons that they explain.
         let Head { version, method } = json::from_text(text)?;
         if version > VERSION {
             return Err(SessionError::Newer { found: version });
         }
+
         if let Some(why) = method.as_deref().and_then(method_refusal) {
             return Err(SessionError::OtherMethod { why });
         }
 
         let mut session: Self = json::from_text(text)?;
+        // A method that stands beside the parameters, not among them, counts as well.
         if method.as_deref() == Some("exact") {
             session.parameters.method = TilingMethod::Exact;
         }
+
         for breakpoint in &session.breakpoints {
             breakpoint.line()?;
         }
@@ -250,15 +254,18 @@ impl Session {
         observer: &mut dyn Observer,
     ) -> Result<Recording, SessionError> {
         self.check()?;
+
         let Some(file) = &self.pattern else {
             return Ok(Recording::new(&self.parameters, self.budget, observer)?);
         };
+
         let path = || file.path.clone();
         let pattern = pattern_loader(file).map_err(|reason| SessionError::PatternGone {
             path: path(),
             reason,
         })?;
         let found = pattern_digest(&pattern);
+        // Another pattern gives another run, which would only be noticed after it was computed.
         if found != file.digest {
             return Err(SessionError::PatternChanged {
                 path: path(),
@@ -266,6 +273,7 @@ impl Session {
                 found,
             });
         }
+
         let pattern = Arc::new(pattern);
         Ok(Recording::with_pattern(
             &self.parameters,
@@ -281,6 +289,7 @@ impl Session {
         within("breakpoints", self.breakpoints.len(), MAX_STOPS)?;
         within("watches", self.watches.len(), MAX_STOPS)?;
         within("scenes", self.scenes.len(), MAX_SCENES)?;
+
         let conditions = self
             .breakpoints
             .iter()
@@ -299,6 +308,7 @@ impl Session {
             "bytes in a path",
             self.pattern.iter().map(|p| p.path.as_str()),
         )?;
+
         // Other errors in the parameters are reported by the run.
         if let Ok(domain) = self.parameters.validate() {
             let samples = MAXIMAL_DENSITY * domain.area_radii();

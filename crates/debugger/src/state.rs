@@ -14,11 +14,11 @@ pub struct StatusCounts {
     pub undecided: usize,
     /// Valid samples that stay, inserted ones included.
     pub kept: usize,
-    /// Eliminated samples.
+    /// Samples that kept ones have eliminated.
     pub eliminated: usize,
     /// Samples tiled outside a bounded domain.
     pub dropped: usize,
-    /// Inserted samples.
+    /// Inserted samples, which are among the kept ones.
     pub inserted: usize,
 }
 
@@ -52,7 +52,7 @@ impl State {
         &self.counts
     }
 
-    /// Returns the context.
+    /// Returns the context that follows from the last events.
     #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
@@ -61,6 +61,8 @@ impl State {
     /// Moves to a cursor, at most the number of events: event by event if it is near, directly if it is far.
     pub fn seek(&mut self, recording: &Recording, cursor: usize) {
         let cursor = cursor.min(recording.len());
+
+        // A jump looks at each sample once, a walk at each event: the shorter of the two.
         if cursor.abs_diff(self.cursor) > recording.lives.len() {
             self.jump(recording, cursor);
         } else if cursor > self.cursor {
@@ -80,20 +82,24 @@ impl State {
             {
                 self.count(recording, event, [index + 1, index]);
             }
+            // A context cannot be undone: it is applied again from the last stored one.
             self.context = recording.context(cursor);
         }
+
         self.cursor = cursor;
     }
 
     fn jump(&mut self, recording: &Recording, cursor: usize) {
         self.counts = StatusCounts::default();
         let first_inserted = first_inserted(recording);
+
         for (life, id) in recording.lives.iter().zip(0..) {
             if let Some(count) = self.counts.of(recording.status_of(life, id, cursor)) {
                 *count += 1;
                 self.counts.inserted += usize::from(id >= first_inserted);
             }
         }
+
         self.context = recording.context(cursor);
         self.cursor = cursor;
     }
@@ -106,6 +112,7 @@ impl State {
         ) {
             return;
         }
+
         let sample = event.samples()[0];
         let [old, new] = cursors.map(|cursor| recording.status(sample, cursor));
         if let Some(count) = self.counts.of(old) {
@@ -114,6 +121,8 @@ impl State {
         if let Some(count) = self.counts.of(new) {
             *count += 1;
         }
+
+        // An inserted sample counts from its insertion on.
         if sample >= first_inserted(recording) {
             self.counts.inserted -= usize::from(old != Status::Absent);
             self.counts.inserted += usize::from(new != Status::Absent);

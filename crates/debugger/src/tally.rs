@@ -12,7 +12,7 @@ pub struct Density {
     pub conflicts: u32,
     /// Places accepted as lying in a gap.
     pub gaps: u32,
-    /// Insertions.
+    /// Insertions of samples into gaps.
     pub insertions: u32,
     /// All others, including notices of tests left out.
     pub others: u32,
@@ -25,7 +25,7 @@ impl Density {
         self.tests + self.conflicts + self.gaps + self.insertions + self.others
     }
 
-    /// Adds an event.
+    /// Counts an event under its sort.
     pub(crate) const fn add(&mut self, event: &Event) {
         let dull = event.is_detail();
         let count = match event.kind() {

@@ -66,7 +66,7 @@ impl Tape {
         self.chunks.get(index / CHUNK)?.get(index % CHUNK)
     }
 
-    /// Returns all events.
+    /// Returns all events in sequence.
     #[must_use]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Event> {
         self.chunks.iter().flatten()
@@ -83,6 +83,8 @@ impl Tape {
     pub fn before(&self, end: usize) -> impl Iterator<Item = (usize, &Event)> {
         let end = end.min(self.len);
         let (full, rest) = (end / CHUNK, end % CHUNK);
+
+        // The last chunk counts only as far as the end; those before it are full, as the tape is sealed.
         let tail = self
             .chunks
             .get(full)
@@ -91,6 +93,7 @@ impl Tape {
             .iter()
             .rev()
             .flat_map(|chunk| chunk.iter().rev());
+
         (0..end).rev().zip(tail.iter().rev().chain(earlier))
     }
 
@@ -108,6 +111,8 @@ impl Tape {
     /// Ends the recording: makes chunks equally long again, so that an index gives its chunk.
     pub fn seal(&mut self) {
         let mut whole: Vec<Vec<Event>> = Vec::with_capacity(self.len / CHUNK + 1);
+
+        // Thinned chunks are shorter than others.
         for chunk in std::mem::take(&mut self.chunks) {
             for event in chunk {
                 match whole.last_mut() {
@@ -116,6 +121,7 @@ impl Tape {
                 }
             }
         }
+
         self.chunks = whole;
         self.thinned = self.chunks.len();
     }

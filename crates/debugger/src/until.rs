@@ -1,78 +1,125 @@
-//! A recording cut off at a cursor: what had happened until then, and nothing of what happened later.
+//! A recording cut off at a cursor: it has the events before the cursor, and data of no later event.
 
-use tilescope_core::{Fate, RunEvent, Stage, Variant};
+use tilescope_core::{Fate, RunEvent, Samples, Stage, Variant};
 
 use crate::recording::Recording;
 
+/// The counts of events before a cursor. Everything is numbered in the order of the events, so that a count says where a
+/// list of the run is cut.
+#[derive(Default)]
+struct Counts {
+    splits: usize,
+    leaves: usize,
+    clips: usize,
+    samples: u32,
+    iterations: usize,
+    /// Of the last iteration alone, as are the next two.
+    detectors: usize,
+    candidates: usize,
+    inserted: u32,
+    is_within_iteration: bool,
+    is_finished: bool,
+}
+
+impl Counts {
+    fn add(&mut self, run_event: RunEvent) {
+        match run_event {
+            RunEvent::Split { .. } => self.splits += 1,
+            RunEvent::Leaf { .. } => self.leaves += 1,
+            RunEvent::Clip { .. } => self.clips += 1,
+            RunEvent::Tiled { .. } => self.samples += 1,
+            RunEvent::Begin(Stage::Finish) => self.is_finished = true,
+
+            // Only the last iteration may be incomplete: its counts begin anew.
+            RunEvent::Iteration { number, .. } => {
+                (self.iterations, self.is_within_iteration) = (number as usize, true);
+                (self.detectors, self.candidates, self.inserted) = (0, 0, 0);
+            }
+            RunEvent::IterationEnd { .. } => self.is_within_iteration = false,
+            RunEvent::Detect { .. } => self.detectors += 1,
+            RunEvent::Rank { candidates } => self.candidates = candidates as usize,
+
+            // Algorithm 4 as printed inserts in iteration 1 without an event that begins it.
+            RunEvent::Insert { iteration, .. } => {
+                (self.samples, self.inserted) = (self.samples + 1, self.inserted + 1);
+                self.iterations = self.iterations.max(iteration as usize);
+            }
+
+            // The rest adds to no list.
+            _ => {}
+        }
+    }
+}
+
 impl Recording {
-    /// Returns the recording of the first `cursor` events. It holds nothing of later ones: no later samples, fates,
+    /// Returns the recording of the first `cursor` events. It holds no data of later ones: no later samples, fates,
     /// blocks, candidates and iterations, and a result only if the run had finished. States at its cursors equal those of
     /// this recording.
     #[must_use]
     pub fn until(&self, cursor: usize) -> Self {
         let cursor = cursor.min(self.len());
         let mut run = self.run().clone();
-        let (mut splits, mut leaves, mut clips, mut samples) = (0, 0, 0, 0);
-        let (mut iterations, mut detectors, mut candidates) = (0, 0, 0);
-        let (mut inserted, mut ended, mut finished) = (0, true, false);
-        for (_, event) in self.tape().from(0).take(cursor) {
-            match event.run_event() {
-                Some(RunEvent::Split { .. }) => splits += 1,
-                Some(RunEvent::Leaf { .. }) => leaves += 1,
-                Some(RunEvent::Clip { .. }) => clips += 1,
-                Some(RunEvent::Tiled { .. }) => samples += 1,
-                Some(RunEvent::Begin(Stage::Finish)) => finished = true,
-                Some(RunEvent::Iteration { number, .. }) => {
-                    (iterations, inserted) = (number as usize, 0);
-                    (detectors, candidates, ended) = (0, 0, false);
-                }
-                Some(RunEvent::IterationEnd { .. }) => ended = true,
-                Some(RunEvent::Detect { .. }) => detectors += 1,
-                Some(RunEvent::Rank { candidates: all }) => candidates = all as usize,
-                Some(RunEvent::Insert { iteration, .. }) => {
-                    (samples, inserted) = (samples + 1, inserted + 1);
-                    iterations = iterations.max(iteration as usize);
-                }
-                _ => {}
+
+        let mut counts = Counts::default();
+        let events = self.tape().from(0).take(cursor);
+        for run_event in events.filter_map(|(_, event)| event.run_event()) {
+            counts.add(run_event);
+        }
+
+        run.blocks.splits.truncate(counts.splits);
+        run.blocks.leaves.truncate(counts.leaves);
+        run.tiles.truncate(counts.clips);
+        if let Some(last) = run.tiles.last_mut() {
+            last.samples.end = last.samples.end.min(counts.samples);
+        }
+
+        self.cut_samples(&mut run.samples, counts.samples as usize, cursor);
+
+        run.iterations.truncate(counts.iterations);
+        // Without iterations the index wraps to the largest one, which no list has.
+        if let Some(last) = run.iterations.get_mut(counts.iterations.wrapping_sub(1)) {
+            let start = last.inserted.start.min(counts.samples);
+            last.inserted = start..(start + counts.inserted).min(last.inserted.end);
+            last.candidates.truncate(counts.candidates);
+
+            // In Algorithm 4 as printed samples become detectors within the iteration.
+            if run.parameters.variant == Variant::AsPrinted {
+                last.detectors.truncate(counts.detectors);
+            }
+
+            if counts.is_within_iteration {
+                last.cells.clear();
             }
         }
-        run.blocks.splits.truncate(splits);
-        run.blocks.leaves.truncate(leaves);
-        run.tiles.truncate(clips);
-        if let Some(last) = run.tiles.last_mut() {
-            last.samples.end = last.samples.end.min(samples);
+
+        if !counts.is_finished {
+            run.result.clear();
         }
-        run.samples.points.truncate(samples as usize);
-        run.samples.origins.truncate(samples as usize);
-        run.samples.fates.truncate(samples as usize);
-        for (id, fate) in (0..).zip(&mut run.samples.fates) {
+
+        let tape = self.tape().until(&run.parameters, cursor);
+        let mut past = Self::of(run, tape);
+
+        // A cut at the end of a stage, of the run or at its start looks like a run that ended there.
+        past.is_cut_within_stage =
+            (1..self.len()).contains(&cursor) && self.stage_ending_at(cursor).is_none();
+        past
+    }
+
+    /// Leaves the first `count` samples, with the fates that they have at a cursor.
+    fn cut_samples(&self, samples: &mut Samples, count: usize, cursor: usize) {
+        samples.points.truncate(count);
+        samples.origins.truncate(count);
+        samples.fates.truncate(count);
+
+        // A fate is that of the whole run. Where its event lies ahead, the sample is undecided at the cursor. Dropped
+        // samples were dropped when they were tiled.
+        for (id, fate) in (0..).zip(&mut samples.fates) {
             let life = self.life(id);
             let before = |event: u32| (event as usize) < cursor;
             if *fate != Fate::Dropped && !life.is_some_and(|l| before(l.kept) || before(l.lost)) {
                 *fate = Fate::Undecided;
             }
         }
-        run.iterations.truncate(iterations);
-        if let Some(last) = run.iterations.get_mut(iterations.wrapping_sub(1)) {
-            let start = last.inserted.start.min(samples);
-            last.inserted = start..(start + inserted).min(last.inserted.end);
-            last.candidates.truncate(candidates);
-            // In Algorithm 4 as printed samples become detectors within the iteration.
-            if run.parameters.variant == Variant::AsPrinted {
-                last.detectors.truncate(detectors);
-            }
-            if !ended {
-                last.cells.clear();
-            }
-        }
-        if !finished {
-            run.result.clear();
-        }
-        let tape = self.tape().until(&run.parameters, cursor);
-        let mut past = Self::of(run, tape);
-        past.is_cut_within_stage =
-            (1..self.len()).contains(&cursor) && self.stage_ending_at(cursor).is_none();
-        past
     }
 
     /// Returns whether this is the recording of the first events of a stage and of all before it, made by [`Self::until`].

@@ -17,17 +17,22 @@ pub const POINT_REACH: i32 = R / 8;
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let run_event = recording.event(index)?.run_event();
     let life = |sample: u32| recording.life(sample);
+
     let found = match run_event? {
         RunEvent::Split { index: split, .. } => parent_split(recording, split),
         RunEvent::Leaf { block } => split_of_block(recording, block),
         RunEvent::Clip { block } => at(&recording.leaves, block),
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
+
+        // Elimination: a sample's turn follows from its tiling, a decision from the turn or the test just before.
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         // In exact tiling a sample's turn is its arrival, which nothing brings about but its tiling.
         RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),
         RunEvent::Keep { .. } => recording.last_of(EventKind::Take, index).map(|i| i as u32),
         RunEvent::Test { pivot, .. } => Some(life(pivot)?.kept),
         RunEvent::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
+
+        // Detection: a survivor looks for gaps because a sample near it was lost.
         RunEvent::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
         RunEvent::Mark { because, .. } => Some(life(because)?.lost),
         RunEvent::Detect { sample } => Some(marked_or_born(recording, sample, index)),
@@ -36,13 +41,18 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
             .last_of(EventKind::Search, index)
             .map(|i| i as u32),
         RunEvent::Pairs { .. } => recording.last_of(EventKind::Call, index).map(|i| i as u32),
+
+        // A candidate is made of the last search's samples, and one is passed over for a sample inserted before.
         RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
         RunEvent::Pass { by, .. } => Some(life(by)?.born),
+
+        // Without an id, the blocker lies beyond the border of the block, which lacks it since its clip was laid.
         RunEvent::Wake { behind: NONE, .. } => {
             recording.last_of(EventKind::Clip, index).map(|i| i as u32)
         }
         RunEvent::Wake { behind, .. } => Some(life(behind)?.lost),
-        // Who refused it is why, if anyone did; otherwise why it arrives at all.
+
+        // A refused dart was refused by a kept sample. Insertion by darts keeps no ids, so that `by` may be missing.
         RunEvent::Dart {
             verdict: Verdict::Covered { by },
             ..
@@ -53,6 +63,7 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
             ..
         } if recording.is_exact() => recording.expected(point, index),
         RunEvent::Dart { point, .. } if recording.is_exact() => bared(recording, point, index),
+
         RunEvent::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
         RunEvent::Rank { .. }
         | RunEvent::IterationEnd { .. }
@@ -60,8 +71,11 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         | RunEvent::Cut { .. } => recording
             .last_of(EventKind::Iteration, index)
             .map(|i| i as u32),
+
         RunEvent::Begin(_) | RunEvent::Iteration { .. } | RunEvent::Finish { .. } => None,
     };
+
+    // `NONE` is beyond every index. A sample's life may also name a later event than the one asked about.
     found
         .map(|event| event as usize)
         .filter(|&event| event < index)
@@ -85,12 +99,16 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 #[must_use]
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
+
+    // Whatever changed a disk over this point changed whether the point is covered.
     for sample in recording.ever_near(point, R) {
         if let Some(life) = recording.life(sample) {
             events.extend([life.born, life.kept, life.lost, life.marked]);
         }
     }
+    // Most samples were never lost or never became detectors.
     events.retain(|&event| event != NONE);
+
     let blocks = &recording.run().blocks;
     let holds = |rect: &Rect| rect.contains(point);
     let splits = blocks.splits.iter().zip(&recording.splits);
@@ -105,6 +123,8 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
             .filter(|(b, _)| holds(&b.rect))
             .map(|(_, &event)| event),
     );
+
+    // Examined places have no list by position, so that the tape is read from end to end.
     let limit = i64::from(POINT_REACH) * i64::from(POINT_REACH);
     for (index, event) in recording.tape().from(0) {
         if matches!(
@@ -121,6 +141,8 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
             }
         }
     }
+
+    // Several lists above may name the same event.
     events.sort_unstable();
     events.dedup();
     events.into_iter().map(|event| event as usize).collect()
@@ -196,6 +218,7 @@ fn bared(recording: &Recording, point: Point, index: usize) -> Option<u32> {
         let origin = recording.run().samples.origins[*id as usize];
         matches!(origin, Origin::Tiled { block, .. } if block == holding)
     };
+
     let near = recording.ever_near(point, R).into_iter().filter(is_own);
     let losses = near.filter_map(|id| recording.life(id).map(|life| life.lost));
     // Samples are lost in the order of their arrival.

@@ -16,8 +16,11 @@ pub fn first_divergence_of_runs(a: &Run, b: &Run) -> Divergence {
     if let Some(different) = domains(&a.domain, &b.domain) {
         return different;
     }
+
     let pair = Pair { a, b };
     let found = pair.patterns().or_else(|| pair.blocks());
+
+    // A run with counts alone has no samples but those of its result.
     let whole = a.counted.is_none() && b.counted.is_none();
     let found = found.or_else(|| whole.then(|| pair.stages()).flatten());
     found.or_else(|| pair.results()).unwrap_or(Divergence::Same)
@@ -59,9 +62,11 @@ fn first_alone(a: &[Key], b: &[Key]) -> Option<(Key, bool)> {
 /// Returns the first difference of two sorted lists.
 fn lists(stage: Stage, noun: &str, a: &[Key], b: &[Key]) -> Option<Divergence> {
     let ((y, x, _), of_a) = first_alone(a, b)?;
+
     let point = Point::new(x, y);
     let there = format!("{noun} at {}", units(point));
     let nothing = format!("no such {noun} there");
+
     let (a, b) = if of_a {
         (there, nothing)
     } else {
@@ -93,12 +98,15 @@ impl Pair<'_> {
             let point = Some(x.rect.min);
             return Some(differ(Stage::Blocks, point, text(x.plane), text(y.plane)));
         }
+
         let leaves = a.leaves.iter().zip(&b.leaves);
         if let Some((x, y)) = leaves.clone().find(|(x, y)| x != y) {
             let text = |point| format!("a block from {}", units(point));
             let (low, other) = (x.rect.min, y.rect.min);
             return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));
         }
+
+        // Lists that agree as far as the shorter one reaches differ by their lengths alone.
         let text = |blocks: usize| count(blocks as u64, "block");
         let (m, n) = (a.leaves.len(), b.leaves.len());
         (m != n).then(|| differ(Stage::Blocks, None, text(m), text(n)))
@@ -107,11 +115,17 @@ impl Pair<'_> {
     fn stages(&self) -> Option<Divergence> {
         let (a, b) = (tiled(self.a), tiled(self.b));
         let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
-        let found = self.tiles();
-        let found = found.or_else(|| lists(Stage::Tile, "tiled sample", &keys(&a), &keys(&b)));
-        // From here on the lists have the same points at the same indices.
-        let found = found.or_else(|| self.fates(Stage::Tile, &a, &b));
-        let found = found.or_else(|| self.fates(Stage::Eliminate, &a, &b));
+
+        let tiling = self
+            .tiles()
+            .or_else(|| lists(Stage::Tile, "tiled sample", &keys(&a), &keys(&b)));
+
+        // Without a difference so far, the lists have the same points at the same indices.
+        let found = tiling
+            .or_else(|| self.fates(Stage::Tile, &a, &b))
+            .or_else(|| self.fates(Stage::Eliminate, &a, &b));
+
+        // One run may go on after the other has ended.
         let last = self.a.iterations.len().max(self.b.iterations.len());
         found.or_else(|| (0..last).find_map(|k| self.iteration(k)))
     }
@@ -125,6 +139,7 @@ impl Pair<'_> {
             .zip(&self.a.blocks.leaves);
         let differs = pairs.find(|((x, y), _)| (x.start, x.symmetry) != (y.start, y.symmetry));
         let ((x, y), block) = differs?;
+
         let text = |tile: &tilescope_core::stages::tile::Tile| {
             format!(
                 "a clip from {} under symmetry {}",
@@ -148,18 +163,22 @@ impl Pair<'_> {
                 Fate::Undecided => ("undecided", None),
             }
         };
+
         let dropped = |(name, _): &(&str, _)| *name == "dropped";
         a.iter().zip(b).find_map(|(&(key, x), &(_, y))| {
             let (of_a, of_b) = (fate(self.a, x), fate(self.b, y));
+            // Tiling decides nothing but which samples lie outside.
             let same = match stage {
                 Stage::Tile => dropped(&of_a) == dropped(&of_b),
                 _ => of_a == of_b,
             };
+
             let text = |run: &Run, id: u32, (name, by): (&str, Option<Point>)| {
                 let by =
                     by.map_or_else(String::new, |by| format!(" by the sample at {}", units(by)));
                 format!("{} is {name}{by}", sample_name(run, id))
             };
+
             let point = Some(Point::new(key.1, key.0));
             (!same).then(|| differ(stage, point, text(self.a, x, of_a), text(self.b, y, of_b)))
         })
@@ -171,15 +190,21 @@ impl Pair<'_> {
             Variant::AsPrinted if number == 1 => Stage::Eliminate,
             _ => Stage::Iterate(number),
         };
+
         let compare = |noun: &str, of: fn(&Run, usize) -> Vec<Key>| {
+            // A list that is empty in all iterations is one that the engine does not fill.
             let keeps = |run: &Run| (0..run.iterations.len()).any(|k| !of(run, k).is_empty());
             let (a, b) = (of(self.a, k), of(self.b, k));
             let both = keeps(self.a) && keeps(self.b);
             both.then(|| lists(stage, noun, &a, &b)).flatten()
         };
-        let found = compare("detector", detectors).or_else(|| compare("active cell", cells));
-        let found = found.or_else(|| compare("candidate", candidates));
-        let found = found.or_else(|| self.sites(stage, k));
+
+        // In the order in which an iteration makes them, so that the first cause is named.
+        let found = compare("detector", detectors)
+            .or_else(|| compare("active cell", cells))
+            .or_else(|| compare("candidate", candidates))
+            .or_else(|| self.sites(stage, k));
+
         let (a, b) = (inserted(self.a, k), inserted(self.b, k));
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }
@@ -187,6 +212,7 @@ impl Pair<'_> {
     /// Compares the sites of the candidates, whose points are equal.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let sorted = |run: &Run| {
+            // The positions are equal here, so that sorting by them pairs the candidates of both runs.
             let mut all = run
                 .iterations
                 .get(k)
@@ -194,9 +220,11 @@ impl Pair<'_> {
             all.sort_unstable_by_key(|c| (c.point.row_major(), c.sites));
             all
         };
+
         let (a, b) = (sorted(self.a), sorted(self.b));
         a.iter().zip(&b).find_map(|(x, y)| {
             let (of_a, of_b) = (sites(self.a, x)?, sites(self.b, y)?);
+
             let text = |sites: &[Key]| {
                 let points = sites.iter().map(|&(y, x, _)| units(Point::new(x, y)));
                 format!(
@@ -213,6 +241,8 @@ impl Pair<'_> {
         let (a, b) = (self.a.points(), self.b.points());
         let keys = |points: &[Point]| sorted(points.iter().map(|&point| keyed(point, 0)).collect());
         let found = lists(Stage::Finish, "sample of the result", &keys(&a), &keys(&b));
+
+        // The same samples in another order are not the same result: the order is canonical.
         found.or_else(|| {
             let (x, y) = a.iter().zip(&b).find(|(x, y)| x != y)?;
             let text = |point: &Point| format!("the sample at {} comes first", units(*point));

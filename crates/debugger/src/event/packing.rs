@@ -135,16 +135,22 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
         Sites::Corner(a) => (2, [a, NONE, NONE]),
         Sites::Dart | Sites::Unrecorded => (2, [detector, NONE, NONE]),
     };
+
+    // The detector is one of the sites: two bits say which, so that its id need not be kept twice.
     let index = ids.iter().position(|&id| id == detector).unwrap_or(0) as u8;
     let (tags, by) = verdict_tags(verdict);
+
     let (words, extra) = match by {
         None => ([ids[0], ids[1], ids[2], x as u32, y as u32], 0),
         Some(by) => {
+            // The verdict's sample takes a word of the offset. The place is within reach then, at most 3.5r = 7 * 2^14
+            // away, which fits into 20 signed bits: 16 in the word and 4 beside it.
             let low = (x as u32 & 0xffff) | (y as u32) << 16;
             let high = (x >> 16 & 15) | (y >> 16 & 15) << 4;
             ([ids[0], ids[1], ids[2], by, low], high as u8)
         }
     };
+
     Event {
         extra,
         ..packed(EventKind::Candidate, tags | tag << 3 | index << 5, &words)
@@ -158,9 +164,11 @@ fn unpack_candidate(event: &Event) -> RunEvent {
         1 => Sites::Border([a, b]),
         _ => Sites::Corner(a),
     };
+
     let verdict = verdict(event.tags & 7, d);
     let offset = match verdict {
         Verdict::Covered { .. } | Verdict::NotNearest { .. } => {
+            // Up to the top of a word and down again spreads the sign of 20 bits.
             let join = |low: u32, high: u8| {
                 (((u32::from(high) << 16 | (low & 0xffff)) << 12) as i32) >> 12
             };
@@ -168,6 +176,7 @@ fn unpack_candidate(event: &Event) -> RunEvent {
         }
         _ => IVec2::new(d as i32, e as i32),
     };
+
     RunEvent::Candidate {
         detector: event.words[usize::from(event.tags >> 5)],
         sites,

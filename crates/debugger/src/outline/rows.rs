@@ -5,7 +5,7 @@ use super::Outline;
 /// A row of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct OutlineRow {
-    /// The event.
+    /// The number of the event, from 0.
     pub event: usize,
     /// How many ancestors it has.
     pub level: usize,
@@ -83,11 +83,14 @@ impl Node {
         let after = self
             .open
             .partition_point(|open| open.index + open.before <= k);
+
         let (index, expanded) = match after.checked_sub(1).map(|last| &self.open[last]) {
+            // No child before is expanded: rows and children have the same numbers.
             None => (k, false),
             Some(open) => {
                 let below = k - open.index - open.before;
                 if below > 0 && below <= open.rows {
+                    // Behind the expanded child, its rows have moved the others down.
                     return open.node.row(below - 1, level + 1);
                 }
                 (
@@ -96,6 +99,7 @@ impl Node {
                 )
             }
         };
+
         Some(OutlineRow {
             event: *self.children.get(index)? as usize,
             level,
@@ -109,9 +113,12 @@ impl Node {
         let at = self.open_at(index);
         let earlier = at.unwrap_or_else(|next| next).checked_sub(1);
         let before = earlier.map_or(0, |last| self.open[last].before + self.open[last].rows);
+
         if self.children[index] as usize == event {
             return Some(index + before);
         }
+
+        // The event is a descendant of this child: it has a row if the child is expanded.
         let below = self.open[at.ok()?].node.row_of(event)?;
         Some(index + before + 1 + below)
     }
@@ -123,12 +130,17 @@ impl Node {
         };
         let at = self.open_at(index);
         let own = self.children[index] as usize == event;
+
         let changed = match at {
+            // The event lies within an expanded child, which passes it on.
             Ok(at) if !own => self.open[at].node.set(outline, event, wanted),
+
+            // Collapsing also forgets which nodes within it were expanded.
             Ok(at) if wanted != Some(true) => {
                 self.open.remove(at);
                 true
             }
+
             Err(at) if own && wanted != Some(false) && self.has_children(index) => {
                 let node = Node::of(outline.children(event), outline.end(event));
                 self.open.insert(
@@ -142,8 +154,12 @@ impl Node {
                 );
                 true
             }
+
+            // It is as wanted already, hidden by a collapsed node, or has no children.
             _ => false,
         };
+
+        // Only this child and those after it have moved.
         if changed {
             self.count(at.unwrap_or_else(|at| at));
         }

@@ -1,4 +1,4 @@
-//! Sentences that only exact tilings have: what arrives, what came first, what waited.
+//! Sentences that only exact tilings have, about samples and darts that arrive in their order.
 
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
@@ -31,6 +31,7 @@ impl Words<'_> {
                 self.sample(by),
                 self.apart(by, sample)
             ),
+
             RunEvent::Wake { point, behind } => self.wake(point, behind),
             RunEvent::Dart {
                 point,
@@ -41,6 +42,7 @@ impl Words<'_> {
                 "{} is a sample here alone: in the pattern its dart was refused",
                 self.sample(sample)
             ),
+
             RunEvent::Iteration { number: 1, .. } => {
                 "levels 0 and 1 begin: samples and woken darts arrive in their order".to_owned()
             }

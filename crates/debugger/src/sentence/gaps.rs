@@ -25,12 +25,15 @@ impl Words<'_> {
                     self.sample(centre)
                 )
             }
+
+            // The detector's Voronoi cell, from its neighbours' bisectors, lies within its own disk.
             RunEvent::NoGap { sample } => {
                 format!(
                     "the neighbours of {} leave no gap around it",
                     self.sample(sample)
                 )
             }
+
             RunEvent::Call { pivot, iteration } => {
                 let iteration = grouped(iteration.into());
                 let pivot = self.sample(pivot);
@@ -39,10 +42,13 @@ impl Words<'_> {
                 )
             }
             RunEvent::Pairs { pivot, others } => {
+                // Each pair once: n (n - 1) / 2.
                 let pairs = u64::from(others) * u64::from(others.saturating_sub(1)) / 2;
                 let (pairs, pivot) = (count(pairs, "pair"), self.sample(pivot));
                 format!("{pivot} is about to form triangles with {pairs} of its test buffer")
             }
+
+            // All other kinds have sentences elsewhere.
             RunEvent::Pass { point, by } => self.pass(point, by),
             _ => String::new(),
         }
@@ -64,16 +70,19 @@ impl Words<'_> {
         offset: IVec2,
         verdict: Verdict,
     ) -> String {
+        // The sites include the detector, which is named on its own.
         let own = self.sample(detector);
         let others = sites.ids().iter().filter(|&&id| id != detector);
         let others: Vec<String> = others.map(|&id| self.sample(id)).collect();
         let others = others.join(" and ");
+
         let what = match sites {
             Sites::Three(_) => format!("the circumcentre of {own} with {others}"),
             Sites::Border(_) => format!("the border point as far from {own} as from {others}"),
             Sites::Corner(_) => format!("a corner of the domain, seen from {own}"),
             Sites::Dart | Sites::Unrecorded => format!("a place near {own}"),
         };
+
         let away = radii(f64::from(offset.x).hypot(f64::from(offset.y)));
         let outcome = match verdict {
             Verdict::Accepted => "lies in a gap".to_owned(),
@@ -82,6 +91,7 @@ impl Words<'_> {
             Verdict::Covered { by } => format!("is covered by {}", self.sample(by)),
             Verdict::NotNearest { nearer } => format!("is nearer to {}", self.sample(nearer)),
         };
+
         format!("{what}, {away} away, {outcome}")
     }
 
@@ -91,11 +101,14 @@ impl Words<'_> {
             Some(Origin::Inserted { sites, .. }) => *sites,
             _ => Sites::Unrecorded,
         };
+
         let numbers: Vec<String> = sites.ids().iter().map(|&id| grouped(id.into())).collect();
+        // "1, 2 and 3": the last one is joined by a word.
         let samples = match numbers.split_last() {
             Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
             _ => numbers.concat(),
         };
+
         let at = match sites {
             Sites::Three(_) => format!("at the circumcentre of samples {samples}"),
             Sites::Border(_) => format!("on the border, as far from samples {samples}"),
@@ -103,6 +116,7 @@ impl Words<'_> {
             Sites::Dart => "where a dart landed".to_owned(),
             Sites::Unrecorded => "in a gap".to_owned(),
         };
+
         format!(
             "{name} is placed {at}, in iteration {}",
             grouped(iteration.into())
@@ -111,15 +125,20 @@ impl Words<'_> {
 
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
         let at = coordinates(point);
+        // Insertion by darts keeps no ids, so that the sample may be unknown.
         let by = |by: u32| match by {
             NONE => String::new(),
             by => format!(" by {}", self.sample(by)),
         };
+
+        // A dart is examined where it lands and, if it is open there, again by rank, when earlier darts have become
+        // samples.
         match (ranked, verdict) {
             (false, Verdict::Accepted) => format!("a dart lands at {at} in the open"),
             (true, Verdict::Accepted) => {
                 format!("the dart at {at} is still uncovered when its turn comes")
             }
+
             (false, Verdict::Covered { by: id }) => {
                 format!(
                     "a dart lands at {at}, which is covered{}, and is discarded",
@@ -132,9 +151,11 @@ impl Words<'_> {
                     by(id)
                 )
             }
+
             (_, Verdict::Outside) => {
                 format!("a dart at {at} lands outside the domain and is discarded")
             }
+            // Only candidates have a reach. The sampler never says this of a dart.
             (_, Verdict::TooFar | Verdict::NotNearest { .. }) => {
                 format!("a dart at {at} is out of reach and is discarded")
             }

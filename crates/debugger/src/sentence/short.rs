@@ -14,6 +14,7 @@ pub fn short(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {
         return "end".to_owned();
     };
+
     let words = Words(recording);
     match event.run_event() {
         Some(run_event) => words.short(run_event),
@@ -41,6 +42,7 @@ impl Words<'_> {
             },
             RunEvent::Leaf { block } => format!("block {}", number(block)),
             RunEvent::Clip { block } => format!("clip for block {}", number(block)),
+
             RunEvent::Iteration { number: k, .. } => format!("iteration {}", number(k)),
             RunEvent::IterationEnd {
                 number: k,
@@ -54,11 +56,14 @@ impl Words<'_> {
                 format!("order {}", count(candidates.into(), "candidate"))
             }
             RunEvent::Finish { count: n } => format!("result: {}", count(n.into(), "sample")),
+
             RunEvent::Candidate { sites, verdict, .. } => short_candidate(sites, verdict),
             RunEvent::Dart { point, verdict, .. } => {
                 format!("dart at {}: {}", coordinates(point), outcome(verdict))
             }
             RunEvent::Wake { point, .. } => format!("wake the dart at {}", coordinates(point)),
+
+            // In exact tiling these two say how an arrival ends: an earlier sample covers the place, or none does.
             RunEvent::Keep { sample, .. } if self.0.is_exact() => {
                 format!("{} arrives and stays", number(sample))
             }
@@ -68,6 +73,7 @@ impl Words<'_> {
                 number(by),
                 self.apart(by, sample)
             ),
+
             RunEvent::Cut { side, kept, .. } => {
                 format!(
                     "cut a cell of {}: {}",
@@ -93,6 +99,7 @@ impl Words<'_> {
                 let lost = if valid { "" } else { ": already eliminated" };
                 format!("visit sample {}{lost}", number(sample))
             }
+
             RunEvent::Keep { sample, .. } => format!("keep {}", number(sample)),
             RunEvent::Test {
                 pivot,
@@ -103,11 +110,14 @@ impl Words<'_> {
                 let apart = self.apart(pivot, other);
                 format!("{} {verb} {}, {apart}", number(pivot), number(other))
             }
+
             RunEvent::Eliminate { sample, by } => {
                 let apart = self.apart(by, sample);
                 format!("{} eliminates {}, {apart}", number(by), number(sample))
             }
+
             RunEvent::Mark { sample, .. } => format!("mark {} as a detector", number(sample)),
+
             _ => Self::short_of_search(run_event),
         }
     }
@@ -127,8 +137,10 @@ impl Words<'_> {
                     number(centre)
                 )
             }
+
             RunEvent::NoGap { sample } => format!("no gap around {}", number(sample)),
             RunEvent::Call { pivot, .. } => format!("fill gaps around {}", number(pivot)),
+
             RunEvent::Pairs { pivot, others } => {
                 format!(
                     "pairs of {} with {}",
@@ -136,7 +148,10 @@ impl Words<'_> {
                     number(pivot)
                 )
             }
+
             RunEvent::Insert { sample, .. } => format!("insert {}", number(sample)),
+
+            // The two functions above have taken all other kinds.
             _ => String::new(),
         }
     }
