@@ -22,8 +22,8 @@ use crate::tape::Tape;
 /// Events between two stored contexts.
 pub(crate) const STRIDE: usize = 1024;
 
-/// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: the crate `live` gives a recording
-/// its numbers, so that every evaluator of that recording has them.
+/// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: the crate `live` gives a
+/// recording its numbers, so that every evaluator of that recording has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NumberName {
     /// Its name in expressions.
@@ -206,7 +206,6 @@ impl Recording {
                         ranked: false,
                         verdict: Verdict::Accepted,
                     },
-                    // Sorted by place first: one place may have several darts, and each arrival belongs to the last one said before it.
                 ) => self.expected.push(ExpectedDart {
                     point,
                     said: index,
@@ -221,6 +220,7 @@ impl Recording {
             }
         }
 
+        // One place may have several darts: an arrival belongs to the last one that was said before it.
         self.expected
             .sort_unstable_by_key(|dart| (dart.point.row_major(), dart.said));
         for (point, index) in arrived {

@@ -33,7 +33,7 @@ pub enum CombineCommand {
 /// The description of a combination, which its session holds beside the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Combination {
-    /// The layout.
+    /// The layout as it was read or asked for.
     #[serde(with = "as_json")]
     pub layout: Layout,
     /// The layout as certificates state it: files without folders, with their digests.
@@ -89,6 +89,7 @@ fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
         let line = [seam.from, seam.to].map(position);
         lines.push(line);
         for axis in 0..2 {
+            // A seam on the lower border of a periodic domain is on the upper one, too.
             if line.iter().all(|end| end[axis] <= 0.0) {
                 let mut other = line;
                 for end in &mut other {
@@ -135,9 +136,9 @@ pub enum CombinationError {
     /// A file cannot be used.
     #[error("{path}: {why}")]
     File {
-        /// The file.
+        /// The path as written in the layout.
         path: String,
-        /// The reason.
+        /// The reason, as part of a sentence.
         why: String,
     },
     /// Something is wrong with a piece.

@@ -28,10 +28,10 @@ use progress::{Gluing, OneSet, Sets, stopped};
 /// Makes a combination that needs no files.
 #[derive(Serialize, Deserialize)]
 pub struct CombineTask {
-    /// The layout.
+    /// The layout, whose sets come from no files.
     #[serde(with = "as_json")]
     pub layout: Layout,
-    /// The session's generation.
+    /// The generation that the session gets.
     pub generation: u64,
 }
 
@@ -64,14 +64,19 @@ pub fn make(
     monitor: &Monitor,
 ) -> Result<Session, CombinationError> {
     let placed = layout.placed()?;
+    // Before any set is made, as that takes most of the time.
     if placed.expected > MAX_COMBINED as f64 {
         let expected = placed.expected;
         return Err(CombinationError::TooManySamples { expected });
     }
+
     let files = Files::of(around);
     let pieces = pieces(&placed, &files, monitor)?;
+
     let options = layout.options();
     let mut observer = Gluing(monitor);
+
+    // A small combination keeps its stages, so that the window shows what gluing did.
     let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
     let (run, seams): (Run, Vec<Seam>) = if expected <= MAX_STAGED {
         let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
@@ -81,12 +86,17 @@ pub fn make(
         let seams = combined.seams.clone();
         (combined.into_run(&pieces, &options), seams)
     };
+
     observer.end()?;
     let stops = || monitor.is_cancelled();
+
     let band = band::of(&placed.domain, &pieces, &seams, &stops).ok_or_else(stopped)?;
+
     let stated = files.stated(&layout, &placed);
     let combination = Combination::of(layout, stated, &placed, seams, band);
     let session = Session::from_combination(run, combination, generation);
+
+    // Preparing the session takes time, too, and a cancelled one must not be shown.
     if stops() {
         return Err(stopped().into());
     }

@@ -43,7 +43,7 @@ const MANY_SAMPLES: f64 = 2e7;
 /// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
 const BYTES_PER_SAMPLE: f64 = 90.0;
 
-/// Parameters being edited.
+/// Parameters that are being edited, with the texts of their fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     /// The numbers as typed.
@@ -124,10 +124,12 @@ impl Draft {
         let Some(read) = value_of(parameter, &text) else {
             return;
         };
+
         let before = self.parameters;
         if let Ok(value) = read {
             drop(parameter.set(&mut self.parameters, value));
         }
+
         self.texts.insert(parameter, text);
         self.follow(&before, parameter);
         // A typed number of samples applied to the former parameters.
@@ -141,16 +143,21 @@ impl Draft {
                 let seed = *place(&mut self.parameters);
                 seed.saturating_add_signed(i64::from(steps)).to_string()
             }
+
             ParameterKind::Real { place, unit, .. } if *unit == "r" => {
                 (*place(&mut self.parameters) + f64::from(steps)).to_string()
             }
+
             ParameterKind::Real { place, .. } => {
                 let scaled = *place(&mut self.parameters) * 1.02_f64.powi(steps);
+                // Four digits, so that the field does not fill with the digits of a product.
                 let short = format!("{scaled:.3e}").parse::<f64>();
                 short.unwrap_or(scaled).to_string()
             }
+
             ParameterKind::Switch { .. } | ParameterKind::Choice { .. } => return,
         };
+
         self.set_text(parameter, text);
     }
 
@@ -159,6 +166,7 @@ impl Draft {
     pub fn count_text(&self) -> String {
         let expected = || {
             let samples = self.expected_samples()?;
+            // Two digits, as the number is an expectation.
             let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
             Some(format!("{}", (samples / step).round() * step))
         };
@@ -181,8 +189,8 @@ impl Draft {
 
     /// Returns the radius of about so many samples, with five significant digits.
     fn radius_of(&self, text: &str) -> Result<f64, String> {
-        let radius = radius_estimate(&self.parameters, count_of(text.trim())?);
-        let radius = radius.map_err(|error| sentence(&error.to_string()))?;
+        let estimate = radius_estimate(&self.parameters, count_of(text.trim())?);
+        let radius = estimate.map_err(|error| sentence(&error.to_string()))?;
         Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
     }
 
@@ -193,10 +201,10 @@ impl Draft {
             || self.unreadable(parameter).is_some()
     }
 
-    /// Makes a choice.
+    /// Sets a value that is chosen, and what follows from it.
     pub fn choose(&mut self, choice: Choice) {
         match choice {
-            // A value that is none of its options changes nothing; scripts with such a one are refused.
+            // A value outside its options changes nothing; scripts with such a one are refused.
             Choice::Parameter(parameter, value) => {
                 let before = self.parameters;
                 drop(parameter.set(&mut self.parameters, value));
@@ -213,15 +221,19 @@ impl Draft {
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
             self.parameters = self.parameters.as_exact();
         }
+
         let of_pattern = [
             Parameter::PatternSide,
             Parameter::PatternSeed,
             Parameter::PatternBoundary,
         ];
+
         let (is_usual, usual) = (
             before.pattern == before.usual_pattern(),
             self.parameters.usual_pattern(),
         );
+
+        // A pattern that was changed by hand stays, also at the moment of the change.
         if is_usual && usual != self.parameters.pattern && !of_pattern.contains(&changed) {
             self.parameters.pattern = usual;
             for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {
@@ -240,7 +252,7 @@ impl Draft {
     /// Returns the names of the parameters that differ from `made`.
     #[must_use]
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
-        // What is typed comes first, as in each part of the form.
+        // Typed numbers come first, as in each part of the form.
         let chosen = Parameter::all().filter(|parameter| !parameter.options().is_empty());
         let differing = numbers()
             .chain(chosen)
@@ -299,12 +311,14 @@ fn value_of(parameter: Parameter, text: &str) -> Option<Result<Value, String>> {
             let what = format!("a whole number from 0 to {most}");
             (typed::whole(text).map(Value::from), what)
         }
+
         ParameterKind::Real { .. } => {
             let value = typed::number(text).map(Value::from);
             (value, "a number".to_owned())
         }
         ParameterKind::Switch { .. } | ParameterKind::Choice { .. } => return None,
     };
+
     Some(value.ok_or_else(|| format!("\"{}\" is not {what}.", text.trim())))
 }
 

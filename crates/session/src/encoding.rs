@@ -28,12 +28,12 @@ pub mod as_bytes {
     use serde::de::{Deserializer, Visitor};
     use serde::ser::Serializer;
 
-    /// Writes bytes.
+    /// Writes bytes as one block.
     pub fn serialize<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(bytes)
     }
 
-    /// Reads bytes.
+    /// Reads bytes that were written as one block.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
         struct Bytes;
         impl Visitor<'_> for Bytes {

@@ -1,5 +1,5 @@
-//! What the disks of a moment leave uncovered, and its triangulation. The exposed arcs of the samples' circles say where a gap
-//! lies, at each moment. Delaunay triangles, Voronoi edges and the exact regions of gaps take ten times as long: they are
+//! The area that the disks of a moment leave uncovered, and its triangulation. The exposed arcs of the samples' circles say
+//! where a gap lies, at each moment. Delaunay triangles, Voronoi edges and the exact regions of gaps take ten times as long: they are
 //! made while a layer shows them or someone points at a gap. `tilescope_analysis` computes both in the background; no verdict
 //! depends on them. Begin with [`Geometry::want`].
 
@@ -31,9 +31,9 @@ pub type Key = (u64, usize);
 /// A part of a sample's circle that no other disk covers. Lengths are in r.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ExposedArc {
-    /// The sample.
+    /// The sample whose circle it is.
     pub id: u32,
-    /// Its position.
+    /// Where the sample lies.
     pub center: DVec2,
     /// Where the arc begins and ends, as angles from the x axis, anticlockwise.
     pub angles: [f64; 2],
@@ -54,9 +54,8 @@ impl GapBorders {
         let (ids, points) = covering(session, moment);
         let region = region_in_radii(&session.run().domain);
         let go_on = |_| ControlFlow::Continue(());
-        let arcs = exposed_arcs(&points, region, LIMIT, &go_on);
-        let arcs = arcs.unwrap_or_default().into_iter();
-        let arcs = arcs.map(|arc| ExposedArc {
+        let exposed = exposed_arcs(&points, region, LIMIT, &go_on).unwrap_or_default();
+        let arcs = exposed.into_iter().map(|arc| ExposedArc {
             id: ids[arc.sample],
             center: points[arc.sample].into(),
             angles: [arc.from, arc.to],
@@ -78,6 +77,7 @@ impl GapBorders {
         for place in cover.exposed() {
             let center = DVec2::from(place.map(radii));
             let mut ids = Vec::new();
+            // The circles are known by place; the index has the ids of the samples there.
             session.index.visit(center, center, 1.0, |seen| {
                 if session.position(seen.id) == center && moment.covers(session, seen.id) {
                     ids.push(seen.id);
@@ -87,9 +87,12 @@ impl GapBorders {
             let Some(id) = ids.into_iter().min() else {
                 continue;
             };
+
             let open = cover.exposed_arcs(place).into_iter();
             arcs.extend(open.map(|angles| ExposedArc { id, center, angles }));
         }
+
+        // In the order of a search from scratch, so that both ways give equal borders.
         arcs.sort_unstable_by_key(|arc| arc.id);
         let lines = bare_border(session, moment);
         Some(Self { arcs, lines })
@@ -99,7 +102,8 @@ impl GapBorders {
 /// The most circles whose exposed arcs are read in a frame: two milliseconds.
 const MAX_EXPOSED: usize = 1_000;
 
-/// The radius of disks, in r: what is uncovered by less than the tolerance of the verdict is no gap.
+/// The radius of disks where gaps are looked for, in r. It is larger by the tolerance of the verdict, as gaps within that are
+/// allowed.
 const LIMIT: f64 = 1.0 + COVERING_TOLERANCE;
 
 /// Returns the parts of a bounded domain's border that lie in no disk.
@@ -107,6 +111,7 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
     if session.run().domain.is_periodic() {
         return Vec::new();
     }
+
     let size = session.size_radii();
     let corners = [DVec2::ZERO, dvec2(size.x, 0.0), size, dvec2(0.0, size.y)];
     let sides = [0, 1, 2, 3].map(|k| [corners[k], corners[(k + 1) % 4]]);
@@ -114,11 +119,13 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
     let mut bare = Vec::new();
     for [from, to] in sides {
         let (along, length) = ((to - from).normalize(), from.distance(to));
+
         let mut covered = Vec::new();
         session
             .index
             .visit(from.min(to), from.max(to), LIMIT, |seen| {
                 let offset = seen.position - from;
+                // Half the chord that the disk cuts out of the side's line.
                 let half = (LIMIT * LIMIT - along.perp_dot(offset).powi(2)).sqrt();
                 // Too far from the side for its disk to reach it: the root of a negative number is no number.
                 if half.is_finite() && moment.covers(session, seen.id) {
@@ -126,7 +133,9 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
                     covered.push([middle - half, middle + half]);
                 }
             });
+
         let open = between(covered, length).into_iter();
+
         bare.extend(open.map(|ends| ends.map(|at| from + along * at)));
     }
     bare
@@ -136,9 +145,11 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
 fn between(mut covered: Vec<[f64; 2]>, length: f64) -> Vec<[f64; 2]> {
     covered.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     covered.push([length, length]);
+
     let (mut open, mut end) = (Vec::new(), 0.0);
     for [from, to] in covered {
         let from = from.min(length);
+        // Sorted by their beginnings: whatever lies before this one and after all ends so far is open.
         if from > end {
             open.push([end, from]);
         }
@@ -179,7 +190,7 @@ fn triangulated(session: &Session, moment: Moment) -> Option<Tessellation> {
     Tessellation::of(&points, region_in_radii(&session.run().domain), 1.0).ok()
 }
 
-/// What was computed last of a moment, and what is being computed.
+/// The value computed last, with its moment, and the work on the next.
 struct Latest<T> {
     work: Option<(Key, Job<T>)>,
     ready: Option<(Key, T)>,
@@ -203,7 +214,7 @@ impl<T: Portable> Latest<T> {
         (*of == key).then_some(ready)
     }
 
-    /// Takes what is finished, and starts `job` for a moment unless that is known or another one is at work. Called once per
+    /// Takes finished work, and starts `job` for a moment unless that is known or another one is at work. Called once per
     /// frame, it ends with the last moment.
     fn want(&mut self, key: Key, job: impl FnOnce() -> Option<Job<T>>) {
         self.poll();
@@ -249,7 +260,7 @@ pub struct Geometry {
     at: Option<Key>,
     /// Whether someone asked about a gap since then.
     is_asked: AtomicBool,
-    /// Calls for another frame, in which what was asked is computed.
+    /// Calls for another frame, in which the answer is computed.
     wake: Option<Wake>,
 }
 
@@ -266,6 +277,7 @@ impl Geometry {
     pub fn computed(shown: &ShownMoment<'_>, with_net: bool) -> Self {
         let (key, count) = (key_of(shown), shown.session.run().samples.len());
         let mut geometry = Self::default();
+        // At once: above the limits a picture would take seconds, and goes without.
         if count <= MAX_CIRCLES {
             let borders = GapBorders::of(shown.session, shown.moment());
             geometry.borders.take(key, Ok(borders));
@@ -305,7 +317,9 @@ impl Geometry {
         if !self.is_gap(shown, place) {
             return None;
         }
+
         let Some(net) = self.net.of(key_of(shown)) else {
+            // A question asks for one frame: until the answer is there, each frame asks again.
             let was_asked = self.is_asked.swap(true, Ordering::Relaxed);
             if let Some(wake) = self.wake.as_ref().filter(|_| !was_asked) {
                 wake();
@@ -331,16 +345,20 @@ impl Geometry {
         let size = shown.session.size_radii();
         let periodic = shown.session.run().domain.is_periodic();
         let arcs = &self.borders(shown)?.arcs;
+
         let distances = arcs.iter().filter_map(|arc| {
             let mut offset = position - arc.center;
             if periodic {
                 offset -= (offset / size).round() * size;
             }
+
+            // The angle from the arc's beginning tells whether the nearest place of the circle lies on the arc.
             let [from, to] = arc.angles;
             let turned = (offset.to_angle() - from).rem_euclid(TAU);
             let distance = (offset.length() - 1.0).abs();
             (turned <= to - from && distance <= reach).then_some((distance, arc.id))
         });
+
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.map(|(_, id)| id)
     }
@@ -355,7 +373,7 @@ impl Geometry {
         }
     }
 
-    /// Takes what is finished, and starts what is not known of the moment: its gaps, and its triangulation if `with_net` or if a
+    /// Takes finished work, and starts the rest for the moment: its gaps, and its triangulation if `with_net` or if a
     /// gap was asked about.
     pub fn want(
         &mut self,
@@ -371,9 +389,11 @@ impl Geometry {
         self.borders.want(key, || {
             (count <= MAX_CIRCLES).then(|| task::start(wake, ExposeTask(still())))
         });
+
         // A pointer over a gap of a run that plays asks at each moment: only one that rests is worth a triangulation.
         let rests = self.at.replace(key) == Some(key);
         let is_asked = self.is_asked.load(Ordering::Relaxed);
+
         if with_net || (is_asked && rests) {
             self.is_asked.store(false, Ordering::Relaxed);
             self.net.want(key, || {
@@ -381,6 +401,7 @@ impl Geometry {
             });
         } else {
             self.net.poll();
+            // The moment has just changed: the next frame asks again, when it rests.
             if is_asked {
                 wake();
             }

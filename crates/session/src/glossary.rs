@@ -114,7 +114,7 @@ pub fn terms() -> impl Iterator<Item = Term> {
     OWN.iter().copied().chain(numbers.map(term))
 }
 
-/// Returns whether a number is a term already, or counts what is one, such as samples and gaps.
+/// Returns whether a number is a term already, or counts things that have one, such as samples and gaps.
 fn is_defined(number: &str) -> bool {
     let first = number.split(' ').next().unwrap_or_default();
     let names = [number, first.trim_end_matches('s')];

@@ -25,7 +25,7 @@ pub const MAX_FILES: usize = 64;
 pub struct NamedBytes {
     /// Its name; natively its path.
     pub name: String,
-    /// Its content.
+    /// Its content, byte for byte.
     #[serde(with = "crate::encoding::as_bytes")]
     pub bytes: Vec<u8>,
 }
@@ -69,7 +69,7 @@ impl<E: std::fmt::Display> From<E> for Unread {
 pub struct Incoming {
     /// Its name as messages show it; natively its path.
     pub name: String,
-    /// Its content.
+    /// Its content, byte for byte.
     pub bytes: Vec<u8>,
     /// Files that came with it: its certificate, and the files that it names.
     pub beside: Vec<NamedBytes>,
@@ -116,8 +116,10 @@ impl Incoming {
     pub fn point_set(&self) -> Result<ReadSet, String> {
         self.within(MAX_PATTERN_BYTES)?;
         let name = last_part(&self.name);
-        let certificate = self.certificate();
-        let certificate = certificate.map(|file| (file.name.as_str(), file.bytes.as_slice()));
+
+        let beside = self.certificate();
+        let certificate = beside.map(|file| (file.name.as_str(), file.bytes.as_slice()));
+
         let read_as = |used| {
             let hint = Hint {
                 certificate: used,
@@ -125,8 +127,10 @@ impl Incoming {
             };
             read_bytes(&self.bytes, &hint, certificate)
         };
+
         let read = match read_as(CertificateUse::Checked) {
             Err(why @ (FormatError::FalseCertificate { .. } | FormatError::Certificate { .. })) => {
+                // A set with a false certificate is still a set; the certificate's claims are not taken over.
                 read_as(CertificateUse::LeftOut).map(|read| ReadSet {
                     refused: Some(why.to_string()),
                     ..read
@@ -134,14 +138,18 @@ impl Incoming {
             }
             outcome => outcome,
         };
+
         read.map_err(|error| {
+            // A session or a layout is no broken set: its kind says more than an error of a format.
             if holds_document(&self.bytes) == Some(true) {
                 return format!(
                     "{} is a saved session or a layout, not a point set",
                     self.name
                 );
             }
+
             let text = error.to_string();
+            // Some errors of the formats have the name in them.
             if text.contains(name) {
                 text
             } else {
@@ -204,17 +212,21 @@ pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
         if why.is_some() {
             return why;
         }
+
         if k >= MAX_FILES {
             return Some(format!(
                 "{name} is one of more than {MAX_FILES} files, which are the most that are read at once"
             ));
         }
+
         if length > left {
             let most = tilescope_debugger::grouped(2 * MAX_PATTERN_BYTES);
             return Some(format!(
                 "{name} and the files before it have more than {most} bytes, which are the most that are read at once"
             ));
         }
+
+        // Files that are refused take no part of the sum, so that one too long does not shut out the rest.
         left -= length;
         None
     };
@@ -253,18 +265,23 @@ pub fn pick(
     mut holds_document: impl FnMut(usize) -> bool,
 ) -> Option<(usize, Vec<usize>)> {
     let considered = names.len().min(MAX_FILES);
+
     let is_lone = |&k: &usize| {
         let others = names.iter().enumerate().filter(|&(other, _)| other != k);
         !others
             .into_iter()
             .any(|(_, set)| is_certificate_of(names[k], set))
     };
+
     let lone: Vec<usize> = (0..considered).filter(is_lone).collect();
+
+    // Alone, a file is opened whatever it holds, so that its content need not be read here.
     let document = lone.iter().copied().find(|&k| {
         let has_others = lone.len() > 1;
         has_others && holds_document(k)
     });
     let opened = document.or_else(|| lone.first().copied())?;
+
     let mut left = lone;
     left.retain(|&k| k != opened);
     left.extend(considered..names.len());
@@ -280,8 +297,10 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
         let bytes: &[u8] = &files[k].bytes;
         bytes.len() <= MAX_BYTES && begins_as_object(bytes) && holds_document(bytes) == Some(true)
     };
+
     let (opened, left) = pick(&names, holds)?;
     let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
+
     let file = files.remove(opened);
     files.truncate(MAX_FILES);
     let mut incoming = Incoming::new(file);

@@ -24,7 +24,7 @@ pub struct SampleIndex {
 /// A sample, or an image of it, in a part of the domain.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// The sample.
+    /// The id of the sample.
     pub id: u32,
     /// Where it lies, in r; an image lies outside the domain.
     pub position: DVec2,
@@ -37,14 +37,19 @@ impl SampleIndex {
     #[must_use]
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
         let size = size(domain);
+        // Cells of 2 r hold about three samples; a domain with too many of them gets larger ones.
         let cell = (size.element_product() / MAX_CELLS).sqrt().max(2.0);
         let columns = (size.x / cell) as usize + 1;
         let rows = (size.y / cell) as usize + 1;
+
         let cell_of = |point: &Point| {
+            // A bounded domain keeps samples that it dropped outside: they are in the cells at the border.
             let column = ((radii(point.x) / cell).max(0.0) as usize).min(columns - 1);
             let row = ((radii(point.y) / cell).max(0.0) as usize).min(rows - 1);
             row * columns + column
         };
+
+        // A sort by counting: how many samples each cell has, then where its part of the list begins.
         let mut starts = vec![0_u32; columns * rows + 1];
         for point in points {
             starts[cell_of(point) + 1] += 1;
@@ -52,6 +57,7 @@ impl SampleIndex {
         for k in 1..starts.len() {
             starts[k] += starts[k - 1];
         }
+
         let mut next = starts.clone();
         let mut entries = vec![(0, [0.0; 2]); points.len()];
         for (point, id) in points.iter().zip(0..) {
@@ -59,6 +65,7 @@ impl SampleIndex {
             entries[*slot as usize] = (id, position(*point).as_vec2().to_array());
             *slot += 1;
         }
+
         Self {
             size,
             periodic: domain.is_periodic(),
@@ -76,6 +83,8 @@ impl SampleIndex {
         let Some([columns, rows]) = self.cells(low, high) else {
             return 0;
         };
+
+        // Whole cells are counted, without a look at the samples in them. The cells of a row follow one another.
         let row = |row: usize| {
             let start = self.starts[row * self.columns + columns.0];
             let end = self.starts[row * self.columns + columns.1 + 1];
@@ -120,19 +129,24 @@ impl SampleIndex {
         } else {
             &[0.0]
         };
+
         // Samples that a bounded domain dropped lie up to one radius outside it.
         let beyond = if self.periodic {
             beyond
         } else {
             reach.max(1.0)
         };
+
         for &up in copies {
             for &right in copies {
                 let shift = DVec2::new(right, up) * self.size;
                 let image = right != 0.0 || up != 0.0;
+
                 if images_alone && !image {
                     continue;
                 }
+
+                // The part of the domain whose copy, moved by a period, lies in the rectangle.
                 let from = (low - reach).max(DVec2::splat(-beyond)) - shift;
                 let to = (high + reach).min(self.size + beyond) - shift;
                 self.visit_copy(from, to, |id, position| {
@@ -151,11 +165,13 @@ impl SampleIndex {
         let Some([columns, rows]) = self.cells(low, high) else {
             return;
         };
+
         for row in rows.0..=rows.1 {
             let start = self.starts[row * self.columns + columns.0] as usize;
             let end = self.starts[row * self.columns + columns.1 + 1] as usize;
             for &(id, position) in &self.entries[start..end] {
                 let position = DVec2::from(position.map(f64::from));
+                // Cells reach beyond the rectangle.
                 if (position.cmpge(low) & position.cmple(high)).all() {
                     visit(id, position);
                 }

@@ -36,6 +36,7 @@ impl Monitor {
     #[must_use]
     pub fn reporting(tell: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
         Arc::new_cyclic(|monitor: &std::sync::Weak<Self>| {
+            // The monitor holds this closure, so that a strong reference back would keep both forever.
             let monitor = monitor.clone();
             let wake = move || {
                 if let Some(monitor) = monitor.upgrade() {
@@ -117,7 +118,7 @@ pub struct Job<T> {
 }
 
 impl<T: Portable> Job<T> {
-    /// Starts `work`.
+    /// Starts `work` on a thread; without threads it runs at once.
     #[must_use]
     pub fn start(wake: &Wake, work: impl FnOnce(&Monitor) -> T + Portable) -> Self {
         let (job, sender) = Self::begun(wake);
@@ -138,16 +139,20 @@ impl<T: Portable> Job<T> {
     ) -> Self {
         let (job, sender) = Self::begun(wake);
         let monitor = Arc::clone(&job.monitor);
+
         #[cfg(not(target_arch = "wasm32"))]
         spawn(move || {
             let drive = || pollster::block_on(work(Arc::clone(&monitor)));
             hand_over(&sender, catch_unwind(AssertUnwindSafe(drive)), &monitor);
         });
+
+        // A page has no thread to wait on: the browser runs the future between frames.
         #[cfg(target_arch = "wasm32")]
         wasm_bindgen_futures::spawn_local(async move {
             let outcome = work(Arc::clone(&monitor)).await;
             hand_over(&sender, Ok(outcome), &monitor);
         });
+
         job
     }
 

@@ -20,7 +20,7 @@ const SAMPLE_NUMBER: &str = "1,234.5%";
 /// How deep parts of a text may have parts. The deepest text, a key after a sentence on two samples, has three levels.
 const MAX_DEPTH: usize = 5;
 
-/// The languages that have a table, each with its tag. They stay to the end, so that nobody has to own one.
+/// The languages that have a table, each with its tag. They are never freed, so that a reference to one can be kept anywhere.
 static LANGUAGES: LazyLock<RwLock<Vec<(String, &'static Language)>>> = LazyLock::new(|| {
     let read = |(tag, table): &(&str, &'static str)| {
         let language = Language::read(table).expect("tests read the tables");
@@ -71,7 +71,7 @@ enum Piece {
 /// A slot of a text, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
-    /// `{#name}`: a number.
+    /// `{#name}`: a number, written as the language writes numbers.
     Number(&'static str),
     /// `{name}`: a text of the table.
     Text(&'static str),
@@ -112,18 +112,22 @@ impl Language {
         if depth > MAX_DEPTH {
             return None;
         }
+
+        // The cheap ways first: a text of the table, or a number. Patterns are tried one by one.
         if let Some(text) = self.texts.get(english) {
             return Some((*text).to_owned());
         }
         if let Some(number) = self.number(english) {
             return Some(number);
         }
+
         // Columns are aligned with blanks, which are no part of the words.
         let trimmed = english.trim();
         if trimmed.len() < english.len() && !trimmed.is_empty() {
             let text = self.found(trimmed, depth + 1)?;
             return Some(english.replacen(trimmed, &text, 1));
         }
+
         let matched = |pattern: &Pattern| self.matched(pattern, english, depth);
         if let Some(text) = self.patterns.iter().find_map(matched) {
             return Some(text);
@@ -140,11 +144,13 @@ impl Language {
     fn number(&self, english: &str) -> Option<String> {
         let number = english.strip_suffix('%').unwrap_or(english);
         let digits = number.trim_start_matches(['-', '\u{2212}', '+', '\u{b1}']);
+
         let is_number = digits.starts_with(|c: char| c.is_ascii_digit())
             && digits.ends_with(|c: char| c.is_ascii_digit())
             && digits
                 .bytes()
                 .all(|byte| byte.is_ascii_digit() || b",.".contains(&byte));
+
         let translated = |c: char| match c {
             ',' => self.thousands,
             '.' => self.decimals,
@@ -163,6 +169,7 @@ impl Language {
                 let text = pieces.map(|piece| match piece {
                     Piece::Words(words) => *words,
                     Piece::Slot(slot) => {
+                        // The translation may have the slots in another order.
                         let part = parts.iter().find(|(other, _)| other == slot);
                         part.map_or("", |(_, text)| text.as_str())
                     }
@@ -179,6 +186,7 @@ impl Language {
         depth: usize,
         parts: &mut Vec<(Slot, String)>,
     ) -> bool {
+        // Words must stand there as they are. What follows is about a slot, whose end is not known.
         let (slot, after) = match pieces {
             [] => return english.is_empty(),
             [Piece::Words(words), after @ ..] => {
@@ -187,28 +195,35 @@ impl Language {
             }
             [Piece::Slot(slot), after @ ..] => (*slot, after),
         };
+
         let mut ends: Vec<usize> = match after {
             [Piece::Words(words), ..] => english.match_indices(words).map(|(at, _)| at).collect(),
             _ => vec![english.len()],
         };
         // A slot is not empty. The rest is compared before the part is translated, which takes longer.
         ends.retain(|&end| end > 0);
+
         for end in ends {
             let held = parts.len();
             let part = &english[..end];
             let fits = self.fits(after, &english[end..], depth, parts);
+
             let text = match slot {
                 _ if !fits => None,
                 Slot::Number(_) => self.number(part),
                 Slot::Text(_) => self.found(part, depth + 1),
                 Slot::Same(_) => Some(part.to_owned()),
             };
+
             if let Some(text) = text {
                 parts.push((slot, text));
                 return true;
             }
+
+            // This end led nowhere: the parts that it collected are taken back.
             parts.truncate(held);
         }
+
         false
     }
 
@@ -221,22 +236,28 @@ impl Language {
     pub fn read(table: &'static str) -> Result<Self, String> {
         let mut texts = HashMap::new();
         let mut patterns = Vec::new();
-        let lines = table.lines().zip(1..);
-        let mut lines = lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
+        let numbered = table.lines().zip(1..);
+        let mut lines = numbered.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
+
         while let Some((english, number)) = lines.next() {
             let fault = |what: &str| format!("line {number}: \"{english}\" {what}");
             let next = lines.next().and_then(|(line, _)| line.strip_prefix("    "));
             let translated = next.ok_or_else(|| fault("has no indented translation below it"))?;
+
             let pattern = Pattern {
                 english: pieces(english).map_err(fault)?,
                 translated: pieces(translated).map_err(fault)?,
             };
+
+            // A slot that the translation lacks would lose its part; one too many would have none.
             if slots(&pattern.english) != slots(&pattern.translated) {
                 return Err(fault("and its translation have other slots"));
             }
             if texts.insert(english, translated).is_some() {
                 return Err(fault("is there twice"));
             }
+
+            // A text without slots is found by its hash, so that patterns are few.
             if pattern
                 .english
                 .iter()
@@ -245,15 +266,19 @@ impl Language {
                 patterns.push(pattern);
             }
         }
+
+        // The table writes one number, and its signs are those of the language.
         let sample = texts.remove(SAMPLE_NUMBER).unwrap_or(SAMPLE_NUMBER);
         let last_digit = sample.rfind(|c: char| c.is_ascii_digit());
         let (number, percent) = sample.split_at(last_digit.map_or(0, |at| at + 1));
+
         let mut signs = number.chars().filter(|c| !c.is_ascii_digit());
         let (Some(thousands), Some(decimals)) = (signs.next(), signs.next()) else {
             return Err(format!(
                 "\"{sample}\" for {SAMPLE_NUMBER} has no two separators"
             ));
         };
+
         Ok(Self {
             texts,
             patterns,

@@ -8,13 +8,13 @@ use crate::words::slug;
 /// The kind of a session, which decides the layers and their meanings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SessionKind {
-    /// A run.
+    /// A run of KDRT, from one pattern.
     Run,
-    /// An exact tiling.
+    /// An exact tiling of a pattern's darts.
     Exact,
-    /// A combination.
+    /// A combination of several sets.
     Combination,
-    /// Nested levels.
+    /// A set with nested levels.
     Nested,
 }
 
@@ -32,27 +32,27 @@ impl SessionKind {
 pub enum Layer {
     /// The clip rectangle: the enlarged block that receives a clip of the pattern.
     Pattern,
-    /// Building blocks.
+    /// The borders of the building blocks.
     Blocks,
-    /// Samples.
+    /// Samples that are valid at the moment.
     Samples,
     /// Disks of radius r.
     Disks,
     /// Pairs of samples in each other's disks.
     Conflicts,
-    /// Eliminated samples.
+    /// Samples that were eliminated by the moment.
     Eliminated,
     /// Samples that look for gaps.
     Detectors,
-    /// The uncovered area.
+    /// The area that no disk covers.
     Gaps,
     /// Uncovered places where a sample may be inserted.
     Candidates,
-    /// Inserted samples.
+    /// Samples that were inserted by the moment.
     Inserted,
-    /// Delaunay triangles.
+    /// Delaunay triangles of the valid samples.
     Delaunay,
-    /// Voronoi cells.
+    /// Voronoi cells of the valid samples.
     Voronoi,
     /// Circumcircles of Delaunay triangles that are larger than r.
     Circumcircles,
@@ -163,8 +163,11 @@ impl Layer {
             (Self::Detectors, SessionKind::Exact) => return "active cell: darts fall there",
             (Self::Candidates, SessionKind::Exact) => return "dart that will arrive",
             (Self::Inserted, SessionKind::Exact) => return "sample here alone",
+
+            // All other layers mean the same in every session.
             _ => {}
         }
+
         match self {
             Self::Samples => "sample",
             Self::Disks => "disk of radius r",
@@ -307,13 +310,13 @@ impl Layers {
         Self(self.0 & others.0)
     }
 
-    /// Returns no layers.
+    /// Returns the set without any layer.
     #[must_use]
     pub const fn none() -> Self {
         Self(0)
     }
 
-    /// Switches `layer`.
+    /// Switches a layer on or off.
     pub const fn toggle(&mut self, layer: Layer) {
         self.0 ^= 1 << layer as u32;
     }

@@ -8,10 +8,10 @@
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Look {
-    /// Light on dark.
+    /// Light texts and lines on a dark ground.
     #[default]
     Dark,
-    /// Dark on light.
+    /// Dark texts and lines on a light ground.
     Light,
     /// Dark on light at nearly twice the size, showing only the canvas, the sentence, the controls and the
     /// timeline.
@@ -21,7 +21,7 @@ pub enum Look {
 }
 
 impl Look {
-    /// Every look.
+    /// Every look, in the order of the menu.
     pub const ALL: [Self; 4] = [
         Self::Dark,
         Self::Light,
@@ -29,7 +29,7 @@ impl Look {
         Self::ProjectorDark,
     ];
 
-    /// Returns its name.
+    /// Returns its name in the menu.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

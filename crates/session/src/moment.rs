@@ -13,7 +13,7 @@ use crate::task::SessionRef;
 /// A moment of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Moment {
-    /// The current stage.
+    /// The stage that is current: the last one that has begun.
     pub stage: Stage,
     /// How many events have happened, or of nested levels the number of samples; `None` without recorded events.
     pub cursor: Option<usize>,
@@ -57,14 +57,18 @@ impl Moment {
                 Standing::Absent
             };
         }
+
+        // Without events, only the state after a stage is known.
         let Some((recording, cursor)) = session.recording().zip(self.cursor) else {
             return run.standing(id, self.stage);
         };
+
         match recording.status(id, cursor) {
             Status::Absent => Standing::Absent,
             Status::Undecided => Standing::Tiled,
             Status::Kept => Standing::Valid,
             Status::Dropped => Standing::Dropped,
+            // Who eliminated it is in the run, as a sample is eliminated once.
             Status::Eliminated => match run.samples.fates[id as usize] {
                 Fate::Eliminated { by } => Standing::Eliminated { by },
                 _ => Standing::Dropped,
@@ -93,7 +97,9 @@ impl Moment {
         if let Some(count) = self.prefix(session) {
             return (0..count as u32).collect();
         }
+
         let covering = self.covering(session);
+        // Ids follow the order of tiling and insertion, results that of places.
         let keyed = covering.iter().map(|(point, id)| (point.canonical(), *id));
         let mut keyed: Vec<(u64, u32)> = keyed.collect();
         keyed.sort_unstable();
@@ -138,11 +144,11 @@ impl Moment {
 /// The current moment of a session.
 #[derive(Clone, Copy)]
 pub struct ShownMoment<'a> {
-    /// The session.
+    /// The session that is shown.
     pub session: &'a Session,
     /// The recorded events with the current cursor, if any were recorded.
     pub debugger: Option<&'a Debugger>,
-    /// The current stage.
+    /// The stage that is current: the last one that has begun.
     pub stage: Stage,
     /// Of nested levels, how many samples are shown.
     pub prefix: Option<usize>,
@@ -231,12 +237,15 @@ impl<'a> ShownMoment<'a> {
         let Some(life) = debugger.recording().life(id) else {
             return false;
         };
+
         let cursor = debugger.state().cursor();
         let inserted = matches!(
             self.session.run().samples.origins[id as usize],
             Origin::Inserted { .. }
         );
+        // Inserted samples are detectors without a mark (paper, Algorithm 4, lines 12 and 19).
         let since = if inserted { life.born } else { life.marked };
+
         (since as usize) < cursor
     }
 }
@@ -258,13 +267,13 @@ impl Still {
         }
     }
 
-    /// Returns the session.
+    /// Returns the session that the moment is of.
     #[must_use]
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// Returns the moment.
+    /// Returns the moment as a stage and a cursor.
     #[must_use]
     pub const fn moment(&self) -> Moment {
         self.moment

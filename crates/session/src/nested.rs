@@ -14,7 +14,7 @@ use crate::encoding::as_json;
 /// The levels of a session.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct NestedLevels {
-    /// What is to hold for the samples to the end of each level, the coarsest first.
+    /// The claims on the samples to the end of each level, the coarsest first.
     pub claims: Vec<PrefixClaim>,
     /// What the set was made from; `None` if it was read from a file.
     #[serde(with = "as_json")]
@@ -39,7 +39,7 @@ impl NestedLevels {
         self.claims.partition_point(|claim| claim.count <= id)
     }
 
-    /// Returns what is to hold for the first `count` samples.
+    /// Returns the claim on the first `count` samples.
     ///
     /// # Panics
     ///
@@ -57,7 +57,7 @@ impl NestedLevels {
         self.claims.iter().rposition(is_whole)
     }
 
-    /// Returns what is to hold for the first `count` samples, level by level.
+    /// Returns the claims on the first `count` samples, level by level.
     #[must_use]
     pub fn cut(&self, count: usize) -> Vec<PrefixClaim> {
         let whole = self.claims.iter().filter(|claim| claim.count < count);

@@ -23,11 +23,14 @@ pub fn sample(
     let observer = &mut Reporter { monitor };
     let asked = recipe.parameters;
     let nested = request.make(&asked, observer)?;
+
     let domain = *nested.domain();
+    // The radius is the one that was used: an exact number of samples decides it in the place of the parameter.
     let parameters = Parameters {
         radius: domain.radius(),
         ..asked
     };
+
     let mut all = stated(&parameters);
     all.extend(stated(&request));
     let levels = NestedLevels {
@@ -36,6 +39,7 @@ pub fn sample(
         method: "kdrt".to_owned(),
         stated: all,
     };
+
     let run = Run::of_points(parameters, domain, nested.points().to_vec());
     observer.prepare(|| Session::from_levels(run, levels, generation))
 }
@@ -47,17 +51,22 @@ pub fn sample(
 pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Session, String>> {
     let certificate = set.certificate.as_ref()?;
     let claims = certificate.claims();
+
     (!claims.is_empty()).then(|| {
         let region = certificate.region;
         let boundary = Boundary::of(region.is_periodic());
         let radius = certificate.radius.least();
+
         let domain = Domain::from_size([region.width, region.height], radius, boundary)
             .map_err(|error| format!("{name}: {error}"))?;
+
+        // A certificate comes from outside: the window relies on counts that ascend to the number of samples.
         if !fit(&claims, set.set.points.len(), radius) {
             return Err(format!(
                 "{name}: the levels of its certificate do not fit its samples"
             ));
         }
+
         let at = |&position: &[f64; 2]| domain.lattice_from_user(position);
         let parameters = Parameters {
             width: region.width,
@@ -66,12 +75,14 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
             boundary,
             ..Parameters::default()
         };
+
         let levels = NestedLevels {
             claims,
             asked: None,
             method: certificate.method.clone(),
             stated: certificate.parameters.clone(),
         };
+
         let run = Run::of_points(parameters, domain, set.set.points.iter().map(at).collect());
         Ok(Session::from_levels(run, levels, generation))
     })
@@ -80,9 +91,11 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
 /// Returns whether claims from outside are those of levels of so many samples.
 fn fit(claims: &[PrefixClaim], count: usize, radius: f64) -> bool {
     let is_radius = |length: f64| (0.5 * radius..=64.0 * radius).contains(&length);
+
     let radii = claims.iter().all(|claim| {
         is_radius(claim.distance) && claim.covering.is_none_or(is_radius) && claim.count > 0
     });
+
     let ascend = claims.windows(2).all(|pair| pair[0].count < pair[1].count);
     let ends = claims.last().is_some_and(|last| last.count == count);
     radii && ascend && ends && claims.len() <= MAX_LEVELS as usize

@@ -18,7 +18,7 @@ use crate::incoming::Incoming;
 pub struct OwnPattern {
     /// The file, and the digest of its content.
     pub file: PatternFile,
-    /// The pattern.
+    /// The pattern itself, conflict-free and maximal.
     pub pattern: Arc<Pattern>,
 }
 
@@ -37,7 +37,7 @@ impl PartialEq for OwnPattern {
 /// The input of a session.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
-    /// The parameters.
+    /// The parameters of the run or of the levels.
     pub parameters: Parameters,
     /// The pattern to use instead of the one that the parameters describe.
     pub own: Option<OwnPattern>,
@@ -102,6 +102,7 @@ pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
         .certificate
         .as_ref()
         .ok_or_else(|| match &read.refused {
+            // A certificate is there, but was refused: without the reason the message would seem wrong.
             Some(why) => {
                 format!("{name}: {why}, so nothing says how large its domain and its radius are")
             }
@@ -109,8 +110,10 @@ pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
                 "{name} has no certificate, which says how large its domain and its radius are"
             ),
         })?;
+
     let set = KnownDomain::from(certificate).set(&read.set.points);
     let pattern = set.map_err(|error| format!("{name}: {error}"))?.pattern;
+
     Ok(OwnPattern {
         file: PatternFile {
             path: name.to_owned(),

@@ -18,9 +18,9 @@ pub type Made = Result<Session, MakeError>;
 /// The task of sampling on the CPU.
 #[derive(Serialize, Deserialize)]
 pub struct SampleTask {
-    /// The input.
+    /// The parameters and the pattern of the run.
     pub recipe: Recipe,
-    /// The session's generation.
+    /// The generation that the session gets.
     pub generation: u64,
 }
 
@@ -66,11 +66,11 @@ impl Task for PatternTask {
 /// The task of preparing a GPU's run as a session, with the events of the same run on the CPU.
 #[derive(Serialize, Deserialize)]
 pub struct GpuSessionTask {
-    /// The GPU's run.
+    /// The run as the GPU made it.
     pub run: Run,
     /// The input of that run.
     pub recipe: Recipe,
-    /// The session's generation.
+    /// The generation that the session gets.
     pub generation: u64,
 }
 
@@ -113,14 +113,17 @@ pub async fn on_gpu(
 ) -> Result<Session, MakeError> {
     let name = gpu.report().name.clone();
     let mut observer = Reporter { monitor };
+
     let recipe = recipe.clone();
     let pattern = if let Some(own) = &recipe.own {
         Arc::clone(&own.pattern)
     } else {
+        // As a task of its own: on a page it runs in a worker, and the window's thread stays free.
         let making = PatternTask(recipe.parameters.pattern);
         let made = task::run_for(making, monitor).await;
         made.map_err(MakeError::fault)??
     };
+
     let parameters = &recipe.parameters;
     let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
         Ok(run) => {
@@ -130,16 +133,19 @@ pub async fn on_gpu(
                 recipe,
                 generation,
             };
-            let session = task::run_for(twin, monitor).await;
-            let mut session = session.map_err(MakeError::fault)??;
+            let made = task::run_for(twin, monitor).await;
+            let mut session = made.map_err(MakeError::fault)??;
             session.engine = engine;
             return Ok(session);
         }
+
+        // Wrong parameters fail on the CPU, too, and a cancelled run ends. Only a fault of the device goes on below.
         Err(error) => error.of_device()?,
     };
+
     let sampling = SampleTask { recipe, generation };
-    let session = task::run_for(sampling, monitor).await;
-    let mut session = session.map_err(MakeError::fault)??;
+    let made = task::run_for(sampling, monitor).await;
+    let mut session = made.map_err(MakeError::fault)??;
     session.failure = Some(Failure { name, error });
     Ok(session)
 }
@@ -152,9 +158,12 @@ async fn run_on(
     observer: &mut Reporter<'_>,
 ) -> Result<Run, GpuError> {
     parameters.validate_sequential()?;
+
+    // With all its stages, the run is made one by one, so that a cancelled one stops between two of them.
     if !keeps_everything(parameters)? {
         return GpuSweep::run(gpu, parameters, pattern, observer).await;
     }
+
     let mut stepper = Stepper::new(gpu, parameters, pattern, FIRST_GPU_STAGE).await?;
     while let Some(stage) = stepper.step().await? {
         if let Some(stage) = observer.report(stage, 1.0) {

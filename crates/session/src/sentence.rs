@@ -11,6 +11,7 @@ use crate::words::{counted, grouped, share, stage_name};
 /// Returns the name of a stage of a session with a capital letter.
 #[must_use]
 pub fn name_in(session: &Session, stage: Stage) -> String {
+    // A combination has pieces in the place of blocks, nested levels end at once, and an exact tiling has levels.
     match stage {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
@@ -27,29 +28,36 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
         return "The default session is being sampled.".to_owned();
     };
+
     if let Some((nested, count)) = shown.session.nested.as_ref().zip(shown.prefix) {
         return prefix_sentence(shown.session, nested, count);
     }
+
     match (shown.debugger, shown.cursor().checked_sub(1)) {
+        // Before the first event, and where a stage ends, the stage as a whole says more than one event.
         (Some(debugger), Some(last)) if !shown.ends_stage() => {
             tilescope_debugger::sentence(debugger.recording(), last)
         }
+
         _ => stage_sentence(shown.session, shown.stage),
     }
 }
 
-/// Returns what is to hold for the first `count` samples of nested levels, in words.
+/// Returns the claims on the first `count` samples of nested levels, in words.
 fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> String {
     let r = session.run().domain.radius();
     let claim = nested.claim(count);
     let (distance, all) = (claim.distance / r, grouped(session.summary.count));
+
     let last = nested.level_of(count - 1);
     let begun = match nested.whole(count) {
         Some(level) if level == last => format!("level {level} is whole"),
         Some(level) => format!("level {level} is whole, and {last} has begun"),
         None => format!("level {last} has begun"),
     };
+
     let covering = match claim.covering {
+        // Only a prefix that ends with a level must cover.
         Some(covering) => format!(
             "no place is farther than {:.2} r from a sample.",
             covering / r
@@ -65,13 +73,16 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
 /// Returns the events of `stage`, in one sentence.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
+    // Combinations and exact tilings have stages of their own; the others are like those of a run.
     let other = combination_sentence(session, stage).or_else(|| exact_sentence(session, stage));
     if let Some(sentence) = other {
         return sentence;
     }
+
     let run = session.run();
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
+
     match stage {
         Stage::Pattern => {
             let domain = run.pattern.domain();
@@ -85,6 +96,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
                 radii(domain.width()),
             )
         }
+
         Stage::Blocks => {
             let [width, height] = session.size_radii().to_array();
             format!(
@@ -93,32 +105,15 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
                 run.parameters.leaf,
             )
         }
+
         Stage::Tile => format!(
             "Tile: {}, each enlarged by r, bring {}; {} in conflict.",
             counted(summary.blocks, "clip", "clips"),
             samples(summary.tiled),
             counted(session.conflicts.len(), "pair is", "pairs are"),
         ),
-        Stage::Eliminate => {
-            let detectors = session.iteration(1).map_or(0, |i| i.detectors.len());
-            let looking = if detectors > 0 {
-                format!(" {} will look for gaps.", samples(detectors))
-            } else {
-                String::new()
-            };
-            let at_once = match session.inserted_at_once() {
-                0 => String::new(),
-                n => format!(
-                    " {} inserted at once.",
-                    counted(n, "sample is", "samples are")
-                ),
-            };
-            format!(
-                "Eliminate: {} eliminated, because another sample claimed their disk first; {} stay.{at_once}{looking}",
-                samples(summary.eliminated),
-                grouped(summary.tiled - summary.eliminated),
-            )
-        }
+
+        Stage::Eliminate => elimination_sentence(session),
         Stage::Iterate(k) => iteration_sentence(session, k),
         Stage::Regions | Stage::Finish => format!(
             "Finish: {} tiled \u{2212} {} eliminated + {} inserted = {}, in canonical order.",
@@ -130,6 +125,34 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     }
 }
 
+fn elimination_sentence(session: &Session) -> String {
+    let summary = &session.summary;
+    let samples = |count: usize| counted(count, "sample", "samples");
+
+    // Uniform insertion has no detectors, and not every engine records them.
+    let detectors = session.iteration(1).map_or(0, |i| i.detectors.len());
+    let looking = if detectors > 0 {
+        format!(" {} will look for gaps.", samples(detectors))
+    } else {
+        String::new()
+    };
+
+    // Algorithm 4 as printed fills gaps while it eliminates; other runs insert nothing here.
+    let at_once = match session.inserted_at_once() {
+        0 => String::new(),
+        n => format!(
+            " {} inserted at once.",
+            counted(n, "sample is", "samples are")
+        ),
+    };
+
+    format!(
+        "Eliminate: {} eliminated, because another sample claimed their disk first; {} stay.{at_once}{looking}",
+        samples(summary.eliminated),
+        grouped(summary.tiled - summary.eliminated),
+    )
+}
+
 /// Returns the sentence for a stage of a combination, if that differs from the stage of a run.
 fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     let combination = session.combination.as_ref()?;
@@ -137,6 +160,7 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     let pieces = counted(summary.blocks, "piece", "pieces");
     let samples = |count: usize| counted(count, "sample", "samples");
     let inserted = summary.inserted.iter().sum();
+
     match stage {
         Stage::Blocks => {
             let [width, height] = session.size_radii().to_array();
@@ -145,11 +169,13 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
                 "Pieces: a domain of {width:.1} \u{d7} {height:.1} r is filled by {pieces}, which meet along {seams}."
             ))
         }
+
         Stage::Tile => Some(format!(
             "Place: {pieces} bring {}, up to r beyond their rectangles; {} in conflict.",
             samples(summary.tiled),
             counted(session.conflicts.len(), "pair is", "pairs are"),
         )),
+
         Stage::Finish => Some(format!(
             "Finish: {} of {pieces}; {} eliminated, {} inserted ({}).",
             samples(summary.count),
@@ -157,6 +183,8 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
             grouped(inserted),
             share(inserted, summary.count),
         )),
+
+        // A combination eliminates and iterates as a run does, and has no pattern.
         _ => None,
     }
 }
@@ -166,8 +194,10 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
     if !session.is_exact() {
         return None;
     }
+
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
+
     let Stage::Iterate(k) = stage else {
         return (stage == Stage::Tile).then(|| {
             format!(
@@ -179,9 +209,11 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
         });
     };
 
+    // Samples are lost as they arrive, level by level.
     let lost = grouped(session.lost_in(session.stage_index(stage)));
     let iteration = session.iteration(k)?;
     let inserted = samples(iteration.inserted.len());
+
     Some(match k {
         1 => format!(
             "Levels 0 and 1: what came first stays; {lost} lost, {inserted} that the pattern lacks."
@@ -197,11 +229,15 @@ fn iteration_sentence(session: &Session, k: u32) -> String {
     let Some(iteration) = session.iteration(k) else {
         return format!("Iteration {k}.");
     };
+
     let inserted = counted(iteration.inserted.len(), "sample", "samples");
+
     if !iteration.cells.is_empty() {
         let cells = counted(iteration.cells.len(), "open cell", "open cells");
         return format!("Iteration {k}: darts thrown at {cells}; {inserted} inserted.");
     }
+
+    // Not every engine records its detectors.
     if iteration.detectors.is_empty() {
         return format!("Iteration {k}: {inserted} inserted.");
     }

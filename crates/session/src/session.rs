@@ -56,7 +56,7 @@ pub struct Session {
     last: Option<Iteration>,
     /// Of an exact tiling with events, how many samples are lost by the end of each stage.
     losses: Vec<usize>,
-    /// Its counts.
+    /// How many samples each stage made or removed.
     pub summary: Summary,
     /// The index of all samples by position.
     pub index: SampleIndex,
@@ -86,18 +86,18 @@ pub struct Session {
 /// A session's run, with or without its events.
 #[derive(Serialize, Deserialize)]
 enum RunSource {
-    /// With all events.
+    /// The run with all events, so that any moment of it can be shown.
     Recorded(Arc<Recording>),
-    /// The run alone.
+    /// The run alone, whose stages can be shown at most.
     Run(Box<Run>),
 }
 
 /// A device that failed, so that the CPU had to make a session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The adapter's name.
+    /// The adapter's name, as its driver gives it.
     pub name: String,
-    /// The error.
+    /// The error with which the device failed.
     pub error: GpuError,
 }
 
@@ -120,6 +120,8 @@ impl Session {
             let made = observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
             return made.map(|session| session.with(recipe));
         }
+
+        // Too large for events: the parallel engines are ten times as fast and keep the result alone.
         let run = match parameters.method {
             TilingMethod::Kdrt => {
                 let pattern = recipe.pattern(&mut observer)?;
@@ -130,6 +132,7 @@ impl Session {
                 exact_sample_parallel(parameters, &history, &mut observer)?
             }
         };
+
         let made = observer.prepare(|| Self::from_run(run, generation));
         made.map(|session| session.with(recipe))
     }
@@ -161,7 +164,7 @@ impl Session {
         self.combination.is_none() && self.nested.as_ref().is_none_or(is_made)
     }
 
-    /// Returns its kind.
+    /// Returns its kind, which decides the layers and their names.
     #[must_use]
     pub fn kind(&self) -> SessionKind {
         match (&self.combination, &self.nested) {
@@ -189,6 +192,7 @@ impl Session {
         generation: u64,
         observer: &mut Reporter<'_>,
     ) -> Result<Self, SampleError> {
+        // A GPU reports no events. Those of the CPU are taken if its run is the same, as it must be.
         if run.counted.is_none() {
             let recording = recipe.record(observer)?;
             let twin = recording.run();
@@ -198,11 +202,12 @@ impl Session {
                 return made.map(|session| session.with(recipe));
             }
         }
+
         let made = observer.prepare(|| Self::from_run(run, generation));
         made.map(|session| session.with(recipe))
     }
 
-    /// Returns the run.
+    /// Returns the run that it shows.
     #[must_use]
     pub fn run(&self) -> &Run {
         match &self.source {
@@ -337,6 +342,8 @@ impl Session {
             if run.result.is_empty() {
                 stages = begun_stages(recording, stages);
             }
+
+            // The run keeps iterations that found a gap alone, but events tell of the one that found none, too.
             last = last_iteration(recording);
             if last.is_some() {
                 let number = run.iterations.len() as u32 + 1;
@@ -385,7 +392,7 @@ impl Session {
         units::size(&self.run().domain)
     }
 
-    /// Returns the sides of what is shown at a stage, in r: of the domain, or of the pattern at the stage that makes it.
+    /// Returns the sides of the area that a stage shows, in r: of the domain, or of the pattern at the stage that makes it.
     #[must_use]
     pub fn size_at(&self, stage: Option<Stage>) -> DVec2 {
         if stage == Some(Stage::Pattern) {
@@ -409,6 +416,7 @@ impl Session {
             return there;
         }
         let size = self.size_radii();
+        // The nearest image is a whole number of periods away.
         there - ((there - position) / size).round() * size
     }
 
@@ -430,10 +438,13 @@ impl Session {
             Stage::Blocks => 0,
             Stage::Tile => summary.tiled,
             Stage::Eliminate => summary.tiled - summary.eliminated + self.inserted_at_once(),
+
+            // An exact tiling loses samples in its iterations, too, so that losses are counted up to this one.
             Stage::Iterate(k) => {
                 let inserted: usize = summary.inserted.iter().take(k as usize).sum();
                 summary.tiled - self.lost_by(index) + inserted
             }
+
             Stage::Regions | Stage::Finish => summary.count,
         }
     }
@@ -473,6 +484,7 @@ fn losses_by_stage(recording: &Recording, starts: &[usize]) -> Vec<usize> {
     let ids = 0..recording.run().samples.len() as u32;
     let lives = ids.filter_map(|id| recording.life(id));
     let mut losses: Vec<usize> = lives.map(|life| life.lost as usize).collect();
+    // Samples that are never lost have the largest number, and so are in no count.
     losses.sort_unstable();
     let ends = starts.iter().copied().chain([recording.len()]);
     ends.map(|end| losses.partition_point(|&lost| lost < end))
@@ -483,8 +495,11 @@ fn losses_by_stage(recording: &Recording, starts: &[usize]) -> Vec<usize> {
 fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
+
+    // It is near the end of the tape.
     let mut events = recording.tape().before(recording.len());
     events.find(|(_, event)| begun_by(event) == Some(Stage::Iterate(number)))?;
+
     let all = 0..run.samples.len() as u32;
     let stays = |id: &u32| run.samples.fates[*id as usize] == Fate::Kept;
     let is_marked = |id: &u32| {
@@ -492,13 +507,17 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
             .life(*id)
             .is_some_and(|life| life.marked != tilescope_debugger::NONE)
     };
+
     let detectors = match (run.parameters.insertion, run.parameters.variant) {
         (Insertion::Uniform, Variant::Staged) => Vec::new(),
+
         // The detectors are the samples inserted in the iteration before.
         (_, Variant::Staged) => match run.iterations.last() {
             Some(before) => before.inserted.clone().collect(),
+            // There was no iteration with a gap: the first detectors are the marked survivors.
             None => all.clone().filter(stays).filter(is_marked).collect(),
         },
+
         // Samples stay marked as detectors.
         (_, Variant::AsPrinted) => {
             let inserted =
@@ -507,6 +526,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
             all.clone().filter(looks).collect()
         }
     };
+
     Some(Iteration {
         detectors,
         inserted: all.end..all.end,
@@ -518,12 +538,14 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
 fn begun_stages(recording: &Recording, mut stages: Vec<Stage>) -> Vec<Stage> {
     let events = recording.tape().iter().filter(|event| event.depth() == 0);
     for begun in events.filter_map(begun_by) {
+        // Its first iteration is a part of elimination, and so no stage.
         let is_part =
             recording.run().parameters.variant == Variant::AsPrinted && begun == Stage::Iterate(1);
         if !stages.contains(&begun) && !is_part {
             stages.push(begun);
         }
     }
+
     stages.sort();
     stages
 }
@@ -545,13 +567,16 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
     let is_tiled = |id: u32| run.standing(id, Stage::Tile) == Standing::Tiled;
     let points = &run.samples.points;
     let mut grid = SampleGrid::with_capacity(run.domain, points.len());
+
     let tiled = || (0..points.len() as u32).filter(|&id| is_tiled(id));
     for id in tiled() {
         grid.insert(id, points[id as usize]);
     }
+
     let mut conflicts = Vec::new();
     for id in tiled() {
         grid.any_near(points[id as usize], R, |near| {
+            // Each pair once, as seen from the lower id.
             if near.id > id && covers_offset(near.offset) {
                 conflicts.push([id, near.id]);
             }

@@ -17,13 +17,13 @@ pub use session_ref::SessionRef;
 
 /// Work that can run on a thread or in a worker.
 pub trait Task: Serialize + DeserializeOwned + Portable {
-    /// Its result.
+    /// Its result, which can be sent as bytes.
     type Outcome: Serialize + DeserializeOwned + Portable;
 
     /// Its name in messages to workers; unique.
     const NAME: &'static str;
 
-    /// Does the work.
+    /// Does the work, on a thread or in a worker.
     fn run(self, monitor: &Monitor) -> Self::Outcome;
 
     /// Returns the result to report where the task was cancelled before its end, if there is one; `monitor` has its
@@ -38,13 +38,13 @@ pub trait Task: Serialize + DeserializeOwned + Portable {
 
 /// A task that was started and has not ended.
 pub struct PendingTask {
-    /// [`Task::NAME`].
+    /// The task's [`Task::NAME`], by which a worker finds it.
     pub name: &'static str,
     /// The task as bytes.
     pub input: Vec<u8>,
     /// The sessions it refers to, which are not in the input.
     pub sessions: Vec<Arc<Session>>,
-    /// Progress and cancellation.
+    /// Receives the progress, and says whether the task was cancelled.
     pub monitor: Arc<Monitor>,
     /// Called once, when the task has ended.
     pub answer: Answer,
@@ -58,7 +58,7 @@ pub type Answer = Box<dyn FnOnce(TaskEnd)>;
 pub enum TaskEnd {
     /// It finished; its outcome as bytes.
     Done(Vec<u8>),
-    /// It was cancelled.
+    /// It was cancelled before it finished.
     Cancelled,
     /// It could not run; the reason.
     Failed(String),
@@ -90,6 +90,7 @@ fn pending<T: Task>(
     take: impl FnOnce(Result<T::Outcome, String>) + 'static,
 ) -> Result<PendingTask, String> {
     let (input, sessions) = session_ref::packed(task).map_err(|error| fault(T::NAME, &error))?;
+
     let watched = Arc::clone(&monitor);
     let answer = move |end| {
         take(match end {
@@ -100,6 +101,7 @@ fn pending<T: Task>(
             TaskEnd::Failed(why) => Err(why),
         });
     };
+
     Ok(PendingTask {
         name: T::NAME,
         input,
@@ -115,6 +117,7 @@ pub fn start<T: Task>(wake: &Wake, task: T) -> Job<T::Outcome> {
     let Some(pool) = pool() else {
         return Job::start(wake, |monitor| task.run(monitor));
     };
+
     let (job, sender) = Job::begun(wake);
     let failed = sender.clone();
     let waker = Arc::clone(wake);
@@ -123,6 +126,7 @@ pub fn start<T: Task>(wake: &Wake, task: T) -> Job<T::Outcome> {
         let _ = sender.send(outcome);
         waker();
     };
+
     match pending(&task, Arc::clone(job.monitor()), take) {
         Ok(pending) => pool.run(pending),
         Err(fault) => {

@@ -25,7 +25,7 @@ fn are_thousands<'a>(mut parts: impl Iterator<Item = &'a str>) -> bool {
     leads && parts.all(|part| is_digits(part) && part.len() == 3)
 }
 
-/// Returns a typed number as Rust writes numbers, or `None` for a text that is none.
+/// Returns a typed number as Rust writes numbers, or `None` for a text that is no number.
 fn plain(text: &str) -> Option<String> {
     let text = text.trim();
     let (sign, size) = match text.strip_prefix(['+', '-', '\u{2212}']) {
@@ -33,6 +33,7 @@ fn plain(text: &str) -> Option<String> {
         Some(size) => ("-", size),
         None => ("", text),
     };
+
     // Only the whole part has thousands: what follows a point or an exponent stays.
     let end = size.find(['.', 'e', 'E']).unwrap_or(size.len());
     let (whole, rest) = size.split_at(end);

@@ -36,7 +36,7 @@ const HAIR: f64 = 1e-9;
 pub struct Verdict {
     /// The verifier's report on the result, or on a prefix of it.
     pub report: Report,
-    /// What is to hold for that prefix, if the session has nested levels.
+    /// The claim on that prefix, if the session has nested levels.
     pub claim: Option<PrefixClaim>,
     /// The closest pair, if known; indices are of the result.
     pub closest: Option<Conflict>,
@@ -62,12 +62,17 @@ impl Verdict {
         monitor: &Monitor,
     ) -> Result<Self, VerifyError> {
         let control = |progress| monitor.follow(progress);
+
         let ask = |radius: f64, options: &VerifyOptions| {
             verify(points, region, radius, options, &control)
         };
+
         let report = ask(radius, &VerifyOptions::default())?;
+
+        // An invalid set shows its worst fault. A valid one has none, and shows how near it comes to one.
         let mut closest = report.worst_conflicts.first().copied();
         let mut largest = report.worst_gaps.first().copied();
+
         if points.len() <= MAX_EXTREMES {
             let exact = VerifyOptions {
                 covering_tolerance: 0.0,
@@ -76,15 +81,20 @@ impl Verdict {
                 judges: JudgeChoice::Circles,
                 ..VerifyOptions::default()
             };
+
+            // Asked for a radius just above the smallest distance, the judge names the closest pair.
             if closest.is_none() && report.min_distance.is_finite() {
                 let sharper = ask(report.min_distance * (1.0 + HAIR), &exact)?;
                 closest = sharper.worst_conflicts.first().copied();
             }
+
+            // Just below the covering radius, it names the largest circle.
             if largest.is_none() && report.covering_radius > 0.0 {
                 let sharper = ask(report.covering_radius * (1.0 - HAIR), &exact)?;
                 largest = sharper.worst_gaps.first().copied();
             }
         }
+
         Ok(Self {
             report,
             claim: None,
@@ -125,14 +135,17 @@ impl Verdict {
                 pair.distance / radius,
             ))
         };
+
         let circle = || {
             let gap = self.largest?;
             let center = DVec2::from(gap.center) / radius;
             Some(WitnessMark::Circle(center, gap.distance / radius))
         };
+
         match witness {
             Witness::ClosestPair => pair(),
             Witness::LargestHole => circle(),
+            // A conflict outweighs a gap.
             Witness::Verdict if !self.conflict_free() => pair(),
             Witness::Verdict if !self.maximal() => circle(),
             Witness::Verdict => pair().or_else(circle),
@@ -143,7 +156,7 @@ impl Verdict {
 /// The task of verifying a session's result, or the first so many samples of its nested levels.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct VerifyTask {
-    /// The session.
+    /// The session whose result is verified.
     pub session: SessionRef,
     /// How many samples, of nested levels.
     pub prefix: Option<usize>,
@@ -157,8 +170,10 @@ impl Task for VerifyTask {
         let session = &self.session;
         let run = session.run();
         let region = region(&run.domain);
+
         let verdict = match session.nested.as_ref().zip(self.prefix) {
             Some((nested, count)) => {
+                // A prefix is judged as a set of its own, with the radius that its level has.
                 let claim = nested.claim(count);
                 let points = run.domain.users_from_lattice(&run.samples.points[..count]);
                 let verdict = Verdict::of(&points, region, claim.radius(), monitor);
@@ -169,6 +184,7 @@ impl Task for VerifyTask {
             }
             None => Verdict::of(&run.positions(), region, run.domain.radius(), monitor),
         };
+
         verdict.map_err(|error| error.to_string())
     }
 }

@@ -13,6 +13,7 @@ pub fn of(
     stops: &dyn Fn() -> bool,
 ) -> Option<Vec<Rect>> {
     let whole = domain.rect();
+
     let mut lines: Vec<Rect> = seams
         .iter()
         .flat_map(|seam| images(domain, seam.from, seam.to))
@@ -20,16 +21,19 @@ pub fn of(
         .map(|line| grown(&line))
         .filter(|line| common(line, &whole).is_some())
         .collect();
+
     lines.sort_unstable_by_key(|line| line.min.y);
     let mut band = Vec::new();
+
     for piece in pieces {
         if stops() {
             return None;
         }
+
         // Lines that begin above the piece do not reach it.
         let below = lines.partition_point(|line| line.min.y < piece.rect.max.y);
-        let parts = lines[..below].iter();
-        let parts = parts.filter_map(|line| common(line, &piece.rect));
+        let near = lines[..below].iter();
+        let parts = near.filter_map(|line| common(line, &piece.rect));
         union(parts.collect(), stops, &mut band)?;
     }
     Some(band)
@@ -46,9 +50,11 @@ fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
     };
     let ups = shifts(domain.height());
     let rights = shifts(domain.width()).into_iter();
+
     let images = rights.flat_map(|right| ups.iter().map(move |&up| (right, up)));
     images
         .map(|(right, up)| Rect {
+            // A shifted line may leave the range of coordinates. It is then far outside the domain.
             min: Point::new(from.x.saturating_add(right), from.y.saturating_add(up)),
             max: Point::new(to.x.saturating_add(right), to.y.saturating_add(up)),
         })
@@ -61,14 +67,18 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     if domain.is_periodic() {
         return Vec::new();
     }
+
     let (rect, own) = (&piece.rect, piece.set.domain());
     let endless = own.is_periodic();
     let (start, end) = (piece.start, domain.rect().max);
     let side = |min: Point, max: Point| Rect { min, max };
     let (low, high) = (rect.min, rect.max);
+
     let beyond = |start: i32, length: i32, extent: i32| {
         i64::from(start) + i64::from(length) < i64::from(extent)
     };
+
+    // Each side: does the piece's set go on beyond it, does it lie on the border, and the line itself.
     let sides = [
         (
             low.x == 0 && start.x > 0,
@@ -91,6 +101,8 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
             side(Point::new(low.x, high.y), high),
         ),
     ];
+
+    // A periodic set goes on beyond every side, a bounded one where it is larger than the rectangle.
     let cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
     sides
         .into_iter()
@@ -122,32 +134,40 @@ fn common(a: &Rect, b: &Rect) -> Option<Rect> {
 /// parts' edges; equal consecutive rows become one rectangle. `None` once `stops` returns true.
 fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -> Option<()> {
     parts.sort_unstable_by_key(|part| (part.min.y, part.min.x));
+
     let mut edges: Vec<i32> = parts
         .iter()
         .flat_map(|part| [part.min.y, part.max.y])
         .collect();
     edges.sort_unstable();
     edges.dedup();
+
     let mut coming = parts.into_iter().peekable();
     // The parts that reach across the row, from left to right.
     let mut over: Vec<Rect> = Vec::new();
     let mut open: Vec<Rect> = Vec::new();
+
     for row in edges.windows(2) {
         if stops() {
             return None;
         }
+
+        // Rows are met from below, so that each part enters and leaves once.
         over.retain(|part| part.max.y > row[0]);
         while let Some(part) = coming.next_if(|part| part.min.y <= row[0]) {
             let at = over.partition_point(|other| other.min.x <= part.min.x);
             over.insert(at, part);
         }
+
         let spans = spans(&over);
+        // A row like the one before only lengthens its rectangles: the band stays short.
         let alike = spans.len() == open.len()
             && (open.iter().zip(&spans)).all(|(rect, span)| [rect.min.x, rect.max.x] == *span);
         if !alike {
             band.append(&mut open);
             open = spans.iter().map(|&span| across(span, row[0])).collect();
         }
+
         for rect in &mut open {
             rect.max.y = row[1];
         }

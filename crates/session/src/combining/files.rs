@@ -53,8 +53,10 @@ impl<'a> Files<'a> {
             let why = "it lies on another machine; put it beside the layout";
             return Some(Err(failed(Path::new(path), why)));
         }
+
         let path = path_of(around, path);
         let slot = self.slot(&path);
+        // Pieces are made in parallel: the first to need a file reads it, and the others wait.
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
@@ -62,6 +64,7 @@ impl<'a> Files<'a> {
                 stage: Stage::Pattern,
             })),
         };
+
         Some(set)
     }
 
@@ -136,7 +139,7 @@ fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incomi
 }
 
 fn set(file: &SetFile, given: &GivenDomain) -> Result<Set, String> {
-    let known = given.over(file.certificate.as_ref().map(Into::into));
-    let known = known.ok_or("the set has no certificate; give its \"radius\"")?;
+    let stated = given.over(file.certificate.as_ref().map(Into::into));
+    let known = stated.ok_or("the set has no certificate; give its \"radius\"")?;
     known.set(&file.points).map_err(|error| error.to_string())
 }

@@ -80,6 +80,7 @@ impl<'a> OneSet<'a> {
 
 impl Observer for OneSet<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        // Dart throwing has other stages than tiling, and takes its time in its first rounds.
         let (start, share) = if self.thrown {
             throw(progress.stage)
         } else {

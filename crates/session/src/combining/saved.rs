@@ -19,7 +19,7 @@ const MAX_BYTES: usize = 2 * MAX_LAYOUT_BYTES as usize;
 #[serde(deny_unknown_fields)]
 pub struct SavedCombination {
     version: u32,
-    /// The layout.
+    /// The layout as JSON, in the form of layout files.
     pub combination: Value,
     /// The digest of the result.
     pub digest: String,
@@ -46,7 +46,7 @@ pub enum SavedError {
     /// Its version is not supported.
     #[error("the session has version {version}; this program reads version {VERSION}")]
     Version {
-        /// Its version.
+        /// The version that the file has.
         version: u32,
     },
     /// Its layout is invalid.
@@ -105,7 +105,7 @@ impl SavedCombination {
         serde_json::from_value(value).map_err(SavedError::Form)
     }
 
-    /// Returns the layout.
+    /// Returns the layout, checked as one from a file.
     pub fn layout(&self) -> Result<Layout, SavedError> {
         Ok(Layout::from_json(self.combination.to_string().as_bytes())?)
     }

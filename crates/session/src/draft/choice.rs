@@ -1,4 +1,4 @@
-//! What is chosen in the form rather than typed, as scripts and links name it.
+//! Values that are chosen in the form rather than typed, as scripts and links name them.
 
 use std::collections::BTreeMap;
 
@@ -35,6 +35,7 @@ impl<'de> Deserialize<'de> for Choice {
         let (Some((key, value)), true) = (given.pop_first(), given.is_empty()) else {
             return Err(D::Error::custom("a choice is one field with its value"));
         };
+
         let read = match &*key {
             "levels" => serde_json::from_value(value).map(Self::Levels),
             "within" => serde_json::from_value(value).map(Self::Within),
@@ -43,11 +44,12 @@ impl<'de> Deserialize<'de> for Choice {
                 let chosen = parameter.filter(|parameter| !parameter.options().is_empty());
                 let unknown = || D::Error::custom(format!("unknown choice `{key}`"));
                 let parameter = chosen.ok_or_else(unknown)?;
-                // A value that is none of its options is refused here, not when it is applied.
+                // A value outside its options is refused here, not when it is applied.
                 let set = parameter.set(&mut Parameters::default(), value.clone());
                 set.map(|()| Self::Parameter(parameter, value))
             }
         };
+
         read.map_err(D::Error::custom)
     }
 }

@@ -22,7 +22,7 @@ pub enum Preset {
     Uniform,
     /// Darts are tiled with their order of arrival.
     Exact,
-    /// Nested levels.
+    /// A set with six nested levels.
     Nested,
 }
 
@@ -71,12 +71,12 @@ const ROWS: [(Preset, &str, &str); 8] = [
 ];
 
 impl Preset {
-    /// Returns every preset.
+    /// Returns every preset, in the order of the menu.
     pub fn all() -> impl Iterator<Item = Self> {
         ROWS.iter().map(|row| row.0)
     }
 
-    /// Returns its name.
+    /// Returns its name in the menu.
     #[must_use]
     pub const fn name(self) -> &'static str {
         ROWS[self as usize].1
@@ -88,16 +88,18 @@ impl Preset {
         ROWS[self as usize].2
     }
 
-    /// Returns its parameters.
+    /// Returns the parameters that it sets.
     #[must_use]
     pub fn parameters(self) -> Parameters {
         let mut p = Parameters::default();
+
         match self {
             Self::First | Self::Nested => {}
             Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
             }
+
             Self::Million => p.radius = 0.000_835,
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),

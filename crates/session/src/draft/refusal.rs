@@ -62,6 +62,7 @@ impl Draft {
             Some(DraftRefusal { part, reason })
         };
         let mut refusals: Vec<DraftRefusal> = numbers().filter_map(unreadable).collect();
+
         // The radius is still that of the last number of samples that could be read: a run would not be the one asked for.
         let part = FormPart::Samples;
         let wrong_count = self.count_refusal();
@@ -69,6 +70,7 @@ impl Draft {
 
         if let Err(error) = self.parameters.validate_sequential() {
             let part = part_of(&error, &self.parameters);
+            // A field has one refusal. If its text cannot be read, the core has seen the value before it.
             if !refusals.iter().any(|refusal| refusal.part == part) {
                 let reason = sentence(&error.to_string());
                 refusals.push(DraftRefusal { part, reason });

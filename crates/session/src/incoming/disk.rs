@@ -26,12 +26,16 @@ pub fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
 pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, Unread> {
     plain_file(path, limit)?;
     let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
+
+    // One byte more than the limit tells a file that is longer.
     let mut file = File::open(path).map_err(named)?.take(limit + 1);
     let mut bytes = Vec::new();
+
     loop {
         if monitor.is_cancelled() {
             return Err(Unread::Stopped);
         }
+
         let read = io::copy(&mut file.by_ref().take(CHUNK), &mut bytes).map_err(named)?;
         if bytes.len() as u64 > limit {
             let most = tilescope_debugger::grouped(limit);
@@ -39,6 +43,7 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
                 format!("it has more than {most} bytes, which are the most that are read").into(),
             );
         }
+
         if read == 0 {
             return Ok(bytes);
         }
@@ -52,13 +57,16 @@ impl Incoming {
         let name = |path: &Path| path.to_string_lossy().into_owned();
         let bytes = read_limited(path, limit, monitor)?;
         let mut incoming = Self::new(NamedBytes::new(name(path), bytes));
+
         let beside = certificate_beside(path);
+        // Where it cannot be told whether there is one, reading it says why.
         if beside.try_exists().unwrap_or(true) {
             let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
             // Through a link the certificate has another name; here it belongs to the file as it is named.
             let named = name(&certificate_path(path));
             incoming.beside.push(NamedBytes::new(named, bytes));
         }
+
         incoming.folder = path.parent().map(Path::to_owned);
         Ok(incoming)
     }

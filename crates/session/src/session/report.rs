@@ -59,8 +59,11 @@ impl MakeError {
         ];
         let iterations = (1..=64).map(Stage::Iterate);
         let mut stages = stages.into_iter().chain(iterations);
-        let stage = stages.find(|stage| stage.to_string() == activity);
-        let stage = stage.unwrap_or(Stage::Pattern);
+
+        // A monitor knows stages by their names alone. Before the first report, a run makes its pattern.
+        let reported = stages.find(|stage| stage.to_string() == activity);
+        let stage = reported.unwrap_or(Stage::Pattern);
+
         Self::InWorker {
             cancelled: Some(stage),
             message: SampleError::Cancelled { stage }.to_string(),
@@ -90,7 +93,7 @@ impl MakeError {
 
 /// Reports a run's progress to a [`Monitor`] and stops the run when it was cancelled.
 pub struct Reporter<'a> {
-    /// Receives the progress.
+    /// Receives the progress, and says whether the work was cancelled.
     pub monitor: &'a Monitor,
 }
 

@@ -62,11 +62,14 @@ impl<'de> Deserialize<'de> for SessionRef {
             let index = kept
                 .iter()
                 .position(|session| session.generation == generation)?;
+            // Moved to the end, as those at the beginning are dropped first.
             let session = kept.remove(index);
             kept.push(Arc::clone(&session));
             Some(session)
         });
+
         session.map(Self).ok_or_else(|| {
+            // The error's text is lost on the way through the format, so that the number is kept aside.
             MISSING.with_borrow_mut(|missing| missing.push(generation));
             D::Error::custom(format!("session {generation} is not known"))
         })
