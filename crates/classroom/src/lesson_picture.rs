@@ -56,6 +56,7 @@ pub(crate) fn step_at(
     learner.go(index);
 
     let parameters = learner.parameters();
+    // Steps of one lesson often show the same run, which is then made once.
     let run = match last.take() {
         Some(run) if run.run().parameters == parameters => run,
         _ => {

@@ -208,7 +208,7 @@ impl Device {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    /// Submits commands.
+    /// Submits commands to the queue, in parts that their jobs and timestamps fit.
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
         // So many passes fit the timestamps, two each, and the buffer of jobs.

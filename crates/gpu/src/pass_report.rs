@@ -7,7 +7,7 @@ use crate::layout::{Access, Name};
 /// How much is recorded for inspection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Recording {
-    /// Nothing is recorded.
+    /// Nothing is recorded, as in a run for its result alone.
     Nothing,
     /// Reports of passes alone.
     Passes,

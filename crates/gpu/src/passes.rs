@@ -38,7 +38,7 @@ pub enum Size {
     Invocations(u64),
     /// This many workgroups of `WORKGROUP` invocations.
     Workgroups(u64),
-    /// As many as the pass `prepare` computed for an argument, given by its index in `ARGUMENTS`.
+    /// A number that the pass `prepare` computed for an argument, given by its index in `ARGUMENTS`.
     Indirect(u32),
 }
 

@@ -23,7 +23,7 @@ pub(crate) enum Phase {
     Fill,
     /// The levels of uniform insertion.
     Levels,
-    /// Gathering the result.
+    /// The gathering of the result, when all samples are there.
     Finish,
 }
 

@@ -84,7 +84,7 @@ impl State {
         Ok(state)
     }
 
-    /// Returns the run.
+    /// Returns the run as far as the device has made it.
     pub(crate) fn run(&self, work: &WindowRun, pattern: &Arc<Pattern>) -> Result<Run, GpuError> {
         let setup = &work.setup;
         let mut run = Run::new(&setup.parameters, setup.domain, Arc::clone(pattern));

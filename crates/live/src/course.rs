@@ -12,7 +12,7 @@ use tilescope_sets::region;
 pub struct Change {
     /// The index of the event that it follows from.
     pub event: u32,
-    /// The sample's id.
+    /// The id of the sample.
     pub sample: u32,
     /// Whether it covers its disk from then on; otherwise it no longer does.
     pub comes: bool,
@@ -71,7 +71,7 @@ impl Course {
         recorder.finish(domain, points)
     }
 
-    /// Returns the domain.
+    /// Returns the domain of the run, on the lattice.
     #[must_use]
     pub const fn domain(&self) -> &Domain {
         &self.domain

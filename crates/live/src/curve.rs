@@ -54,6 +54,7 @@ impl Curve {
             for column in &self.columns {
                 let value = column[row];
                 out.push(',');
+                // NaN stands for a number that is not defined there.
                 if value.is_finite() {
                     let _ = write!(out, "{value}");
                 }
@@ -110,6 +111,7 @@ impl CurveMaker {
         numbers: &[&'static SetNumber],
         moments: Option<usize>,
     ) -> Result<Self, CurveError> {
+        // Refused before anything is computed, as the time grows with the square of the samples.
         let of_spectrum = numbers.iter().find(|number| is_of_spectrum(number));
         let count = course.most_samples();
         if let Some(number) = of_spectrum.filter(|_| count > MAX_SAMPLES_OF_SPECTRUM) {
@@ -120,6 +122,7 @@ impl CurveMaker {
             return Err(CurveError::TooFewMoments { moments });
         }
 
+        // Reading a spectrum costs more than the changes between two moments, so that not every moment is read.
         let moments = moments.or(of_spectrum.map(|_| MOMENTS_OF_SPECTRUM));
         let cursors = cursors(&course, moments.unwrap_or(usize::MAX));
         let curve = Curve {
@@ -150,6 +153,7 @@ impl CurveMaker {
 
             let moved = self.moment.seek(cursor, self.wanted, budget - steps)?;
             steps += moved.steps;
+            // The measures keep the way that they have come: the next call goes on from there.
             if !moved.arrived {
                 return Ok(false);
             }
@@ -174,6 +178,7 @@ impl CurveMaker {
         events.push(cursor);
         stages.push(self.moment.course().stage(cursor));
 
+        // Reading is counted, too, so that a slice of many moments without changes ends.
         READING + self.moment.cost_of_reading(self.wanted)
     }
 

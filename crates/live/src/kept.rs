@@ -164,10 +164,13 @@ impl<M: Follows> Kept<M> {
             return Ways::default();
         };
         let change = measure.cost_of_change();
+
         let ahead = self.ahead.as_ref().map(|ahead| {
+            // It will be the measure of the moment for which it was begun, and takes the changes from there.
             let left = ahead.renewal.steps_left().div_ceil(M::RATE);
             left + change * ahead.target.abs_diff(target) as u64
         });
+
         let count = course.count_after(target);
         Ways {
             changes: change * self.distance(target) as u64,
@@ -219,7 +222,7 @@ impl<M: Follows> Kept<M> {
         let Some(measure) = &mut self.measure else {
             return 0;
         };
-        // Backwards, what came goes.
+        // Backwards, a sample that came goes, and one that went comes.
         if change.comes == is_forwards {
             measure.insert(change.sample, place)
         } else {

@@ -19,7 +19,7 @@ pub enum CourseError {
         "the run has about {samples} samples; the events of at most {MAX_SAMPLES} can be recorded: take a larger radius or a smaller count"
     )]
     TooMany {
-        /// The expected number.
+        /// How many samples are expected.
         samples: u64,
     },
     /// The run cannot be made, or was cancelled.
@@ -116,6 +116,7 @@ impl Course {
         nested: &NestedRequest,
         observer: &mut dyn Observer,
     ) -> Result<Self, CourseError> {
+        // An exact number of samples decides the radius, so that the check must know it, too.
         let mut expected = recipe.parameters;
         if let Some(count) = nested.exactly {
             expected.radius = radius_estimate(&expected, count as u64)?;

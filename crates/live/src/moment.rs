@@ -19,7 +19,7 @@ pub const MAX_SAMPLES: usize = 200_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 pub struct Wanted {
-    /// The spectrum.
+    /// The spectrum, with all numbers that are read from it.
     pub spectrum: bool,
     /// Whether every second or third frequency along each axis will do, while all take more steps than there are.
     pub thinned: bool,
@@ -32,7 +32,7 @@ pub struct Wanted {
 /// What a move took, and whether it arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moved {
-    /// The counted steps.
+    /// The counted steps that the move took.
     pub steps: u64,
     /// Whether all that was wanted is the moment's.
     pub arrived: bool,
@@ -73,7 +73,7 @@ impl LiveMoment {
         self.course.count_after(self.changes)
     }
 
-    /// Moves to `cursor`, forwards or backwards, and brings what is wanted there: change by change or anew, whichever takes
+    /// Moves to `cursor`, forwards or backwards, and brings the wanted measures there: change by change or anew, whichever takes
     /// fewer steps, in about `budget` steps at most. What needs more is not the moment's yet; later calls with the same
     /// cursor go on.
     ///
@@ -113,7 +113,7 @@ impl LiveMoment {
         Ok(Moved { steps, arrived })
     }
 
-    /// Returns about the steps of reading what is wanted: the rings and the picture of a spectrum take far more than the rest.
+    /// Returns about the steps of reading the wanted measures: the rings and the picture of a spectrum take far more than the rest.
     pub(crate) fn cost_of_reading(&self, wanted: Wanted) -> u64 {
         if wanted.spectrum {
             self.spectra.cost_of_reading(self.changes)

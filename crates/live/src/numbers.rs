@@ -15,7 +15,7 @@ pub enum NumberError {
     /// No number has this key.
     #[error("there is no number \"{key}\"; those that can be had at every moment are {known}")]
     Unknown {
-        /// The key.
+        /// The key as it was given.
         key: String,
         /// The keys that can be used, in the catalogue's sequence.
         known: String,
@@ -25,7 +25,7 @@ pub enum NumberError {
         "the number \"{key}\" is measured of whole sets alone; those that can be had at every moment are {known}"
     )]
     NotLive {
-        /// The key.
+        /// The key as it was given.
         key: String,
         /// The keys that can be used, in the catalogue's sequence.
         known: String,
@@ -33,7 +33,7 @@ pub enum NumberError {
     /// It is named twice, and columns need different names.
     #[error("the number \"{key}\" is named twice; name it once")]
     Twice {
-        /// The key.
+        /// The key as it was given.
         key: String,
     },
     /// No number is named.
@@ -68,6 +68,7 @@ pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber
         if !is_live(found) {
             return Err(NumberError::NotLive { key: owned, known });
         }
+        // Rows are read by the names of their columns.
         if numbers.iter().any(|number| number.key == key) {
             return Err(NumberError::Twice { key: owned });
         }
@@ -111,9 +112,9 @@ pub fn wanted_for(numbers: &[&SetNumber]) -> Wanted {
 }
 
 impl LiveMoment {
-    /// Returns what is known of the moment as the measures of a set, of which the numbers of the catalogue are read. What is
-    /// not the moment's is not in it. Distances are those on the lattice, by which the sampler decides: the sides of the domain
-    /// are rounded to its units there, so that they differ from distances in user units by up to 2 in a million.
+    /// Returns the measures of the moment as those of a set, of which the numbers of the catalogue are read. A measure that is
+    /// not the moment's is left out. Distances are those on the lattice, by which the sampler decides: the sides of the domain are
+    /// rounded to its units there, so that they differ from distances in user units by up to 2 in a million.
     #[must_use]
     pub fn measured(&self) -> MeasuredSet {
         let course = self.course();
@@ -140,12 +141,14 @@ impl LiveMoment {
         let (region, radius) = (self.course().region(), self.course().domain().radius());
         let min_distance = pairs.smallest_distance_in_radii() * radius;
         let r_max = largest_min_distance(count, region.area());
+
         Some(Report {
             judges: Vec::new(),
             count,
             region,
             radius,
             covering_tolerance: COVERING_TOLERANCE,
+            // The judges stop counting there, so that both say the same.
             conflicts: pairs.conflicts().min(MAX_CONFLICTS),
             worst_conflicts: Vec::new(),
             gaps: cover.open_places(),

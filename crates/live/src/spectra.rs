@@ -86,6 +86,7 @@ impl Spectra {
         let stride = index as u32 + 1;
         self.kept[index]
             .begin(|| LiveSpectrum::new(course.plane(), course.most_samples(), stride))?;
+
         let (finest, others) = self.kept.split_at_mut(1);
         let Some(kept) = index.checked_sub(1).map(|index| &mut others[index]) else {
             return Ok(0);
@@ -93,6 +94,7 @@ impl Spectra {
 
         let change = kept.cost_of_change();
         let thinning = THINNING_CHANGES * change;
+        // Thinning leaves out frequencies of the finest spectrum and then follows it to the moment.
         let way = thinning + change * finest[0].distance(target) as u64;
         if way >= kept.cost(course, target) {
             return Ok(0);

@@ -24,7 +24,7 @@ pub fn region_in_radii(domain: &Domain) -> Region {
 pub struct KnownDomain {
     /// The region of its positions.
     pub region: Region,
-    /// Its Poisson-disk radius.
+    /// Its Poisson-disk radius, in its own units; the least one where it varies.
     pub radius: f64,
 }
 
@@ -49,19 +49,19 @@ impl KnownDomain {
     }
 }
 
-/// What is said of a set's domain and radius in the place of what its certificate states.
+/// A domain and a radius that an argument gives, in the place of those that a certificate states.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GivenDomain {
-    /// Its Poisson-disk radius.
+    /// Its Poisson-disk radius, in its own units.
     pub radius: Option<f64>,
     /// Its width and its height.
     pub size: [Option<f64>; 2],
-    /// How it ends.
+    /// Whether its opposite sides are joined.
     pub boundary: Option<Boundary>,
 }
 
 impl GivenDomain {
-    /// Returns domain and radius. What is not given is as stated, or of the periodic unit square; `None` if the radius is
+    /// Returns domain and radius. Values that are not given are as stated, or of the periodic unit square; `None` if the radius is
     /// neither given nor stated.
     #[must_use]
     pub fn over(&self, stated: Option<KnownDomain>) -> Option<KnownDomain> {

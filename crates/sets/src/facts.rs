@@ -16,7 +16,7 @@ use crate::domain::region;
 /// Parameters by their names, as certificates state them.
 pub type Stated = BTreeMap<String, Value>;
 
-/// Returns the fields of parameters by their names; none of what is no struct. The method is stated beside them.
+/// Returns the fields of parameters by their names; no fields for a value without any. The method is stated beside them.
 pub fn stated(parameters: &impl Serialize) -> Stated {
     let mut stated: Stated = match json!(parameters) {
         Value::Object(fields) => fields.into_iter().collect(),
@@ -35,9 +35,9 @@ pub struct Facts {
     pub parameters: Stated,
     /// The region of the positions.
     pub region: Region,
-    /// The Poisson-disk radius.
+    /// The Poisson-disk radius, in user units.
     pub radius: f64,
-    /// What is to hold for the samples to the end of each level, if it has nested levels.
+    /// The claims on the samples to the end of each level, if it has nested levels.
     pub levels: Vec<PrefixClaim>,
     /// Where the lower corner of the region lies, for a shape or an expression in coordinates of their own.
     pub origin: [f64; 2],

@@ -63,7 +63,7 @@ impl Made {
         verify(&self.set.points, region, radius, options, control)
     }
 
-    /// Returns what is found of each level of nested levels, `report` being that on the whole set.
+    /// Returns the verdict on each level of nested levels, `report` being that on the whole set.
     ///
     /// # Errors
     ///
@@ -100,7 +100,7 @@ pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     );
     let points: Vec<_> = ids.iter().map(|&id| samples.points[id as usize]).collect();
     let source = |&id: &u32| Source::from(samples.origins[id as usize]).row().into();
-    // Nested levels are of several patterns and say nothing of blocks.
+    // Nested levels are made of several patterns and name no blocks.
     let has_sources = !run.blocks.leaves.is_empty();
 
     PointSet {

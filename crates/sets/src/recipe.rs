@@ -40,7 +40,7 @@ pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> P
     pattern
 }
 
-/// Returns what is stated of an exact tiling that has about so many samples.
+/// Returns the facts of an exact tiling that has about so many samples.
 #[must_use]
 pub fn facts_of_exact(
     parameters: &Parameters,
@@ -48,7 +48,7 @@ pub fn facts_of_exact(
     pattern: &Pattern,
     samples: f64,
 ) -> Facts {
-    // What is stated can be typed again.
+    // Stated parameters can be typed again as they are.
     let mut used = stated(parameters);
     // Exact tiling refuses these by their names.
     for parameter in NOT_OF_EXACT {
@@ -67,7 +67,7 @@ pub fn facts_of_exact(
 /// A pattern that is given rather than generated.
 #[derive(Clone, Debug)]
 pub struct GivenPattern {
-    /// The pattern.
+    /// The pattern itself, conflict-free and maximal.
     pub pattern: Arc<Pattern>,
     /// Where it is from, as certificates state it.
     pub source: Value,
@@ -116,6 +116,8 @@ impl Recipe {
             Some(given) => Arc::clone(&given.pattern),
             None => Pattern::of_spec(&parameters.pattern, observer)?,
         };
+
+        // The radius is searched for with the pattern at hand, whose lengths are in r and do not change with it.
         if let Some(count) = self.count {
             parameters.radius = radius_for_count(&parameters, count, &pattern, observer)?;
         }
@@ -148,6 +150,7 @@ impl Recipe {
         };
 
         let mut used = self.stated(domain.radius());
+        // A certificate states the parameters that matter alone: the same ones make the set again.
         used.retain(|name, _| OF_REFERENCE.contains(&name.as_str()));
         Ok(Made {
             set: PointSet::from_points(domain.users_from_lattice(&points)),
@@ -196,6 +199,7 @@ impl Recipe {
         };
 
         let domain = made.domain();
+        // The radius is that of the last level, which the number of samples may have decided.
         let mut parameters = self.stated(domain.radius());
         parameters.extend(stated(nested));
         Ok(Made {
@@ -222,7 +226,7 @@ pub struct Settled {
     pub parameters: Parameters,
     /// The domain, of any size.
     pub domain: Domain,
-    /// The pattern.
+    /// The pattern from which blocks clip.
     pub pattern: Arc<Pattern>,
     /// The facts of the set before it is made.
     pub facts: Facts,

@@ -1,4 +1,4 @@
-//! Sets whose radius varies, and sets that cover a shape: from what is asked to a made set, and from a certificate back to
+//! Sets whose radius varies, and sets that cover a shape: from a request to a made set, and from a certificate back to
 //! what its set is judged in.
 //!
 //! Begin with [`VaryingRecipe`]. Its [`VaryingRecipe::ground`] is the field and the shape in lattice units, for the sampler and
@@ -39,7 +39,7 @@ const MAX_TRIES: usize = 12;
 pub struct VaryingRecipe {
     /// Where the radius comes from; with a count, its scale is free.
     pub radius: RadiusSource,
-    /// What is to be covered; without a shape, the whole domain.
+    /// The area to cover; without a shape, the whole domain.
     pub shape: Option<ShapeSource>,
     /// Width and height of the domain. Those that are not given follow from the polygon or from the pixels, or are 1.
     pub size: [Option<f64>; 2],
@@ -48,15 +48,15 @@ pub struct VaryingRecipe {
     pub origin: Option<[f64; 2]>,
     /// How the domain ends.
     pub boundary: Boundary,
-    /// The seed.
+    /// The seed of all random draws.
     pub seed: u64,
     /// How many samples there are to be, to within a hundredth.
     pub count: Option<u64>,
 }
 
 impl VaryingRecipe {
-    /// Returns what the set of a certificate was made from. Images are taken from `given`, and what else is given is taken in
-    /// the place of what is stated.
+    /// Returns the recipe by which the set of a certificate was made. Images are taken from `given`, and other given values take
+    /// the place of stated ones.
     ///
     /// # Errors
     ///
@@ -174,22 +174,22 @@ impl VaryingRecipe {
     }
 }
 
-/// What is given to judge a set, besides its certificate.
+/// A field and a shape that are given to judge a set, besides its certificate.
 #[derive(Clone, Debug, Default)]
 pub struct GivenGround {
     /// An expression, or an image as the grey values of a field.
     pub radius: GivenRadius,
-    /// What is to be covered.
+    /// The area to cover, if it is no rectangle.
     pub shape: Option<ShapeSource>,
 }
 
 /// A field that is given without its radii, which a certificate states.
 #[derive(Clone, Debug, Default)]
 pub enum GivenRadius {
-    /// None.
+    /// No field is given.
     #[default]
     Nothing,
-    /// An expression.
+    /// An expression in the coordinates of the domain.
     Expression(Expression),
     /// An image, whose grey is the radius or the density.
     Image(GrayImage),
@@ -197,7 +197,7 @@ pub enum GivenRadius {
     Grid {
         /// Nodes of a row.
         columns: usize,
-        /// The radii.
+        /// The radii, row by row from the lowest one up.
         radii: Vec<f64>,
     },
 }

@@ -31,7 +31,7 @@
 pub enum Checks {
     /// With checks of indices and loops.
     Checked,
-    /// Without them.
+    /// Without checks, as this crate argues that none would ever fail.
     Trusted,
 }
 

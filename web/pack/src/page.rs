@@ -220,6 +220,7 @@ impl Assembly<'_> {
     fn value(&mut self, placeholder: Placeholder<'_>) -> Result<String> {
         match placeholder {
             Placeholder::Asset(WORKER) | Placeholder::Size(WORKER) => {
+                // A name with a digest of a list that has this name would depend on itself.
                 bail!("{WORKER} lists this file; it has a stable name, so write that")
             }
             Placeholder::Asset(name) => {

@@ -51,6 +51,7 @@ impl Classroom {
         match command {
             TalkCommand::Lesson { from_start } => self.present_lesson(from_start, context),
             TalkCommand::First => {
+                // A lecture has several lessons as its parts: the first step is that of the first one.
                 if self.talks.open.as_ref().is_some_and(|talk| talk.part > 0) {
                     self.go_to_part(0, false, context);
                 } else {
@@ -78,6 +79,7 @@ impl Classroom {
             TalkCommand::Restore(kept) => self.restore_talk(&kept, context),
             TalkCommand::Draw(at) => {
                 if let Some(talk) = &mut self.talks.open {
+                    // The first place after the pen was lifted begins a stroke.
                     let (begins, color) = (!talk.is_drawing, talk.color);
                     talk.is_drawing = true;
                     self.talks.record.draw(&key, at, color, begins);
@@ -606,6 +608,7 @@ impl Talk {
             TalkCommand::OpenStage => self.windows.stage = true,
             TalkCommand::Swap => self.windows.are_swapped = !self.windows.are_swapped,
             TalkCommand::Tool(tool) => {
+                // The tool that is in the hand is put down by its own key.
                 self.tool = if self.tool == tool { Tool::Hand } else { tool };
                 (self.pointer, self.is_drawing) = (None, false);
             }

@@ -56,7 +56,7 @@ pub(crate) fn eliminate() -> Vec<Command> {
     commands
 }
 
-/// Records further rounds.
+/// Records further rounds, for cells that are still contested.
 pub(crate) fn rounds() -> Vec<Command> {
     alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, false)
 }

@@ -65,7 +65,7 @@ pub(super) const TILE: Pass = Pass {
     ],
 };
 
-/// Records the stage.
+/// Records the stage: counts, their prefix sums, and the samples.
 pub(crate) fn tile(plan: &WindowPlan) -> Vec<Command> {
     // One entry more than there are cells: its sum is the total, and the end of the last cell.
     let mut commands = vec![run(&COUNT, Size::Invocations(plan.cells() + 1))];

@@ -8,14 +8,14 @@ use crate::error::GpuError;
 #[derive(Debug)]
 pub enum Gpu {}
 
-/// Returns no adapter.
+/// Returns no adapter: this build has no devices.
 #[allow(clippy::unused_async)] // As in a build with devices.
 pub async fn adapters() -> Vec<AdapterReport> {
     Vec::new()
 }
 
 impl Gpu {
-    /// Returns [`GpuError::NotBuilt`].
+    /// Returns [`GpuError::NotBuilt`] whatever is asked for.
     #[allow(clippy::unused_async)] // As in a build with devices.
     pub async fn open(_: &Choice) -> Result<Self, GpuError> {
         Err(GpuError::NotBuilt)

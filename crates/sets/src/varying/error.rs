@@ -16,7 +16,7 @@ pub enum VaryingError {
     Expression {
         /// The place, from 1.
         at: usize,
-        /// What is wrong.
+        /// The fault at that place, in words.
         reason: String,
     },
     /// A radius is not a positive number.
@@ -25,7 +25,7 @@ pub enum VaryingError {
         Number(*.radius), Number(.place[0]), Number(.place[1])
     )]
     Radius {
-        /// The value.
+        /// The value of the field there.
         radius: f64,
         /// The first place that has it.
         place: [f64; 2],
@@ -36,9 +36,9 @@ pub enum VaryingError {
         Number(*.least), Number(*.greatest), .greatest / .least
     )]
     Contrast {
-        /// The least radius.
+        /// The least radius of the field.
         least: f64,
-        /// The greatest radius.
+        /// The greatest radius of the field.
         greatest: f64,
         /// The largest possible quotient.
         limit: f64,
@@ -55,7 +55,7 @@ pub enum VaryingError {
         Number(*.least), Number(*.pitch), Number(.pitch / 32.0)
     )]
     Fine {
-        /// The least radius.
+        /// The least radius of the field.
         least: f64,
         /// The distance between nodes.
         pitch: f64,
@@ -63,9 +63,9 @@ pub enum VaryingError {
     /// An image cannot be used.
     #[error("{name}: {reason}")]
     Image {
-        /// Its file.
+        /// The name of its file.
         name: String,
-        /// What is wrong, and what helps.
+        /// The fault, and a remedy.
         reason: String,
     },
     /// An image has too many pixels.
@@ -73,11 +73,11 @@ pub enum VaryingError {
         "{name}: the image has {columns} x {rows} pixels; from 1 to {MAX_PIXELS} in all are possible"
     )]
     Pixels {
-        /// Its file.
+        /// The name of its file.
         name: String,
-        /// Its width.
+        /// How many pixels a row has.
         columns: u32,
-        /// Its height.
+        /// How many pixels a column has.
         rows: u32,
     },
     /// Pixels would not be squares.
@@ -88,7 +88,7 @@ pub enum VaryingError {
     Aspect {
         /// The pixels of a row and of a column.
         pixels: [usize; 2],
-        /// The domain.
+        /// The domain's width and height.
         size: [f64; 2],
     },
     /// The radii of a grid are no whole rows.
@@ -116,7 +116,7 @@ pub enum VaryingError {
         Number(.size[0]), Number(.size[1])
     )]
     Ratio {
-        /// The domain.
+        /// The domain's width and height.
         size: [f64; 2],
         /// The largest number of nodes of a side.
         limit: usize,
@@ -124,15 +124,15 @@ pub enum VaryingError {
     /// A polygon cannot be used.
     #[error("{name}: {reason}")]
     Polygon {
-        /// Its file.
+        /// The name of its file.
         name: String,
-        /// What is wrong, and what helps.
+        /// The fault, and a remedy.
         reason: String,
     },
     /// A polygon has too many corners.
     #[error("{name}: the polygons have {corners} corners; at most {MAX_CORNERS} are possible")]
     Corners {
-        /// Its file.
+        /// The name of its file.
         name: String,
         /// Corners of all rings.
         corners: usize,
@@ -143,7 +143,7 @@ pub enum VaryingError {
         Number(.corner[0]), Number(.corner[1])
     )]
     Degrees {
-        /// Its file.
+        /// The name of its file.
         name: String,
         /// A corner beyond the unit square.
         corner: [f64; 2],
@@ -186,7 +186,7 @@ pub enum VaryingError {
     /// The judge refuses field or shape.
     #[error(transparent)]
     Judge(#[from] VerifyError),
-    /// The sampler stopped.
+    /// The sampler refused the parameters, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
 }

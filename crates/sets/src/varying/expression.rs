@@ -125,7 +125,7 @@ impl Expression {
 
 struct Parser<'a> {
     text: &'a [u8],
-    /// The next character.
+    /// Where the next character is.
     at: usize,
     depth: usize,
     steps: Vec<Step>,
@@ -180,6 +180,7 @@ impl Parser<'_> {
         self.atom()?;
         if self.take(b"^").is_some() {
             self.go_deeper()?;
+            // From the right, as in mathematics: 2^3^2 is 2^9. An exponent may have signs of its own.
             self.signed()?;
             self.depth -= 1;
             self.steps.push(Step::Two(libm::pow));
@@ -199,6 +200,7 @@ impl Parser<'_> {
             }
             Some(c) if c.is_ascii_digit() || c == b'.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() => {
+                // Names may end in digits, as atan2 does.
                 let is_word = |c: &u8| c.is_ascii_alphanumeric() || *c == b'_';
                 let start = self.at;
                 let length = self.text[start..].iter().take_while(|c| is_word(c)).count();

@@ -61,6 +61,7 @@ impl VaryingRecipe {
     pub(super) fn ground_of(&self, radius: &RadiusSource) -> Result<Ground, VaryingError> {
         radius.check()?;
         let frame = self.frame(radius)?;
+        // A constant radius without pixels is one node.
         let nodes = match (frame.squares, radius) {
             (None, RadiusSource::Constant(radius)) => self.single(&frame, *radius)?,
             _ => self.nodes(&frame, radius)?,
@@ -181,7 +182,7 @@ impl VaryingRecipe {
         let mut origin = self.origin.unwrap_or_default();
         let mut size = self.size;
         if let Some(ShapeSource::Polygon(polygon)) = &self.shape {
-            // Whoever gives a side or the corner has a frame in mind, of which the polygon is a part.
+            // A given side or corner is of a frame, of which the polygon is a part.
             let [low, high] = polygon.bounds();
             if self.origin.is_none() && size == [None; 2] {
                 origin = low;
@@ -323,7 +324,7 @@ fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<([usize; 2], f64), V
     };
     if boundary == Boundary::Bounded {
         let (counts, pitch) = counts(EXPRESSION_NODES);
-        // The last squares may reach beyond the border. What is whole but for rounding is whole.
+        // The last squares may reach beyond the border. A count that is whole but for rounding is whole.
         let counts = counts.map(|count| (count - SAME_RATIO).ceil().max(1.0) as usize);
         return Ok((counts, pitch));
     }

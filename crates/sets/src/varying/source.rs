@@ -19,21 +19,21 @@ pub enum RadiusSource {
     Constant(f64),
     /// It is the value of an expression, multiplied by a scale.
     Expression {
-        /// The expression.
+        /// The expression in the coordinates of the domain.
         expression: Expression,
-        /// The scale.
+        /// Its values are multiplied by this.
         scale: f64,
     },
     /// Grey is the radius: from that of black to that of white, in proportion.
     Image {
-        /// The image.
+        /// The image whose grey is read.
         image: GrayImage,
         /// The radii of black and of white.
         radii: [f64; 2],
     },
     /// Darkness is the density: the radius is that of black, divided by the root of the darkness, and at most 64 times as much.
     Density {
-        /// The image.
+        /// The image whose grey is read.
         image: GrayImage,
         /// The radius of black.
         black: f64,
@@ -63,13 +63,14 @@ impl RadiusSource {
         scaled
     }
 
-    /// Refuses what no field can be made of.
+    /// Refuses sources that define no field.
     pub(super) fn check(&self) -> Result<(), VaryingError> {
         match self {
             Self::Image { radii, .. } if !(0.0 < radii[0] && radii[0] <= radii[1]) => {
                 Err(VaryingError::Reversed { radii: *radii })
             }
             Self::Grid { columns, radii, .. }
+                // The last row must be whole, as nodes are neighbours by their place in it.
                 if *columns == 0 || radii.is_empty() || radii.len() % columns != 0 =>
             {
                 let count = radii.len();
@@ -105,7 +106,7 @@ impl RadiusSource {
         if !stated.radius.is_field() {
             return Ok(Self::Constant(stated.radius.least()));
         }
-        // A certificate may say anything: what is no number is refused by its name.
+        // A certificate may say anything: a value that is no number is refused by its name.
         let number = |value: &Value, what: &str| {
             let unstated = || VaryingError::Unstated(format!("`{what}` is {value}"));
             value.as_f64().ok_or_else(unstated)
@@ -202,7 +203,7 @@ pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
     (black / darkness.sqrt()).min(DENSITY_CAP * black)
 }
 
-/// What is to be covered.
+/// The area to cover, in a form that is no rectangle.
 #[derive(Clone, Debug)]
 pub enum ShapeSource {
     /// The inside of polygons.
