@@ -155,7 +155,8 @@ impl Recording {
             return None;
         }
 
-        // Counts grow with the end. Find the lowest end with so many events of the kind before it; it lies just after the event.
+        // Counts grow with the end. Find the lowest end with so many events of the kind before it; it lies just after the
+        // event.
         let (mut low, mut high) = (events.start, events.end);
         while low + 1 < high {
             let middle = usize::midpoint(low, high);

@@ -262,7 +262,7 @@ impl Debugger {
             match holds {
                 Ok(true) => return Some(Stop::Breakpoint(index)),
                 Ok(false) => {}
-                // A condition without a value must not pass for one that is false, as the run would never stop.
+                // A condition without a value must not pass for a false one: the run would go past without a word.
                 Err(error) => return Some(Stop::BadCondition(index, error)),
             }
         }

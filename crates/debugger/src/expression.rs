@@ -81,7 +81,7 @@ pub enum ExpressionError {
     /// It cannot be evaluated here.
     #[error("{message}")]
     Evaluation {
-        /// The fault, as `rhai` words it.
+        /// The fault, in words.
         message: String,
     },
     /// A number that it names is not measured yet.
@@ -461,6 +461,8 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
 
     // Numbers of events begin with 1 wherever a user meets them.
     put("event", (state.cursor() as i64 + 1).into());
+
+    // At the end of a run no event is next, so that all others are without a value.
     put("kind", maybe(event.map(|event| event.kind().name())));
     let line = event.and_then(|event| lines.line(event.line()));
     put("line", maybe(line.map(|line| line.id.clone())));
@@ -473,10 +475,8 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
                 .map(i64::from),
         ),
     );
-
     put("verdict", maybe(event.and_then(verdict_name)));
 
-    // At the end of a run no event is next, so that all of this is without a value.
     let [a, b, ..] = event.map_or([NONE; 4], crate::event::Event::samples);
     put("a", maybe(sample(a)));
     put("b", maybe(sample(b)));

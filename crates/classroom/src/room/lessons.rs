@@ -392,7 +392,7 @@ impl Classroom {
         match direction {
             Direction::Backwards if index > 0 => self.enter_step(index - 1, context),
             Direction::Forwards if open.learner.may_go_on() => self.enter_step(index + 1, context),
-            // A step with a question is left by an answer, so that the button says what is lacking.
+            // A step with a question is left by an answer, and the learner is told so.
             Direction::Forwards if open.learner.is_open() => {
                 open.lacking =
                     Some("Answer the question first; or ask for a hint, or give up.".to_owned());
