@@ -22,9 +22,11 @@ function button([letter, color, ink, shape], name, onclick) {
   made.style.setProperty("--card", color);
   made.style.setProperty("--ink", ink);
   made.setAttribute("aria-label", `${letter}, ${name}`);
+
   const mark = document.createElement("span");
   mark.textContent = letter;
   made.append(mark);
+
   made.addEventListener("click", onclick);
   return made;
 }
@@ -35,11 +37,13 @@ export async function showCard(linked) {
   const words = await wordsOf(language);
   document.documentElement.lang = language;
   document.title = `${words("Voting card")} \u2013 Tilescope`;
+
   const main = document.querySelector("main");
   const sheet = document.createElement("section");
   sheet.id = "card";
   sheet.setAttribute("aria-label", words("Voting card"));
   main?.replaceChildren(sheet);
+
   const choose = () => {
     sheet.classList.remove("shown");
     const said = document.createElement("p");
@@ -48,6 +52,7 @@ export async function showCard(linked) {
     grid.append(...CARDS.map((card) => button(card, words(card[3]), () => show(card))));
     sheet.replaceChildren(said, grid);
   };
+
   /** @param {readonly [string, string, string, string]} card */
   const show = (card) => {
     sheet.classList.add("shown");
@@ -56,5 +61,6 @@ export async function showCard(linked) {
     // Where the browser has no full screen, as on some phones, the card fills the page.
     document.documentElement.requestFullscreen?.().catch(() => {});
   };
+
   choose();
 }

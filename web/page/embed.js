@@ -17,6 +17,7 @@ export function namedOrigin(text) {
   if (text === null) {
     return null;
   }
+
   try {
     const { href, origin, protocol } = new URL(text);
     // Only a slash may follow the port, and "null", the origin of files and sandboxes, is not accepted.
@@ -26,6 +27,7 @@ export function namedOrigin(text) {
   } catch {
     // Reported below.
   }
+
   console.warn(
     `Tilescope: origin=${text} names no origin, so that the page around gets no answers unless it is of ${location.origin}. ` +
       "An origin is scheme, host and port, as https://lecture.example.",
@@ -58,6 +60,7 @@ function answer(data, ask) {
   if (data.tilescope !== VERSION) {
     return refuse(`"tilescope" must be ${VERSION}, the version of the interface.`);
   }
+
   const { tilescope, id, ...request } = data;
   let text;
   try {
@@ -65,9 +68,11 @@ function answer(data, ask) {
   } catch {
     return refuse("The request must be plain data that JSON can hold.");
   }
+
   if (text.length > MOST_CHARACTERS) {
     return refuse(`The request has ${text.length} characters; at most ${MOST_CHARACTERS} are read.`);
   }
+
   try {
     return JSON.parse(ask(text));
   } catch (error) {
@@ -83,14 +88,18 @@ function answer(data, ask) {
 export function bridge(origin, ask) {
   const allowed = [location.origin, ...(origin ? [origin] : [])];
   const hears = window.parent === window ? undefined : listener(allowed);
+
   /** @type {Set<string>} */
   const refused = new Set();
+
   window.addEventListener("message", (message) => {
     const { data, source } = message;
     const isRequest = typeof data === "object" && data !== null && "tilescope" in data;
     if (window.parent === window || source !== window.parent || !isRequest) {
       return;
     }
+
+    // Reported once for each origin, as a page may send many messages.
     if (!allowed.includes(message.origin)) {
       if (!refused.has(message.origin)) {
         refused.add(message.origin);
@@ -98,6 +107,7 @@ export function bridge(origin, ask) {
       }
       return;
     }
+
     const reply = { tilescope: VERSION, ...answer(data, ask) };
     try {
       window.parent.postMessage({ id: data.id, ...reply }, message.origin);
@@ -106,11 +116,13 @@ export function bridge(origin, ask) {
       window.parent.postMessage(reply, message.origin);
     }
   });
+
   const tell = (/** @type {object} */ event) => {
     if (hears) {
       window.parent.postMessage({ tilescope: VERSION, ...event }, hears);
     }
   };
+
   let isReady = false;
   let answers = 0;
   return {

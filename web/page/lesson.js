@@ -52,11 +52,13 @@ function button(id, name, onclick, more = {}) {
 function paragraphs(paragraphs) {
   /** @type {HTMLElement[]} */
   const made = [];
+
   for (const spans of paragraphs) {
     if (!spans[0]?.text.startsWith("- ")) {
       made.push(make("p", {}, ...set(spans)));
       continue;
     }
+
     let list = made.at(-1);
     if (list?.tagName !== "UL") {
       list = make("ul");
@@ -64,6 +66,7 @@ function paragraphs(paragraphs) {
     }
     list.append(make("li", {}, ...set([{ ...spans[0], text: spans[0].text.slice(2) }, ...spans.slice(1)])));
   }
+
   return made;
 }
 
@@ -73,6 +76,7 @@ function plot(curves) {
   const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("viewBox", `0 0 ${width} ${height + 14}`);
   svg.setAttribute("aria-hidden", "true");
+
   const place = (/** @type {number} */ x, /** @type {number} */ y) =>
     `${((x / frequency) * width).toFixed(1)},${(height * (1 - Math.min(y / power, 1))).toFixed(1)}`;
   const line = (/** @type {string} */ points, /** @type {string} */ name) => {
@@ -81,8 +85,11 @@ function plot(curves) {
     made.setAttribute("class", name);
     svg.append(made);
   };
+
+  // A power of 1 is that of independent random samples.
   line(`${place(0, 0)} ${place(frequency, 0)}`, "axis");
   line(`${place(0, 1)} ${place(frequency, 1)}`, "axis");
+
   for (const tick of [0.5, 1, 1.5, 2, 2.5]) {
     const label = document.createElementNS(SVG, "text");
     label.setAttribute("x", String((tick / frequency) * width));
@@ -91,10 +98,12 @@ function plot(curves) {
     label.textContent = tick === 2.5 ? `${number} / r` : number;
     svg.append(label);
   }
+
   curves.forEach((curve, index) => {
     const inside = curve.filter(([x]) => x <= frequency);
     line(inside.map(([x, y]) => place(x, y)).join(" "), `curve-${index}`);
   });
+
   return svg;
 }
 
@@ -116,9 +125,11 @@ function answers(control, question) {
   const disabled = !question.open;
   const choice = (/** @type {any} */ { id, chosen, change }, /** @type {string | Node[]} */ name, /** @type {string} */ look) =>
     button(`lesson-${id}`, name, () => draft(change), { class: look, disabled, "aria-pressed": String(chosen) });
+
   switch (control.control) {
     case "line":
       return [make("p", { class: "small" }, control.text)];
+
     case "list": {
       const items = control.items.map((/** @type {any} */ item) => {
         const mark = item.mark === null ? [] : [make("b", {}, `${item.mark} `)];
@@ -130,10 +141,12 @@ function answers(control, question) {
         return curve ? [made, plot([curve])] : [made];
       });
     }
+
     case "chips": {
       const items = control.items.map((/** @type {any} */ item) => choice(item, set(item.text), "chip"));
       return [make("div", { class: "chips" }, ...keyed(items))];
     }
+
     case "rows":
       return control.rows.map((/** @type {any} */ row) => {
         const made = row.words.map((/** @type {any} */ word) => choice(word, word.text, "chip"));
@@ -141,6 +154,7 @@ function answers(control, question) {
           ? make("div", { class: "chips" }, ...made)
           : make("div", { class: "row", role: "group", "aria-label": row.name }, make("span", { class: "band" }, row.name), ...made);
       });
+
     case "field": {
       const field = make("input", {
         id: "lesson-number",
@@ -153,10 +167,13 @@ function answers(control, question) {
         oninput: (/** @type {any} */ event) => draft({ type: event.target.value }),
         onkeydown: (/** @type {KeyboardEvent} */ event) => event.key === "Enter" && send({ do: "answer" }),
       });
+
+      // A panel that is made again gets the text back from the program.
       const typed = question.draft.find((/** @type {any} */ change) => "type" in change);
       /** @type {HTMLInputElement} */ (field).value = typed?.type ?? "";
       return [make("div", { class: "row" }, field, make("span", {}, control.unit))];
     }
+
     case "plot":
       return [plot(control.curves)];
     default:
@@ -181,10 +198,12 @@ function listed(list) {
       make("p", { class: "small" }, objective),
     );
   };
+
   const entries = list.lessons.filter((/** @type {any} */ lesson) => !lesson.form).map(entry);
   const forms = list.lessons.filter((/** @type {any} */ lesson) => lesson.form).map(entry);
   const share = list.share.toLocaleString(element("lesson").lang, { style: "percent" });
   const results = list.answered === 0 ? words.no_results : words.some_results.replace("{count}", list.answered).replace("{share}", share);
+
   const made = [
     make("p", {}, words.intro),
     ...(entries.length ? [make("ol", { class: "lessons" }, ...entries)] : [make("p", {}, "\u2026")]),
@@ -194,6 +213,7 @@ function listed(list) {
     make("h2", {}, words.results),
     make("p", { class: "small" }, results),
   ];
+
   // The votes of a class are saved too.
   if (list.answered > 0 || list.votes > 0) {
     const field = make("input", {
@@ -203,6 +223,7 @@ function listed(list) {
       onchange: (/** @type {any} */ event) => send({ do: "lesson", learner: event.target.value }),
     });
     /** @type {HTMLInputElement} */ (field).value = list.learner;
+
     const clear = button("lesson-clear", words.clear, () => send({ do: "lesson", act: "clear" }), { class: "quiet" });
     const save = (/** @type {string} */ format, /** @type {string} */ name) =>
       button(`lesson-save-${format}`, name, () => send({ do: "lesson", save: format }), { class: "quiet" });
@@ -217,6 +238,7 @@ function listed(list) {
         ...(list.asked_to_clear ? [] : [clear]),
       ),
     );
+
     if (list.asked_to_clear) {
       made.push(
         make("p", { role: "alert" }, words.clear_all),
@@ -224,6 +246,7 @@ function listed(list) {
       );
     }
   }
+
   return made;
 }
 
@@ -234,9 +257,11 @@ function renew(part, value, content) {
   if (shown.get(part) === json) {
     return;
   }
+
   shown.set(part, json);
   const place = element(`lesson-${part}`);
   const focused = document.activeElement instanceof HTMLElement && place.contains(document.activeElement) ? document.activeElement.id : "";
+
   place.replaceChildren(...content());
   if (focused) {
     const again = document.getElementById(focused);
@@ -260,6 +285,7 @@ function keepDraft(lesson) {
   if (!lesson.question?.open) {
     return;
   }
+
   const of = questionOf(lesson);
   const lost = waiting;
   waiting = null;
@@ -268,6 +294,7 @@ function keepDraft(lesson) {
     setTimeout(() => lost.made.forEach((change) => draft(change)));
     return;
   }
+
   try {
     sessionStorage.setItem(DRAFT, JSON.stringify({ of, made: lesson.question.draft }));
   } catch {
@@ -290,23 +317,29 @@ export function showLesson(lesson) {
   const root = document.documentElement;
   panel.hidden = !lesson;
   root.toggleAttribute("data-lesson", Boolean(lesson));
+
   if (!lesson) {
     shown.clear();
     return;
   }
+
   words = lesson.labels;
   panel.lang = lesson.language || "en";
+
   const { list, question } = lesson;
   renew("head", list ? 0 : lesson.title, () => head(lesson));
   renew("steps", [lesson.steps, lesson.index], () => (list ? [] : steps(lesson)));
   renew("text", list ? [list] : [lesson.heading, lesson.text, lesson.fault, lesson.waits], () => (list ? listed(list) : text(lesson)));
+
   // What is typed stands in the field already, which would lose its cursor if it were made again.
   const { draft: _, ...asked } = question ?? {};
   renew("question", [lesson.step, list ? 0 : question && asked], () => (list || !question ? [] : asks(question)));
+
   renew("feedback", [lesson.lacking, lesson.verdict, lesson.sentence, lesson.answers, list ? 0 : 1], () => (list ? [] : feedback(lesson)));
   const { tries: __, controls: ___, ...state } = asked;
   renew("actions", [lesson.step, lesson.hint, lesson.asked_to_give_up, lesson.after, list ? 0 : state], () => (list || !question ? [] : actions(lesson)));
   renew("walk", [lesson.index, lesson.may_go_on, list ? 0 : 1], () => (list ? [] : walk(lesson)));
+
   keepDraft(lesson);
 }
 
@@ -314,7 +347,9 @@ export function showLesson(lesson) {
 function head(lesson) {
   const other = lesson.language === "de" ? "en" : "de";
   const list = make("div", { class: "row" });
+
   if (!lesson.list) {
+
     list.append(button("lesson-list", words.lessons, () => send({ do: "lesson", act: "list" }), { class: "quiet" }));
     if (!new URLSearchParams(location.search).has("embed")) {
       list.append(button("lesson-present", words.present, () => send({ do: "lesson", act: "present" }), { class: "quiet" }));
@@ -327,6 +362,7 @@ function head(lesson) {
       "aria-label": lesson.list ? words.close_list : words.close,
     }),
   );
+
   return [lesson.list ? make("h2", {}, words.lessons) : make("span", { class: "small" }, lesson.title), list];
 }
 
@@ -388,6 +424,7 @@ function actions({ question, form, hint, asked_to_give_up, after, reasons }) {
     if (question.hint) {
       row.append(button("lesson-hint", words.hint, () => send({ do: "lesson", act: "hint" }), { class: "quiet" }));
     }
+
     // The second press shows the answer, or goes on in a form.
     const sure = form ? words.skip : words.show_answer;
     const give_up = asked_to_give_up ? sure : words.give_up;
@@ -395,9 +432,11 @@ function actions({ question, form, hint, asked_to_give_up, after, reasons }) {
     if (asked_to_give_up) {
       row.append(make("span", { class: "small" }, words.sure));
     }
+
     const said = hint ? [make("p", { class: "small", role: "status" }, ...set(hint))] : [];
     return [row, ...said];
   }
+
   const made = [];
   if (question.key) {
     made.push(make("p", {}, `${words.the_answer} ${question.key}`));
@@ -434,10 +473,12 @@ export function connectLesson(ask) {
   send = (request) => {
     const step = shown.get("walk");
     const { ok, lesson, error } = ask(request);
+
     if (!ok) {
       element("lesson-feedback").replaceChildren(make("p", {}, error));
       return;
     }
+
     showLesson(lesson);
     if (request.do === "answer" && !request.draft) {
       // On a phone the verdict would be below what is seen of the panel.
@@ -449,11 +490,13 @@ export function connectLesson(ask) {
       document.getElementById("lesson-heading")?.focus({ preventScroll: true });
     }
   };
+
   element("lesson").addEventListener("keydown", (event) => {
     const isText = event.target instanceof HTMLInputElement;
     if (event.ctrlKey || event.metaKey || event.altKey || (isText && event.key.length === 1)) {
       return;
     }
+
     const to = { PageDown: "lesson-next", PageUp: "lesson-back" }[event.key];
     const chosen = to ? document.getElementById(to) : element("lesson-question").querySelector(`[data-key="${CSS.escape(event.key)}"]`);
     if (chosen instanceof HTMLElement) {

@@ -79,6 +79,7 @@ function ask(request) {
   if (failed) {
     return JSON.stringify({ ok: false, error: failed });
   }
+
   if (!app) {
     goOn();
     const isReplaced = restarted_ms > -Infinity;
@@ -87,6 +88,7 @@ function ask(request) {
       : 'The program is still loading; wait for the event "ready".';
     return JSON.stringify({ ok: false, error });
   }
+
   return app.ask(request);
 }
 
@@ -103,6 +105,7 @@ function writeLink() {
   if (nextLink === null) {
     return;
   }
+
   let wait = LINK_MS;
   try {
     history.replaceState(history.state, "", nextLink ? `#${nextLink}` : location.pathname + location.search);
@@ -111,6 +114,7 @@ function writeLink() {
     // The browser refused, since there were too many changes.
     wait = 10 * LINK_MS;
   }
+
   linkTimer = setTimeout(writeLink, wait);
 }
 
@@ -123,16 +127,19 @@ function takeKey(event) {
   if (isOther) {
     return;
   }
+
   // Keys in the lesson's text do not go to the program.
   if (event.target instanceof Node && element("lesson").contains(event.target)) {
     return;
   }
+
   const isTab = event.key === "Tab" && !(event.ctrlKey || event.metaKey || event.altKey);
   if (isTab && (leaves || (embed && app?.leaves_by_tab(event.shiftKey)))) {
     leaves = false;
     event.stopImmediatePropagation();
     return;
   }
+
   leaves = event.key === "Escape" || (leaves && event.key === "Shift");
   if (app?.takes_key(event.key, event.ctrlKey || event.metaKey, event.shiftKey, event.altKey)) {
     event.preventDefault();
@@ -168,8 +175,10 @@ function joinTabs() {
     });
     return end;
   });
+
   main?.prepend(ends[0]);
   main?.append(ends[1]);
+
   const reach = (/** @type {number} */ tabIndex) => () => ends.forEach((end) => (end.tabIndex = tabIndex));
   main?.addEventListener("focusin", reach(-1));
   main?.addEventListener("focusout", reach(0));
@@ -334,12 +343,15 @@ async function begin(display, reason) {
     worker: WORKER,
     bindings: BINDINGS,
   };
+
   const canvas = element("canvas");
   // A loss of WebGPU is reported to the program, a loss of WebGL to the canvas.
   canvas.addEventListener("webglcontextlost", () => canvas.isConnected && restart("WebGL's context was lost."), { once: true });
+
   const { start } = await import("./{{asset:tilescope.js}}");
   // Show the focus ring only for keyboard users, not when the focus returns from a text field.
   canvas.focus = (how) => HTMLElement.prototype.focus.call(canvas, /** @type {any} */ ({ ...how, focusVisible: false }));
+
   keepFocus(embed !== null);
   draws = false;
   try {
@@ -347,26 +359,31 @@ async function begin(display, reason) {
   } finally {
     keepFocus(false);
   }
+
   awaitDrawing(canvas);
   // A link may have been followed meanwhile.
   if (fragment() !== link) {
     app.open_link(fragment());
   }
+
   // For use in the browser's console.
   /** @type {any} */ (window).tilescope = app;
   restoreDraft();
+
   // The text input element is beside the canvas; Tab must skip it.
   const field = textField();
   if (field) {
     field.tabIndex = -1;
     field.setAttribute("aria-label", FIELD);
   }
+
   loaded();
   if (!embed) {
     // The program gets keys from the start.
     canvas.focus();
   }
   frame?.ready();
+
   const name = asked.get("talk");
   if (name?.startsWith("tilescope-") && !channel) {
     rejoin(name);
@@ -377,9 +394,11 @@ async function begin(display, reason) {
 async function restart(reason) {
   const ended = app;
   app = null;
+
   if (hasFailed()) {
     return;
   }
+
   // Out of view the browser may have given the display to other frames, and the frame can wait; in view it would lose a
   // new one at once.
   const isExpected = embed !== null && !inView();
@@ -387,11 +406,14 @@ async function restart(reason) {
     fail(`The display was lost and could not be replaced: ${reason}`);
     return;
   }
+
   restarted_ms = performance.now();
   writeLink();
+
   try {
     const lacking = ended.left_out();
     const again = lacking ? ` What the address cannot hold has to be opened again: ${lacking}.` : "";
+
     renewCanvas();
     ended.destroy();
     if (isExpected) {
@@ -400,6 +422,7 @@ async function restart(reason) {
     } else {
       announce("The display was lost; starting again.");
     }
+
     await begin("webgl", isExpected && !lacking ? "" : `The display's device was lost: ${reason}${again}`);
   } catch (error) {
     fail(`The display was lost, and the program did not start again: ${told(error)}`);
@@ -479,12 +502,15 @@ async function showOther() {
   const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
   // What mail and chat programs put behind an address does not count.
   const card = fragment().match(/^card(?:&language=([a-z]+))?(?:[.,;:)>\]"']|%20|%22|%3E)*$/i);
+
   if (!card && !notes) {
     return false;
   }
+
   isOther = true;
   document.documentElement.setAttribute("data-runs", "");
   element("loading").hidden = true;
+
   if (notes) {
     const { showNotes } = await import("./{{asset:notes.js}}");
     showNotes(notes);
@@ -493,6 +519,7 @@ async function showOther() {
     await showCard(card?.[1]);
     keepOffline();
   }
+
   return true;
 }
 
@@ -500,10 +527,12 @@ async function main() {
   if (!embed && (await showOther())) {
     return;
   }
+
   document.documentElement.setAttribute("data-runs", "");
   if (embed) {
     await comesIntoView();
   }
+
   const lacks = await missing();
   if (lacks.length > 0) {
     showMissing(lacks);
@@ -511,6 +540,7 @@ async function main() {
     frame?.failed(failed);
     return;
   }
+
   try {
     module = await load(progress);
     loading("Starting");
@@ -522,6 +552,7 @@ async function main() {
     fail(`Tilescope could not start: ${told(error)}`);
     return;
   }
+
   // Only after the start, so that it does not compete for the network. Frames do not install a service worker.
   if (!embed) {
     keepOffline();
@@ -531,7 +562,9 @@ async function main() {
 if (hasText) {
   connectLesson((request) => JSON.parse(ask(JSON.stringify(request))));
 }
+
 window.addEventListener("keydown", takeKey, { capture: true });
+
 if (embed) {
   document.documentElement.setAttribute("data-embed", embed);
   element("canvas").setAttribute("aria-label", "Tilescope: a run of maximal Poisson-disk sampling. Tab leads through it.");
@@ -540,6 +573,7 @@ if (embed) {
     window.addEventListener(type, shareTouch, { capture: true, passive: true });
   }
 }
+
 window.addEventListener("hashchange", (event) => {
   // Not the address: the program may have written its own link there since the change.
   const link = new URL(event.newURL).hash.slice(1);
@@ -551,6 +585,7 @@ window.addEventListener("hashchange", (event) => {
   nextLink = null;
   app?.open_link(link);
 });
+
 // A browser may end a hidden page without notice.
 document.addEventListener("visibilitychange", () => document.hidden && app?.keep());
 window.addEventListener("pagehide", () => app?.keep());
@@ -560,11 +595,15 @@ window.addEventListener("storage", ({ key, newValue }) => {
     app?.take_results(newValue);
   }
 });
+
 still.addEventListener("change", () => app?.prefer_reduced_motion(still.matches));
+
 // The canvas handles files dropped on it. Elsewhere the browser would replace the page by the file.
 for (const type of ["dragover", "drop"]) {
   window.addEventListener(type, (event) => event.preventDefault());
 }
+
 window.addEventListener("error", (event) => noticeTrap(event.error));
 window.addEventListener("unhandledrejection", (event) => noticeTrap(event.reason));
+
 main();

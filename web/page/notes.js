@@ -83,17 +83,20 @@ export function showNotes(name) {
       vote.value = "";
     }
   });
+
   const button = (/** @type {string} */ name, /** @type {() => void} */ act) => {
     const made = make("button", { type: "button", class: "quiet" }, name);
     made.addEventListener("click", act);
     return made;
   };
+
   /** Shows the notes in a language from now on. @param {string} wanted */
   async function speak(wanted) {
     if (wanted === language) {
       return;
     }
     language = wanted;
+
     const found = await wordsOf(wanted);
     // Meanwhile another may be wanted.
     if (language === wanted) {
@@ -113,31 +116,37 @@ export function showNotes(name) {
     votes.setAttribute("aria-label", words("Votes"));
     next.setAttribute("aria-label", words("Next step"));
   }
+
   const openStage = () => window.open(`./?talk=${name}`, `stage-${name}`);
 
   function clock() {
     const time = new Date().toLocaleTimeString(language || [], { hour: "2-digit", minute: "2-digit" });
     const isSilent = performance.now() > heard_ms + SILENT_MS;
+
     if (isSilent || !talk) {
       const why = words(isSilent ? "The stage is closed." : "No talk is given.");
       bar.replaceChildren(make("b", {}, time), ` ${why} `, ...(kept ? [button(words("Open the stage again"), openStage)] : []));
       return;
     }
+
     const now = Date.now() / 1000;
     const elapsed = now - talk.begun;
     const { before, this: planned, all } = talk.planned;
     const late = elapsed - before - planned;
+
     const plan =
       late > 0
         ? words("{=late} behind the plan", { late: minutes(late) })
         : elapsed < before
           ? words("{=early} ahead of the plan", { early: minutes(before - elapsed) })
           : words("as planned");
+
     const place = { n: talk.step, steps: talk.steps, part: talk.part, parts: talk.parts, here: minutes(now - talk.step_begun), planned: minutes(planned) };
     const text =
       talk.parts > 1
         ? words("Step {#n} of {#steps} of lesson {#part} of {#parts}, {=here} here, {=planned} planned", place)
         : words("Step {#n} of {#steps}, {=here} here, {=planned} planned", place);
+
     bar.replaceChildren(
       make("b", {}, `${time} \u2003 ${minutes(elapsed)} / ${minutes(all)}`),
       make("span", late > 0 ? { class: "late" } : {}, plan),
@@ -147,10 +156,12 @@ export function showNotes(name) {
 
   function show() {
     clock();
+
     if (!talk) {
       [tools, here, votes, next].forEach((part) => part.replaceChildren());
       return;
     }
+
     const on = talk.blank ? "Show again (PageDown)" : talk.waits ? (talk.voting ? "Reveal (PageDown)" : "Vote (PageDown)") : "Next (PageDown)";
     tools.replaceChildren(
       button(words("Back (PageUp)"), () => send("previous")),
@@ -164,6 +175,7 @@ export function showNotes(name) {
       button(words("Code (Q)"), () => send("toggle-code")),
       button(words("End (Esc)"), () => send("end")),
     );
+
     const paragraph = (/** @type {any} */ spans) => make("p", {}, ...set(spans));
     here.replaceChildren(make("h2", {}, talk.over ? words("The talk is over.") : talk.title), ...talk.notes.map(paragraph));
     if (talk.ask) {
@@ -172,6 +184,8 @@ export function showNotes(name) {
         here.append(make("p", { class: "small" }, `${words("Hint")}: `, ...set(talk.hint)));
       }
     }
+
+    // A step without a question has no vote.
     vote.hidden = !talk.ask;
     const said = talk.votes.map((/** @type {any} */ vote, /** @type {number} */ index) => {
       const counts = vote.counts?.map((/** @type {number} */ count, /** @type {number} */ k) => `${String.fromCharCode(65 + k)} ${count}`).join(", ");
@@ -185,6 +199,8 @@ export function showNotes(name) {
     if (talk.votes.length === 1) {
       votes.append(make("p", { class: "small" }, words("The class sees both votes after the second one.")));
     }
+
+    // A vote that was not understood can be mended in the field.
     if (talk.vote_fault) {
       votes.append(make("p", { class: "fault", role: "alert" }, talk.vote_fault));
       vote.value ||= typed;
@@ -192,6 +208,7 @@ export function showNotes(name) {
     if (talk.advice) {
       votes.append(make("p", { class: "advice" }, words(ADVICE[talk.advice])));
     }
+
     const title = talk.next ?? words("Nothing: this is the last step.");
     next.replaceChildren(make("p", { class: "small" }, words("Next")), make("h2", {}, title));
     if (talk.picture) {
@@ -204,6 +221,7 @@ export function showNotes(name) {
     if (data.talk !== undefined || data.here) {
       heard_ms = performance.now();
     }
+
     if (data.talk !== undefined) {
       talk = data.talk;
       kept = talk?.kept ?? kept;
@@ -212,11 +230,13 @@ export function showNotes(name) {
         speak(talk.language || "en");
       }
     }
+
     if (data.stage && kept) {
       // A new stage requests the state of the talk.
       send({ restore: JSON.stringify(kept) });
     }
   });
+
   window.addEventListener("keydown", (event) => {
     const command = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (command && !event.ctrlKey && !event.metaKey && !event.altKey) {
@@ -224,10 +244,12 @@ export function showNotes(name) {
       send(command);
     }
   });
+
   setInterval(() => {
     channel.postMessage({ ping: true });
     clock();
   }, 1000);
+
   channel.postMessage({ hello: true });
   label();
   show();

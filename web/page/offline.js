@@ -25,12 +25,15 @@ function watch(registration) {
         offer(() => change(registration));
       }
     });
+
   if (registration.waiting && registration.active) {
     offer(() => change(registration));
   }
+
   // The browser may have begun to fetch a new version while this page was loading.
   follow(registration.installing);
   registration.addEventListener("updatefound", () => follow(registration.installing));
+
   // Another tab has changed to the new version; this one still runs the old one.
   navigator.serviceWorker.addEventListener("controllerchange", () => offer(() => location.reload()));
 }

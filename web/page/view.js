@@ -45,15 +45,18 @@ export function inView() {
 export async function comesIntoView() {
   /** @type {Promise<boolean>} */
   const asked = new Promise((resolve) => waiting.push(() => resolve(true)));
+
   told ??= look();
   const observed = told.then(() => true);
   /** @param {number} ms */
   const settledIn = (ms) => Promise.race([asked, observed, new Promise((resolve) => setTimeout(resolve, ms))]);
+
   // Nothing is observed in a tab in the background.
   if (!(await settledIn(HIDDEN_MS)) && innerWidth * innerHeight > 0 && !document.hidden) {
     // On a busy machine the first observation may come late.
     await settledIn(SILENT_MS);
   }
+
   if (!isSeen) {
     await asked;
   }

@@ -37,11 +37,13 @@ export async function wordsOf(language) {
   if (!address) {
     return english;
   }
+
   try {
     const response = await fetch(address);
     if (!response.ok) {
       throw new Error(`the server answered ${response.status}`);
     }
+
     const table = read(await response.text());
     return (text, parts) => english(table.get(text) ?? text, parts);
   } catch (error) {
