@@ -6,6 +6,7 @@ fn run(index: u32) {
     if index >= frame.cells {
         return;
     }
+
     let at = column_row(index);
     for (var k = starts[index]; k < starts[index + 1u]; k++) {
         by[k] = 0u;

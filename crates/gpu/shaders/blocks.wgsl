@@ -6,10 +6,12 @@ fn run(index: u32) {
     if index / WORKGROUP >= job.a {
         return;
     }
+
     let piece = pieces[index / WORKGROUP];
     let local = index % WORKGROUP;
     let columns = piece.w & 0xffffu;
     let rows = piece.w >> 16u;
+    // A piece has at most one tile for each invocation, mostly fewer.
     if local >= columns * rows {
         return;
     }

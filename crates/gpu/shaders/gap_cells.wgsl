@@ -36,6 +36,7 @@ fn run(index: u32) {
     if index >= u32(frame.columns) * u32(frame.rows) {
         return;
     }
+
     let at = vec2<i32>(i32(index % u32(frame.columns)), i32(index / u32(frame.columns)));
     let corner = at << vec2<u32>(CELL_BITS);
     let end = vec2<u32>(domain_end());
@@ -45,6 +46,7 @@ fn run(index: u32) {
     while up < u32(R) {
         var right = first_start(domain_point(corner).x, 0u);
         let row = domain_point(corner + vec2<i32>(0, i32(up))).y;
+
         while right < u32(R) {
             let low = corner + vec2<i32>(vec2<u32>(right, up));
             let point = domain_point(low);
@@ -54,6 +56,7 @@ fn run(index: u32) {
             list_cell(low);
             right += min(GAP_SIDE, end.x - point.x);
         }
+
         if row >= end.y {
             break;
         }

@@ -5,6 +5,7 @@ fn run(index: u32) {
     if index >= frame.cells {
         return;
     }
+
     let at = column_row(index);
     let count = grid[4u * index + 3u] & COUNT_MASK;
     if count == 0u || !touches_window(at) {

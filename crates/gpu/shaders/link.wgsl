@@ -8,11 +8,13 @@ fn run(index: u32) {
     if index >= count || count > frame.proposal_capacity {
         return;
     }
+
     let p = vec2<i32>(proposals[index].x, proposals[index].y);
     // Darts already have ranks.
     if job.c == 0u {
         proposals[index].rank = threefry(vec2<u32>(job.a, job.b), domain_point(p)).x;
     }
+
     let at = cell_of(p);
     proposals[index].next = atomicExchange(&heads[cell_index(at.x, at.y)], index + 1u);
 }

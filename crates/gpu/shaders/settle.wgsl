@@ -5,6 +5,7 @@ fn run(index: u32) {
     if index >= frame.cells || counters[COUNTER_PROPOSALS] > frame.proposal_capacity {
         return;
     }
+
     let first = 4u * index;
     let last = grid[first + 3u];
     let count = last & COUNT_MASK;

@@ -16,7 +16,6 @@ fn widest() -> i32 {
 
 // Returns the squared distance of the nearest sample within some cells.
 fn nearest_to(centre: vec2<i32>, at: vec2<i32>, reach: i32) -> f32 {
-
     var nearest = 1e30;
     for (var row = at.y - reach; row <= at.y + reach; row++) {
         for (var column = at.x - reach; column <= at.x + reach; column++) {
@@ -59,9 +58,9 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
 fn find_sites(centre: vec2<i32>, at: vec2<i32>) {
     sites = 0u;
     has_detector = false;
+
     // f32 holds offsets exactly and distances to 2^-22 of them: less than a tenth of a unit here, while a place
     // of the pixel is HALF_DIAGONAL from its centre at most and SITE_SLACK allows for the rounding of candidates.
-
     var reach = 2;
     var nearest = sqrt(nearest_to(centre, at, reach));
     if nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= f32(2 * R) {

@@ -3,6 +3,7 @@
 
 fn source_of(packed: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
     let last = grid[4u * index + 3u];
+    // Inserted samples are in the grid alone, with their iterations; tiled ones have iteration 0.
     for (var k = 0u; k < (last & COUNT_MASK); k++) {
         let iteration = (last >> (8u + 8u * k)) & 255u;
         if (grid[4u * index + k] & POSITION_MASK) == packed && iteration > 0u {

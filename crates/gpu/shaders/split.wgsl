@@ -19,6 +19,7 @@ fn run(index: u32) {
     if index >= count || count > frame.active_capacity {
         return;
     }
+
     let corner = active_cells[index];
     let point = vec2<i32>(domain_point(corner));
     let half = i32(1u << job.c) / 2;

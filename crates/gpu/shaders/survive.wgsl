@@ -5,6 +5,7 @@ fn run(index: u32) {
     if index >= frame.cells {
         return;
     }
+
     let at = column_row(index);
     var slots = array<u32, 3>(FREE, FREE, FREE);
     var count = 0u;

@@ -24,6 +24,7 @@ fn run(index: u32) {
     if index >= frame.cells {
         return;
     }
+
     let at = column_row(index);
     clip_cell(at);
     if found == 0u {

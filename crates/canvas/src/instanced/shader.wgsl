@@ -44,7 +44,9 @@ struct Mark {
 fn pixel_from_lattice(place: vec2<i32>) -> vec2<f32> {
     let bits = vec2<u32>(LATTICE_BITS);
     let radii = vec2<f32>((place >> bits) - frame.whole);
+    // Masked and shifted, a place below 0 has its units counted upwards from the whole r below it.
     let units = vec2<f32>(place & vec2<i32>((1 << LATTICE_BITS) - 1)) - frame.rest;
+
     let offset = radii * frame.scale.x + units * frame.scale.y;
     return frame.middle + vec2<f32>(offset.x, -offset.y);
 }
@@ -68,11 +70,15 @@ fn corner(index: u32, middle: vec2<f32>, half: f32) -> vec4<f32> {
 @vertex
 fn disk_corner(@builtin(vertex_index) index: u32, in: Sample) -> Mark {
     let middle = pixel_from_lattice(in.place);
+
     var out: Mark;
     out.position = NOWHERE;
+
+    // A point of the screen more than the disk, for its ring, and a pixel for the soft edge.
     if (in.look & 8u) != 0u && in.id < frame.shown {
         out.position = corner(index, middle, frame.radii.x + frame.scale.z + 1.0);
     }
+
     out.color = in.color;
     out.shape = vec4<f32>(middle, frame.radii.x, 0.0);
     return out;
@@ -84,17 +90,21 @@ fn symbol_corner(@builtin(vertex_index) index: u32, in: Sample) -> Mark {
     let symbol = in.look & 7u;
     let outlined = (in.look >> 4u) & 1u;
     let size = f32((in.look >> 8u) & 255u) / 16.0;
+
     var radius = frame.radii.x;
     if symbol == 2u { radius = frame.radii.y; }
     if symbol == 3u { radius = frame.radii.z; }
     if symbol == 4u { radius = frame.radii.w; }
     radius *= size;
+
     var out: Mark;
     out.position = NOWHERE;
+
     if is_shown(in) {
         let around = (1.0 + OUTLINE * f32(outlined)) * frame.scale.z + 1.0;
         out.position = corner(index, middle, radius + around);
     }
+
     out.color = in.color;
     out.shape = vec4<f32>(middle, radius, f32(symbol + 16u * outlined));
     return out;
@@ -125,10 +135,13 @@ fn line(distance: f32, width: f32) -> f32 {
 fn cross_opacity(at: vec2<f32>, radius: f32) -> f32 {
     let point = frame.scale.z;
     let turned = abs(vec2<f32>(at.x + at.y, at.x - at.y)) * sqrt(0.5);
+
     let arm = max(0.26 * radius, min(0.7 * point, 0.5 * radius));
     let one = max(turned.x - radius, turned.y - arm);
     let other = max(turned.y - radius, turned.x - arm);
     let distance = min(one, other);
+
+    // A small cross is filled; of a large one only the outline is drawn.
     if radius < 4.0 * point {
         return solid(distance);
     }
@@ -158,10 +171,12 @@ fn symbol_color(in: Mark) -> vec4<f32> {
     let at = in.position.xy - in.shape.xy;
     let kind = u32(in.shape.w);
     let symbol = kind & 15u;
+
     let mark = in.color * opacity(symbol, at, in.shape.z);
     if (kind & 16u) == 0u {
         return mark;
     }
+
     let wide = min(OUTLINE * frame.scale.z, 0.8 * in.shape.z);
     let around = opacity(symbol, at, in.shape.z + wide);
     return mark + frame.outline * around * (1.0 - mark.a);
