@@ -549,11 +549,13 @@ def _set_of(
     if isinstance(points, PointSet):
         if (radius, width, height, boundary) == (None, None, None, None):
             return points
+        # A set brings its domain and its radius; arguments take their place.
         own = points.domain
         radius = points.radius if radius is None else radius
         width = own.width if width is None else width
         height = own.height if height is None else height
         boundary = own.boundary if boundary is None else boundary  # type: ignore[assignment]
+
     return PointSet(
         points,
         radius,
@@ -658,6 +660,8 @@ def read(
     if not isinstance(certificate, bool):
         raise TypeError(f"certificate is {shown(certificate)}; it must be True or False")
     name = local_path(path)
+
+    # pyarrow reads GeoParquet; everything else is read by the native module, with its certificate.
     if _parquet.is_to_read(name, format):
         if set is not None:
             raise ValueError(f"set is {shown(set)}, but {shown_text(name)} is GeoParquet, which holds one set")
@@ -666,8 +670,10 @@ def read(
                 f"origin is {shown(origin)}, but {shown_text(name)} is GeoParquet, of which no certificate states an "
                 "origin; subtract it from the positions"
             )
+
         sides = (1.0 if width is None else width, 1.0 if height is None else height)
         return _set_of(_parquet.read(name, sides), radius, width, height, boundary)
+
     given = _Given(radius, width, height, boundary, origin)
     with following(progress) as told:
         return PointSet._made(*_tilescope.read(name, given, format, set, certificate, told))
@@ -711,6 +717,7 @@ def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Pr
     """
     sets: dict[str, PointSet] = {}
     if isinstance(layout, Mapping):
+        # Sets in memory get names in the place of files, so that the rest is a layout like any other.
         described = dict(layout)
         described["pieces"] = [dict(piece) for piece in layout.get("pieces", [])]
         for index, piece in enumerate(described["pieces"]):
@@ -718,12 +725,14 @@ def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Pr
                 name = f"<set {index}>"
                 sets[name] = piece["file"]
                 piece["file"] = name
+
         text = json.dumps(described)
     else:
         name = local_path(layout)
         with open(name, encoding="utf-8") as file:
             text = file.read()
         folder = os.path.dirname(name)
+
     with following(progress) as told:
         return PointSet._made(*_tilescope.combine(text, local_path(folder), sets, told))
 

@@ -47,9 +47,11 @@ def is_to_read(path: str, format: str | None) -> bool:
 def encoded(positions: npt.NDArray[np.float64]) -> bytes:
     """Returns the bytes of a file with the column ``geometry`` of points in WKB, without a coordinate system."""
     arrow, parquet = module("pyarrow", "parquet"), module("pyarrow.parquet", "parquet")
+
     points = np.empty(len(positions), dtype=_POINT)
     points["order"], points["kind"] = 1, 1
     points["x"], points["y"] = positions.T
+
     # Offsets of 64 bits, for sets of more than a hundred million points.
     offsets = np.arange(len(positions) + 1, dtype=np.int64) * _POINT.itemsize
     buffers = [None, arrow.py_buffer(offsets), arrow.py_buffer(points.tobytes())]
@@ -62,10 +64,12 @@ def encoded(positions: npt.NDArray[np.float64]) -> bytes:
     schema = arrow.schema(
         [arrow.field("geometry", column.type, nullable=False)], metadata={b"geo": json.dumps(geo).encode()}
     )
+
     sink = arrow.BufferOutputStream()
     table = arrow.Table.from_arrays([column], schema=schema)
     parquet.write_table(table, sink, compression="zstd", write_page_checksum=True)
     data: bytes = sink.getvalue().to_pybytes()
+
     if not np.array_equal(_decoded("the file", arrow.BufferReader(data))[0], positions):
         raise OSError("GeoParquet that was read back does not hold what was written")
     return data
@@ -81,12 +85,14 @@ def read(path: str, sides: tuple[float, float]) -> npt.NDArray[np.float64]:
     """
     name = shown_text(path)
     positions, system = _decoded(name, path)
+
     is_geographic = isinstance(system, dict) and "Geographic" in str(system.get("type"))
     if system == "absent" and len(positions):
         # Those are longitudes and latitudes by the standard; many files of plane positions do not say so.
         low, high = positions.min(axis=0), positions.max(axis=0)
         in_degrees = bool((np.maximum(-low, high) <= [180, 90]).all())
         is_geographic = in_degrees and bool((low < 0).any() or (high > sides).any())
+
     if is_geographic:
         raise ValueError(
             f"{name} has longitudes and latitudes, in which distances are no distances; project them first, with "
@@ -104,16 +110,20 @@ def _decoded(path: str, source: Any) -> tuple[npt.NDArray[np.float64], Any]:
     except Exception as error:
         # A damaged file raises what it happens to lead to.
         raise ValueError(f"{path} is not a Parquet file, or it is damaged: {shown_text(error)}") from error
+
     names = file.schema_arrow.names
     if isinstance(geo, dict) and geo.get("primary_column") in names:
         name = geo["primary_column"]
         described = geo.get("columns", {}).get(name, {})
         return _points(path, name, _column(path, file, name)), described.get("crs", "absent")
+
     if {"x", "y"} <= set(names):
         both = [_numbers(path, name, _column(path, file, name)) for name in ("x", "y")]
         return np.stack(both, axis=1), None
+
     if "geometry" in names:
         return _points(path, "geometry", _column(path, file, "geometry")), None
+
     raise ValueError(f"{path} has the columns {shown(names)}; it must have 'x' and 'y', or 'geometry' with points")
 
 

@@ -146,8 +146,10 @@ def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Re
         "valid", "conflict_free", "maximal", "count", "radius", "min_distance", "covering_radius", "covering_tolerance",
         "conflicts", "gaps", "density", "relative_radius",
     )  # fmt: skip
+
     # JSON has no infinity.
     fields: dict[str, Any] = {name: math.inf if found[name] is None else found[name] for name in same}
+
     return Report(
         domain=Domain(region["width"], region["height"], region["boundary"]),
         worst_conflicts=tuple(Conflict(**one) for one in found["worst_conflicts"]),

@@ -108,10 +108,12 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     ) -> None:
         given = {name: value for name, value in (("rng", rng), ("seed", seed)) if value is not None}
         super().__init__(d, optimization=optimization, **given)
+
         if hypersphere not in ("volume", "surface"):
             raise ValueError(
                 f"{shown(hypersphere)} is not a valid hypersphere sampling method. It must be 'volume' or 'surface'"
             )
+
         lower = numbers("l_bounds", 0.0 if l_bounds is None else l_bounds)
         upper = numbers("u_bounds", 1.0 if u_bounds is None else u_bounds)
         try:
@@ -122,22 +124,27 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
             ) from error
         if not np.all(lower < upper):
             raise ValueError("Bounds are not consistent 'l_bounds' < 'u_bounds'")
+
         if d != 2:
             raise ValueError(
                 f"d is {d}; tilescope.qmc.PoissonDisk samples the plane, so it must be 2: "
                 "scipy.stats.qmc.PoissonDisk has other dimensions"
             )
+
         width, height = (upper - lower).tolist()
         _tilescope.check_domain(radius, width, height, "bounded")
         _check_spacing(float(np.abs([lower, upper]).max()), radius)
+
         self.radius = radius
         self.l_bounds, self.u_bounds = lower, upper
+
         # Scipy's qmc_quad makes its engines from these.
         self._init_quad = {
             "d": d, "radius": radius, "hypersphere": hypersphere, "ncandidates": ncandidates,
             "optimization": optimization,
         }  # fmt: skip
         self._sequence: npt.NDArray[np.float64] | None = None
+
         # Methods call each other.
         self._lock = threading.RLock()
 
@@ -154,11 +161,14 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         if self._sequence is None:
             draw = getattr(self.rng, "integers", None) or self.rng.randint
             seed = int(draw(2**63, dtype=np.int64))
+
             lower, upper = self.l_bounds, self.u_bounds
             sides = upper - lower
             # Rounding a sum, and moving it off a bound, changes a coordinate by less than two of its last digits.
             radius = self.radius + 4 * np.spacing(np.abs([lower, upper]).max())
+
             room = sides.min() / (_SHORTEST_SIDE * radius)
+            # Too narrow for tiles: KDRT needs a domain of several radii.
             if room < 1:
                 offsets = _samples_of_narrow_box(sides, radius, np.random.default_rng(seed))
             else:
@@ -167,6 +177,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
                     radius=radius, width=width, height=height, boundary="bounded", seed=seed,
                     levels=min(_MOST_LEVELS, 1 + int(2 * np.log2(room))), order_within="farthest",
                 ).points  # fmt: skip
+
             self._sequence = np.clip(offsets + lower, np.nextafter(lower, upper), np.nextafter(upper, lower))
         return self._sequence
 
@@ -284,23 +295,28 @@ def _samples_of_narrow_box(
     samples = np.empty((0, 2))
     darts = int(np.prod(sides / radius + 1)) + 1
     turn = 0
+
     while True:
         turn += 1
         places = rng.random((darts, 2)) * sides
+        # Darts hardly ever hit the last gaps; the corners of these lie in them.
         if turn > _ROUNDS:
             places = rng.permutation(_corners_of_gaps(samples, sides, radius))
             if len(places) == 0:
                 return samples
+
         if len(samples) > 0:
             places = places[cKDTree(samples).query(places)[0] > radius]
         if len(places) == 0:
             continue
+
         chosen: list[int] = []
         covered = np.zeros(len(places), dtype=bool)
         for index, near in enumerate(cKDTree(places).query_ball_point(places, radius)):
             if not covered[index]:
                 chosen.append(index)
                 covered[near] = True
+
         samples = np.concatenate([samples, places[chosen]])
 
 
@@ -314,10 +330,14 @@ def _corners_of_gaps(
     enlarged = radius * _ENLARGED
     tree = cKDTree(samples)
     found = [np.array([[x, y] for x in (0.0, sides[0]) for y in (0.0, sides[1])])]
+
+    # The two places where the circles of a pair cross, on the line across its middle.
     one, other = samples[tree.query_pairs(2 * enlarged, output_type="ndarray").T]
     middle, half = (one + other) / 2, (other - one) / 2
     away = np.sqrt(np.maximum(enlarged**2 / (half**2).sum(axis=1) - 1, 0))[:, None] * half[:, ::-1] * [-1, 1]
     found += [middle + away, middle - away]
+
+    # Where circles cross the sides of the box.
     for axis in (0, 1):
         for line in (0.0, sides[axis]):
             square = enlarged**2 - (samples[:, axis] - line) ** 2
@@ -328,6 +348,7 @@ def _corners_of_gaps(
                 place[:, axis] = line
                 place[:, 1 - axis] += sign * along
                 found.append(place)
+
     places = np.concatenate(found)
     places = places[((places >= 0) & (places <= sides)).all(axis=1)]
     uncovered: npt.NDArray[np.float64] = places[tree.query(places)[0] > radius]

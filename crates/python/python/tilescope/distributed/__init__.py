@@ -111,12 +111,16 @@ def write(
         raise TypeError(f"plane is {shown(plane)}; it must be a tilescope.Plane")
     if plane.parameters.get("levels") is not None:
         raise ValueError("the plane has nested levels; a folder keeps neither their order nor their radii")
+
     retries = operator.index(retries)
     if retries < 0:
         raise ValueError(f"retries is {shown(retries)}; it must be at least 0")
+
     _engines.check(engine)
     module("pyarrow.parquet", "parquet")
+
     grid = _grid(plane.domain, plane.radius, rows)
+    # Through JSON and back, so that the facts are equal to those of a manifest that was read.
     facts = json.loads(
         json.dumps(
             {
@@ -129,8 +133,10 @@ def write(
             }
         )
     )
+
     folder = Folder(local_path(path)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
+
     known: list[str | None] = [None] * len(grid)
     if (folder / MANIFEST).exists():
         before = read_manifest(folder)
@@ -140,17 +146,21 @@ def write(
         for index, tile in enumerate(before["tiles"]):
             known[index] = tile["file_digest"]
     elif any(file.suffix != _tile.PARTIAL for file in folder.iterdir()):
+        # Without a manifest, only leftovers of tiles may be there: anything else is not this program's to overwrite.
         raise FileExistsError(f"{folder} is not empty, and has no {MANIFEST}: give another folder")
     else:
         _save(folder, facts | {"complete": False, "tiles": []})
+
     job = _tile.Job(pickle.dumps(plane), facts, str(folder), grid, judge)
     made: dict[int, _tile.Tile] = {}
     outcomes = _engines.outcomes(engine, _tile.make, job, enumerate(known), retries)
+
     with following(progress) as told, closing(outcomes):
         for index, tile in outcomes:
             made[index] = tile
             if told is not None:
                 told("tiles", len(made), len(grid))
+
     tiles = [made[index] for index in range(len(grid))]
     result = {
         "complete": True,
@@ -159,6 +169,7 @@ def write(
         "tiles": [asdict(tile) for tile in tiles],
         "made_by": f"tilescope {__version__}",
     }
+
     _save(folder, facts | result)
     for left in folder.glob(f"*{_tile.PARTIAL}"):
         # A lost worker left it, or a worker that was given up is about to rename it.

@@ -62,6 +62,7 @@ def _local(
     stopped = threading.Event()
 
     def look(name: str, done: int, total: int) -> None:
+        # Called now and then by the native module, which ends with what this raises.
         if stopped.is_set():
             raise _Stopped
 
@@ -77,6 +78,7 @@ def _local(
         waiting: set[Future[Outcome]] = set()
         try:
             while True:
+                # One task more than there are cores, so that none waits while the caller takes a result.
                 waiting |= {pool.submit(tried, item) for item in islice(items, _cores() + 1 - len(waiting))}
                 if not waiting:
                     return
@@ -114,12 +116,14 @@ def _dask(
     task: Task[Shared, Item, Outcome], shared: Shared, items: Iterator[Item], retries: int
 ) -> Generator[Outcome, None, None]:
     distributed = module("distributed", "dask")
+
     cluster = None
     try:
         client = distributed.get_client()
     except ValueError:
         cluster = distributed.LocalCluster(n_workers=_cores(), threads_per_worker=1, dashboard_address=None)
         client = distributed.Client(cluster, set_as_default=False)
+
     waiting: set[Any] = set()
     try:
         # What a lost worker held of it is made again, unlike data that is scattered.
@@ -130,6 +134,7 @@ def _dask(
             nonlocal threads, counted
             if time.monotonic() - counted > _PERIOD:
                 threads, counted = sum(client.nthreads().values()), time.monotonic()
+            # Two tasks for each thread and two more keep all threads at work between two looks.
             new = [
                 client.submit(_on_dask, task, common, item, os.getpid(), pure=False, retries=retries)
                 for item in islice(items, max(2 * threads + 2 - len(waiting), 0))
@@ -144,6 +149,7 @@ def _dask(
             yield outcome
     finally:
         client.cancel(list(waiting))
+        # A cluster of the caller stays.
         if cluster is not None:
             client.close()
             cluster.close()
@@ -161,6 +167,7 @@ def _ray(
     started = not ray.is_initialized()
     if started:
         ray.init(include_dashboard=False, log_to_driver=False, configure_logging=False)
+
     waiting: list[Any] = []
     try:
         common = ray.put(shared)
@@ -172,6 +179,7 @@ def _ray(
             ]
             if not waiting:
                 return
+
             (ended, *_), waiting = ray.wait(waiting)
             try:
                 outcome = ray.get(ended)

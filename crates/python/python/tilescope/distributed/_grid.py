@@ -122,11 +122,14 @@ class Grid:
         if self.domain.boundary == "bounded":
             low = [max(at, 0.0) for at in low]
             high = [min(at, side) for at, side in zip(high, sides, strict=True)]
+
         size = [end - start for start, end in zip(low, high, strict=True)]
         cut = near - low
+
         if self.domain.boundary == "periodic":
             for axis, side in enumerate(sides):
                 along = cut[:, axis]
+                # Samples beyond a seam are moved to where the surroundings reach over it.
                 along[along < 0] += side
                 along[along >= side] -= side
                 if size[axis] > side:
@@ -135,9 +138,11 @@ class Grid:
                     again[:, axis] += side
                     cut = np.concatenate([cut, again])
             cut = cut[(cut <= size).all(axis=1)]
+
         places = PointSet(cut, self.radius, width=size[0], height=size[1], boundary="bounded")
         x0, y0, x1, y1 = bounds
         window = (x0 - low[0], y0 - low[1], x1 - low[0], y1 - low[1])
+
         return _tilescope.verify_window(places, window, judge, progress)
 
     def lattice(self) -> Lattice:
@@ -177,18 +182,24 @@ class Lattice:
                 f"the window's {name} runs from {low:g} to {high:g}; it must be finite, above 0 and at most "
                 f"{side:g} long"
             )
+
         limit = _MOST_SIDES * side
         if abs(low) > limit:
             raise ValueError(f"the window's {name} begins at {low:,.12g}; it must begin between {-limit:,.12g} and {limit:,.12g}")
+
         start, end = self._first(axis, low), self._first(axis, high)
         if bounded:
             start, end = max(start, 0), units + 1 if high >= side else end
+
         if start >= end:
             raise ValueError(
                 f"the window's {name} runs from {low:g} to {high:g}, which holds no place of the domain's 0 to {side:g}"
             )
+
         if bounded:
             return [(start, end)]
+
+        # A window over the seam of a periodic domain is two spans, one at each end of the domain.
         end, shift = min(end, start + units), start // units * units
         start, end = start - shift, end - shift
         return [span for span in ((0, end - units), (start, min(end, units))) if span[0] < span[1]]
@@ -208,6 +219,7 @@ class Lattice:
     def tiles(self, spans: list[list[tuple[int, int]]]) -> list[int]:
         """Returns the tiles that a window reaches into."""
         found = []
+        # By the samples' numbers, since a border rounded another way would give a sample to the neighbour.
         for axis in (0, 1):
             starts = [self._first(axis, float(border)) for border in self._grid.borders(axis)[:-1]]
             ends = [*starts[1:], self._units[axis] + 1]
@@ -237,4 +249,5 @@ class Lattice:
         numbers = np.rint(positions / (np.array(self._grid.sides) / self._units)).astype(np.int64)
         (i, j), bits = numbers.T, _UNITS.bit_length() - 1
         squares = (j >> bits) << bits + 1 | i >> bits
+        # One number for each sample: the square's row and column, then y and x within it.
         return np.argsort(squares << 2 * bits | (j & _UNITS - 1) << bits | i & _UNITS - 1, kind="stable")

@@ -35,17 +35,21 @@ def read_manifest(folder: Folder) -> dict[str, Any]:
     """
     path = folder / MANIFEST
     text = path.read_text(encoding="utf-8")
+
     try:
         manifest = json.loads(text)
         named = (manifest["format"], manifest["version"])
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise ValueError(f"{path} is not a manifest, or it is damaged: {shown_text(error)}") from error
+
     if named != (FORMAT, VERSION):
         raise ValueError(f"{path} has the format {shown(named)}; this version reads {(FORMAT, VERSION)}")
+
     try:
         _check_types(manifest)
     except (ValueError, KeyError) as error:
         raise ValueError(f"{path} cannot be used: {shown_text(error)}") from error
+
     return manifest  # type: ignore[no-any-return]
 
 
@@ -69,6 +73,7 @@ def _check_types(manifest: dict[str, Any]) -> None:
         raise ValueError(
             f"its tiles are not those of its grid: {len(tiles)} are listed, and {columns} x {rows} are {columns * rows}"
         )
+
     for tile in tiles:
         _check("a tile", tile, isinstance(tile, dict), "an object")
         for name in ("file", "digest", "file_digest"):
@@ -76,6 +81,7 @@ def _check_types(manifest: dict[str, Any]) -> None:
         _check("a tile's count", tile["count"], _is_whole(tile["count"]) and tile["count"] >= 0, "a whole number")
         for number in _listed("a tile's bbox", tile["bbox"], 4):
             _check("a tile's bbox", number, _is_number(number), "a finite number")
+
     if complete:
         _check("count", manifest["count"], _is_whole(manifest["count"]), "a whole number")
         _check("digest", manifest["digest"], isinstance(manifest["digest"], str), "text")
@@ -121,10 +127,13 @@ class StoredPlane:
             width, height, boundary = manifest["domain"]
             columns, rows = manifest["grid"]
             self._grid = Grid(Domain(width, height, boundary), manifest["radius"], (columns, rows))
+
             if not manifest["complete"]:
                 # By the files that are there, of which there are fewer than a grid may claim.
                 there = sum(self._grid.has_file(name) for name in os.listdir(self._folder))
                 raise ValueError(f"it has {there} of {columns * rows} tiles; write it again to complete it")
+
+            # The manifest says some things twice: it is refused where it contradicts itself.
             self._tiles = [Tile(**tile) for tile in manifest["tiles"]]
             if [tile.file for tile in self._tiles] != [self._grid.file(at) for at in range(len(self._grid))]:
                 raise ValueError("its tiles are not those of its grid")

@@ -64,9 +64,11 @@ def _bbox(positions: Positions) -> list[float]:
 def _encoded(positions: Positions, facts: dict[str, Any]) -> bytes:
     """Returns the bytes of a file."""
     arrow, parquet = module("pyarrow", "parquet"), module("pyarrow.parquet", "parquet")
+
     x, y = (np.ascontiguousarray(positions[:, axis]) for axis in (0, 1))
     coordinate = [arrow.field(name, arrow.float64(), nullable=False) for name in "xy"]
     points = arrow.StructArray.from_arrays([arrow.array(x), arrow.array(y)], fields=coordinate)
+
     geometry = {
         "encoding": "point", "geometry_types": ["Point"], "crs": None, "edges": "planar", "bbox": _bbox(positions),
     }  # fmt: skip
@@ -75,11 +77,13 @@ def _encoded(positions: Positions, facts: dict[str, Any]) -> bytes:
         [arrow.field("geometry", points.type, nullable=False)],
         metadata={b"geo": json.dumps(geo).encode(), _KEY: json.dumps(facts).encode()},
     )
+
     sink = arrow.BufferOutputStream()
     parquet.write_table(
         arrow.Table.from_arrays([points], schema=schema), sink, row_group_size=len(positions), use_dictionary=False,
         compression="zstd", compression_level=1, use_byte_stream_split=True, write_page_checksum=True,
     )  # fmt: skip
+
     encoded: bytes = sink.getvalue().to_pybytes()
     return encoded
 
@@ -90,6 +94,7 @@ def read(path: str, data: bytes | None = None) -> tuple[Positions, dict[str, Any
     if data is None:
         with open(path, "rb") as file:
             data = file.read()
+
     try:
         opened = parquet.ParquetFile(arrow.BufferReader(data), page_checksum_verification=True)
         points = opened.read(use_threads=False).column("geometry").combine_chunks()
@@ -179,27 +184,34 @@ def make(job: Job, item: tuple[int, str | None], progress: ProgressFunction | No
     """
     index, known = item
     grid, path = job.grid, job.path(index)
+
     try:
         data = _content(path)
         file_digest = sha256(data)
         if known in (None, file_digest):
             return index, job.tile(index, path, data, file_digest)
     except (FileNotFoundError, ValueError):
+        # It is not there, or was damaged: it is made again.
         pass
+
     plane, bounds = _plane(job.plane), grid.bounds(index)
     near = plane.window(*grid.surroundings(bounds), progress=progress or False)
     samples = near[grid.holds(index, near)]
+
     conflicts, gaps = grid.judge(near, bounds, job.judge, progress)
     if conflicts or gaps:
         raise ValueError(f"{path} is not written: the tile is not valid, with {conflicts} conflicts and {gaps} gaps")
+
     made = digest(samples)
     encoded = _encoded(samples, job.facts_of(index, made))
     with partial_file(path, encoded) as partial:
+        # Read back from the disk, as the digest in the manifest is to be that of the bytes that are there.
         data = _content(partial)
         written = job.tile(index, partial, data, sha256(data))
         if data != encoded or written.digest != made:
             raise OSError(f"{partial} does not hold what was written to it")
         replace(partial, path)
+
     return index, written
 
 
