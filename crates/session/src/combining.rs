@@ -73,10 +73,9 @@ pub fn make(
     let files = Files::of(around);
     let pieces = pieces(&placed, &files, monitor)?;
 
+    // A small combination keeps its stages, so that the window shows what gluing did.
     let options = layout.options();
     let mut observer = Gluing(monitor);
-
-    // A small combination keeps its stages, so that the window shows what gluing did.
     let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
     let (run, seams): (Run, Vec<Seam>) = if expected <= MAX_STAGED {
         let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
@@ -88,8 +87,8 @@ pub fn make(
     };
 
     observer.end()?;
-    let stops = || monitor.is_cancelled();
 
+    let stops = || monitor.is_cancelled();
     let band = band::of(&placed.domain, &pieces, &seams, &stops).ok_or_else(stopped)?;
 
     let stated = files.stated(&layout, &placed);

@@ -218,6 +218,7 @@ impl Draft {
     /// Changes what follows from another parameter: exact tiling has no choice of some, and its pattern, unless it was
     /// changed by hand, goes with the size of the set and the seed.
     fn follow(&mut self, before: &Parameters, changed: Parameter) {
+        // Where a parameter has no meaning in exact tiling, it gets its default.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
             self.parameters = self.parameters.as_exact();
         }
@@ -227,7 +228,6 @@ impl Draft {
             Parameter::PatternSeed,
             Parameter::PatternBoundary,
         ];
-
         let (is_usual, usual) = (
             before.pattern == before.usual_pattern(),
             self.parameters.usual_pattern(),

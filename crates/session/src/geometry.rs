@@ -119,7 +119,6 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
     let mut bare = Vec::new();
     for [from, to] in sides {
         let (along, length) = ((to - from).normalize(), from.distance(to));
-
         let mut covered = Vec::new();
         session
             .index
@@ -135,7 +134,6 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
             });
 
         let open = between(covered, length).into_iter();
-
         bare.extend(open.map(|ends| ends.map(|at| from + along * at)));
     }
     bare

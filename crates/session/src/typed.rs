@@ -51,8 +51,10 @@ fn plain(text: &str) -> Option<String> {
             whole = whole.replace(',', ".");
         }
     } else if are_thousands(whole.split(',')) {
+        // "1,000": groups of three are thousands.
         whole.retain(|c| c != ',');
     } else if whole.matches(',').count() == 1 && !rest.starts_with('.') {
+        // "0,5": any other single comma is a decimal one, unless there is a point as well.
         whole = whole.replace(',', ".");
     }
     Some(format!("{sign}{whole}{rest}"))

@@ -62,11 +62,9 @@ impl Verdict {
         monitor: &Monitor,
     ) -> Result<Self, VerifyError> {
         let control = |progress| monitor.follow(progress);
-
         let ask = |radius: f64, options: &VerifyOptions| {
             verify(points, region, radius, options, &control)
         };
-
         let report = ask(radius, &VerifyOptions::default())?;
 
         // An invalid set shows its worst fault. A valid one has none, and shows how near it comes to one.

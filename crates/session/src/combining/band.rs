@@ -13,7 +13,6 @@ pub fn of(
     stops: &dyn Fn() -> bool,
 ) -> Option<Vec<Rect>> {
     let whole = domain.rect();
-
     let mut lines: Vec<Rect> = seams
         .iter()
         .flat_map(|seam| images(domain, seam.from, seam.to))
@@ -21,10 +20,9 @@ pub fn of(
         .map(|line| grown(&line))
         .filter(|line| common(line, &whole).is_some())
         .collect();
-
     lines.sort_unstable_by_key(|line| line.min.y);
-    let mut band = Vec::new();
 
+    let mut band = Vec::new();
     for piece in pieces {
         if stops() {
             return None;
