@@ -275,6 +275,7 @@ impl Evaluator {
         let Some(numbers) = self.recording.numbers() else {
             return Ok(Dynamic::UNIT);
         };
+        // Begun when an expression first names a number, as most expressions name none.
         let followed = self
             .followed
             .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
@@ -285,6 +286,7 @@ impl Evaluator {
             message: format!("the number \"{name}\": {why}"),
         })?;
         match value {
+            // A whole number is shown without decimals.
             NumberValue::Known(count) if number.is_count => Ok((count as i64).into()),
             NumberValue::Known(value) => Ok(value.into()),
             NumberValue::Undefined => Ok(Dynamic::UNIT),
@@ -433,6 +435,7 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
         maybe(context.search.map(|search| i64::from(search.found))),
     );
 
+    // The detector is one of the sites: m and n are the other two, as in Algorithm 3.
     let others = context
         .examined
         .map_or([NONE; 2], |examined| others(&examined));

@@ -374,6 +374,7 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 impl Word<'_> {
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
+            // Names and samples are equal or not; only numbers and distances have an order.
             "kind" => Ok(Term::Kind(
                 self.known(EventKind::named(self.value))?,
                 self.same()?,

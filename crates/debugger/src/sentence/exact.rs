@@ -43,6 +43,7 @@ impl Words<'_> {
                 self.sample(sample)
             ),
 
+            // The first iteration has the levels 0 and 1 together.
             RunEvent::Iteration { number: 1, .. } => {
                 "levels 0 and 1 begin: samples and woken darts arrive in their order".to_owned()
             }
