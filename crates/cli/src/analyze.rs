@@ -80,12 +80,14 @@ Examples:
 
 Exit codes: 0 all files were analysed, 2 a file was not, or the arguments cannot be used.";
 
-/// Extensions of reports.
+/// The extensions that a report may have.
 const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let out = arguments.out.as_deref();
+    // The path is checked before the work, so that the command does not fail only when it writes. A report in the place
+    // of an input would destroy it.
     if let Some(path) = out {
         ensure!(
             EXTENSIONS.contains(&extension(path).as_str()),
@@ -96,23 +98,27 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         check_inputs_stay(path, inputs.map(PathBuf::as_path))?;
         check_file(path).context("--out")?;
     }
+
     if let Some(nu) = arguments.frequencies {
         // A frequency that is too large for one sample is too large for any set.
         Spectrum::window_to(nu, 1.0, Region::UNIT_SQUARE).context("--frequencies")?;
     }
+
     let mut analysis = Analysis::of(arguments)?;
+    // Without a set that could be used there is nothing to draw.
     let is_empty = analysis.compared().is_empty();
     let written = match out.filter(|_| !is_empty) {
         Some(path) => save(&mut analysis, path).map(|()| out),
         None => Ok(None),
     };
+
     // The results are printed, whether or not they could be saved.
-    let saved = written.as_ref().ok().copied().flatten();
-    let saved = saved.map(|path| path.display().to_string());
+    let saved = (written.as_ref().ok().copied().flatten()).map(|path| path.display().to_string());
     if arguments.json || !is_empty {
         let json = || report::json(&analysis, saved.as_deref());
         output::report(arguments.json, json, || text(&analysis, saved.as_deref()))?;
     }
+
     written?;
     let is_fine = analysis.failures.is_empty();
     Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
@@ -121,6 +127,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
     let extension = extension(path);
     let scene = |figure: &Figure| figure_scene(figure, &Palette::LIGHT);
+
     let bytes = match extension.as_str() {
         "csv" => report::csv(analysis).into_bytes(),
         "png" | "svg" => {
@@ -135,15 +142,18 @@ fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
             if extension == "png" {
                 tilescope_figures::to_png(&scene, 2.0)?
             } else {
+                // A file of its own has no page around it whose style has the fonts.
                 tilescope_figures::to_svg_with_fonts(&scene)?.into_bytes()
             }
         }
+        // `run` lets only the extensions of pages through here.
         _ => {
             let svg = |figure| anyhow::Ok(tilescope_figures::to_svg(&scene(figure)?)?);
             let figures: Result<Vec<String>> = curves::figures(analysis).iter().map(svg).collect();
             page::html(analysis, &figures?).into_bytes()
         }
     };
+
     Ok(write_whole(path, &bytes)?)
 }
 

@@ -15,6 +15,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     if arguments.live {
         return bench_live::run(arguments);
     }
+
     ensure!(
         (1..=1000).contains(&arguments.rounds),
         "--rounds is {}; it must be between 1 and 1000",
@@ -23,6 +24,8 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     if arguments.engine == Measured::Gpu {
         return bench_gpu::run(arguments);
     }
+
+    // The CPU's engines have no adapter to choose; an option without effect is refused.
     ensure!(
         arguments.adapter.gpu_adapter.is_none(),
         "--gpu-adapter needs --engine gpu"
@@ -33,8 +36,10 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         arguments.plane,
         2.0 * Bench::WINDOW_SAMPLES
     );
+
     let bench = arguments.bench(threads(&arguments.threads)?);
     let rates = with_bar(arguments, |watch| bench.cpu(watch))?;
+    // A rate counts only if the sets are valid.
     let valid = rates.rows.iter().all(EngineRate::valid) && rates.windows.valid;
     let text = || to_text(&rates, arguments);
     output::report(arguments.json, || to_json(&rates), text)?;
@@ -74,6 +79,7 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
     for row in &rates.rows {
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
+        // Of three quartiles the middle one is the median.
         let _ = writeln!(
             out,
             "{:<32} {:>9.0} {:>10.3} {:>7.2}x {:>8} {:>9.1} ms {:>9.4} {:>11.7} {:>11.7} {:>13.3} {:>6}",
@@ -126,6 +132,7 @@ fn to_json(rates: &CpuRates) -> Value {
             "valid": row.valid(),
         })
     };
+
     json!({
         "pattern_seconds": rates.pattern_seconds,
         "history_seconds": rates.history_seconds,

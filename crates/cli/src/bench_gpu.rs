@@ -28,9 +28,11 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
 fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
     let mut out =
         "method                             samples Msamples/s    ratio  equal  valid\n".to_owned();
+
     for row in &rates.rows {
         let leaf = row.leaf.unwrap_or_default();
         let (name, equal) = match row.engine {
+            // Only the GPU's set is compared, with that of the threads.
             Engine::Parallel { threads } => (parallel_name(leaf, threads), ""),
             _ => (format!("gpu, leaf {leaf} r"), yes(row.equal())),
         };
@@ -43,6 +45,7 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
             yes(row.valid()),
         );
     }
+
     let (rounds, adapter, first) = (
         arguments.rounds,
         &gpu.report().name,
@@ -58,12 +61,14 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
 fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
     let mut out =
         "stage      pass           times         ms  share        MB     GB/s\n".to_owned();
+    // A pass without a time leaves the total without one, too: the sum of the others would be too small.
     let total: Option<f64> = run.passes.iter().map(|pass| pass.seconds).sum();
     let or_dash = |value: Option<f64>, decimals: usize, unit: &str| match value {
         Some(value) => format!("{value:.decimals$}{unit}"),
         None => "-".to_owned(),
     };
     let milliseconds = |seconds: Option<f64>| or_dash(seconds.map(|s| s * 1e3), 3, "");
+
     for pass in &run.passes {
         let (stage, name, times) = (&pass.stage, &pass.name, pass.times);
         let bytes = pass.bytes.map(|bytes| bytes as f64);
@@ -77,6 +82,7 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
             "{stage:<10} {name:<14} {times:>5} {took:>10} {share:>6} {megabytes:>9} {rate:>8}"
         );
     }
+
     let times: usize = run.passes.iter().map(|pass| pass.times).sum();
     let all = milliseconds(total);
     let _ = writeln!(out, "{:<10} {:<14} {times:>5} {all:>10}\n", "all", "");
@@ -87,11 +93,14 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
         run.held_bytes as f64 / run.samples.max(1) as f64,
         copy_rate / 1e9,
     );
+
     out + "MB: size of the buffers that a pass over all elements binds, twice for those that it reads and writes\n"
 }
 
 fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     let seconds = |row: &EngineRate| row.times.iter().map(|one| one.seconds).collect::<Vec<_>>();
+
+    // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU.
     let row = |pair: &[EngineRate]| {
         let [parallel, gpu] = pair else {
             return Value::Null;
@@ -108,12 +117,14 @@ fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
             "valid": parallel.valid() && gpu.valid(),
         })
     };
+
     let pass = |pass: &PassTimes| {
         json!({
             "stage": pass.stage, "pass": pass.name, "times": pass.times, "bytes": pass.bytes,
             "seconds": pass.seconds,
         })
     };
+
     let run = &rates.run;
     json!({
         "engine": "gpu",

@@ -62,7 +62,9 @@ impl Motion {
             Self::Play => (0..=FRAMES).map(|frame| frame * events / FRAMES).collect(),
             Self::Step => {
                 let later = &changes[changes.len() / 2..];
+                // A cursor counts the events that have happened, the change among them.
                 let after = later.iter().map(|change| change.event as usize + 1);
+                // The first cursor is where the steps begin.
                 after.take(STEPS + 1).collect()
             }
             Self::Jump => {
@@ -141,6 +143,7 @@ fn row(
     let wanted = if analysis { ALL } else { Wanted::default() };
     let mut state = State::default();
     let mut moment = LiveMoment::new(Arc::clone(course));
+    // The way to the first cursor is not measured, and has no limit of steps.
     state.seek(recording, cursors[0]);
     moment.seek(cursors[0], wanted, u64::MAX)?;
 
@@ -152,7 +155,7 @@ fn row(
         steps += moved.steps;
         arrived += usize::from(moved.arrived);
         if analysis {
-            // What panels read.
+            // Panels read these numbers in every frame. Without a reader the compiler could leave them out.
             let _ = std::hint::black_box(moment.measured());
             shown += moment.spectrum().map_or(0.0, LiveSpectrum::share);
         }
@@ -192,6 +195,7 @@ fn to_text(rows: &[MotionRow]) -> String {
         let (analysis, parts) = if row.analysis {
             ("with", [percent(row.arrived), percent(row.frequencies)])
         } else {
+            // Without measures nothing can lag behind the cursor.
             ("without", Default::default())
         };
         let (motion, [arrived, frequencies]) = (row.motion.name(), parts);

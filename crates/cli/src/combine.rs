@@ -87,6 +87,7 @@ Examples:
 pub fn run(arguments: &CombineArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
+    // The file is checked before the pieces are made, which takes longest.
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
         check_inputs_stay(path, [arguments.layout.as_path()])?;
@@ -117,7 +118,7 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     Ok(outcome.code())
 }
 
-/// A glued set.
+/// The set that a layout's pieces are glued to.
 struct Glued {
     worked: Worked,
     census: Census,
@@ -130,6 +131,7 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    // Only the layout names the files of its pieces, so that they are known no earlier.
     if let Some(out) = out {
         let of_file = |source: &PieceSource| match source {
             PieceSource::File { path, .. } => Some(folder.join(path)),
@@ -144,6 +146,8 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &pieces, &layout.options(), &mut watch)?;
     let work = Work::on_cpu(&mut watch);
+
+    // The certificate names files by their content, as a path may hold another set tomorrow.
     let named = |path: &str| named_by_content(&folder.join(path));
     let made = Made::combined(&combined, stated_layout(&layout, &placed, named)?);
     Ok(Glued {

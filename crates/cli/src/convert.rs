@@ -51,15 +51,16 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     check_inputs_stay(path, [arguments.input.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.input);
     let (set, context) = read(arguments)?;
-    let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
-    let exported = exported.in_file(path)?;
+    let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control))
+        .in_file(path)?;
     let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
     let verdict = output::verdict_text(&report, levels);
     let (count, radius) = (report.count, report.radius);
-    let warnings = exported.warnings.iter();
-    let warnings = warnings.map(|warning| output::warning_line(&warning.to_string()));
-    let warnings: String = warnings.collect();
+
+    let warnings: String = (exported.warnings.iter())
+        .map(|warning| output::warning_line(&warning.to_string()))
+        .collect();
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
@@ -76,6 +77,8 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
     let mut checked = check(&overrides);
+    // Only a set with a field or a shape is checked a second time, with the ones that certificate and arguments
+    // describe.
     if let Err(CheckError::NoField) = checked {
         let stated = arguments.set.certificate(path)?;
         overrides.varying = arguments
@@ -85,9 +88,12 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     }
 
     let (set, mut context) = match checked {
+        // Without a certificate the smallest distance may have to serve as the radius.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         check => certified(check.map_err(hinted).in_file(path)?, path)?,
     };
+
+    // An origin that is given takes the place of the stated one.
     if let Some(origin) = arguments.set.origin() {
         context.origin = origin;
     }
@@ -103,6 +109,7 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
     let format = Format::to_write(&arguments.output, arguments.to)?;
     let [x, y] = context.origin;
     if format.is_unit_torus() && (x != 0.0 || y != 0.0) {
+        // Samples alone may be moved to zero; a shape or a field would then lie elsewhere than they do.
         ensure!(
             context.varying.is_none(),
             "{format} holds positions of the unit torus, without the origin {x} {y} at which the shape or the field lies"
@@ -117,6 +124,7 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
 
 /// Carries the certificate of a checked set over, if it has one.
 fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
+    // The new file's certificate repeats these statements, so that they have to be true.
     if let Some(differs) = check.differences.first() {
         let path = named(path);
         bail!("{path}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");

@@ -89,6 +89,7 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
     }
     // A misspelt number is refused before the run is made.
     let numbers = if arguments.numbers.is_empty() {
+        // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
         let quick = live_numbers().filter(|number| !is_of_spectrum(number));
         quick.collect()
     } else {
@@ -129,6 +130,7 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
 
     let mut recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request() {
+        // Nested levels are defined for randomized tiling alone.
         ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);
@@ -138,6 +140,7 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
     Course::check(&recipe.parameters)?;
     match arguments.method {
         SamplingMethod::Kdrt => {
+            // The course keeps all samples in memory, which limits how many there may be.
             let run = arguments.run.settle(recipe, true, &mut watch)?;
             ask_for_whole(Making::Sequential, &run.parameters)?;
             Ok(Course::of_run(&run, &mut watch)?)

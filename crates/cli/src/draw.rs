@@ -61,12 +61,15 @@ enum Theme {
 
 pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::listen();
+
     let path = &arguments.picture;
     let is_svg = match extension(path).as_str() {
         "png" => false,
         "svg" => true,
         _ => bail!("{}: the extension must be .png or .svg", named(path)),
     };
+
+    // Checked before the set is read. A picture over the set would destroy it and its certificate.
     check_file(path)?;
     check_inputs_stay(path, [arguments.file.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.file);
@@ -75,17 +78,22 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         "--size is {}; it must be between 16 and 32768 pixels",
         arguments.size
     );
+
     let read = arguments.set.read_varying(&arguments.file)?;
     ensure!(
         !read.set.is_empty(),
         "{}: the set is empty",
         named(&arguments.file)
     );
+
     let stated = read.certificate.as_ref();
+    // Sides that are given take the place of the stated ones; without either the domain is the unit square.
     let region = (arguments.set).region_over(stated.map_or(Region::UNIT_SQUARE, |c| c.region));
+    // Degrees are of different lengths along the two axes, and disks would not be circles.
     (arguments.set)
         .refuse_degrees(&read, region)
         .in_file(&arguments.file)?;
+
     let scene = scene(arguments, &read.set, stated, region)?;
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
@@ -96,8 +104,10 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
             drawn => drawn?,
         }
     };
+
     interrupt::check("the picture")?;
     write_whole(path, &bytes)?;
+
     let (count, path) = (read.set.len(), named(path));
     output::emit(&format!("{count} samples drawn into {path}\n"))?;
     Ok(EXIT_FINE)
@@ -110,7 +120,7 @@ fn scene(
     region: Region,
 ) -> Result<Scene> {
     let given = &arguments.set;
-    // Disks of one radius would say nothing of a set whose radius varies.
+    // With a field no single radius describes the disks, so that none are drawn.
     let stated = certificate
         .map(|c| &c.radius)
         .filter(|radius| !radius.is_field());
@@ -131,6 +141,7 @@ fn scene(
         );
     }
 
+    // Inserted samples belong to no block, and have no block's colour.
     let block_of = |provenance: &Provenance| {
         Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
     };
@@ -183,8 +194,11 @@ fn window(given: Option<&[f64]>, region: &Region, origin: [f64; 2]) -> Result<Op
         [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1,
         "--window is {x0} {y0} {x1} {y1}; it must be X0 < X1 and Y0 < Y1"
     );
+
+    // In the picture the domain's lower corner lies at zero.
     let [left, right] = [x0, x1].map(|x| x - origin[0]);
     let [bottom, top] = [y0, y1].map(|y| y - origin[1]);
+    // A window may reach beyond the domain, but it has to overlap it.
     ensure!(
         right > 0.0 && top > 0.0 && left < region.width && bottom < region.height,
         "--window is {x0} {y0} {x1} {y1}; it lies outside the domain, {} x {} at {} {}",
@@ -209,11 +223,13 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
                 value[name] = defaults[name].clone();
             }
         }
+        // Other methods do not cut the whole domain into blocks.
         _ => return None,
     }
     // A pattern from a file does not parse as a pattern's description; blocks do not depend on it.
     value["pattern"] = serde_json::json!(PatternSpec::default());
     let parameters: Parameters = serde_json::from_value(value).ok()?;
+
     let (domain, leaf) = (parameters.validate().ok()?, parameters.leaf_units().ok()?);
     let blocks = stages::blocks::split(&domain, leaf, Key::from_seed(parameters.seed));
     let corner = |p| domain.user_from_lattice(p);

@@ -92,6 +92,7 @@ impl EngineArguments {
     /// Fails if the arguments ask for a GPU and none can be used.
     pub fn choose(&self, variant: Variant, expected: f64) -> Result<Backend> {
         let engine = match self.engine {
+            // An adapter that is named asks for a GPU, too.
             EngineArgument::Auto if !self.wants_gpu() => {
                 let choice = Choice::default();
                 return Ok(block_on(Backend::fastest(&choice, variant, expected)));

@@ -41,7 +41,7 @@ struct TestedAdapter {
     report: AdapterReport,
     /// [`PASSED`], [`FAILED`], or [`NOT_RUN`] if the adapter's limits are too low or an earlier one has the same name.
     verdict: &'static str,
-    /// Samples compared.
+    /// The samples that were compared with the CPU's.
     samples: usize,
     /// The comparison made, or why the test failed or was not run.
     detail: String,
@@ -49,13 +49,17 @@ struct TestedAdapter {
 
 pub fn run(arguments: &GpuArguments) -> Result<u8> {
     interrupt::listen();
-    let part = arguments.gpu_adapter.as_deref().unwrap_or("");
-    let part = part.to_lowercase();
+    let part = (arguments.gpu_adapter.as_deref())
+        .unwrap_or("")
+        .to_lowercase();
+
     let mut reports = block_on(adapters());
     reports.retain(|report| report.name.to_lowercase().contains(&part));
+
     // If no GPU computes, the installed parts of its driver tell why.
     let is_lacking = reports.iter().all(|report| report.is_software);
     let drivers = is_lacking.then(Drivers::find).flatten();
+
     let open = |name| {
         block_on(Gpu::open(&Choice {
             name,
@@ -63,27 +67,34 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
             ..Choice::default()
         }))
     };
+
     if reports.is_empty() {
         // The error says that there is no such adapter.
         let opened = open(arguments.gpu_adapter.clone());
         opened.map_err(|error| match &drivers {
+            // A build without the GPU's engine would not use a driver either, so that advice on it would mislead.
             Some(drivers) if error != GpuError::NotBuilt => {
                 anyhow!("{error}. {}", drivers.text().replace('\n', " "))
             }
             _ => error.into(),
         })?;
     }
+
+    // After a request to end no further adapter is tested; the check below then ends the command.
     let reports = reports.into_iter().take_while(|_| !interrupt::requested());
     let test = |report: AdapterReport| TestedAdapter::of(open(Some(report.name.clone())), report);
     let tested: Vec<TestedAdapter> = reports.map(test).collect();
     interrupt::check("the last test")?;
+
     let adapters = || tested.iter().map(TestedAdapter::json).collect::<Vec<_>>();
     let json = || json!({ "adapters": adapters(), "drivers": drivers });
     let mut texts: Vec<String> = tested.iter().map(TestedAdapter::text).collect();
     if let Some(drivers) = &drivers {
         texts.push(format!("No GPU was found.\n{}\n", drivers.text()));
     }
+
     output::report(arguments.json, json, || texts.join("\n"))?;
+    // A single wrong adapter is a fault, although others may be right: users can choose any.
     let has = |verdict: &str| tested.iter().any(|one| one.verdict == verdict);
     Ok(verdict_code(has(PASSED) && !has(FAILED)))
 }

@@ -84,7 +84,7 @@ impl GroundArguments {
         files.into_iter().filter_map(|file| file.as_deref())
     }
 
-    /// Returns what is to be covered, if a shape is given.
+    /// Returns the shape that is to be covered, if one is given.
     pub fn shape(&self, planar: bool) -> Result<Option<ShapeSource>> {
         if let Some(path) = &self.shape {
             let bytes = read_whole(path)?;
@@ -96,7 +96,7 @@ impl GroundArguments {
         Ok(image.transpose()?.map(ShapeSource::Mask))
     }
 
-    /// Returns what is given to judge a set.
+    /// Returns the field and the shape that the arguments give to judge a set.
     fn given(&self, planar: bool) -> Result<GivenGround> {
         let radius = if let Some(path) = &self.radius_image {
             GivenRadius::Image(image(path, "--radius-image")?)

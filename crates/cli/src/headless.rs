@@ -57,6 +57,7 @@ pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
 
 fn default_session(reason: &HeadlessReason) -> Result<u8> {
     output::emit(&format!("{reason}, so this runs without one.\n\n"))?;
+    // A failure is returned only at the end: the advice matters most to those for whom nothing works.
     let outcome = session(Path::new(OUT));
     let advice = match reason {
         HeadlessReason::NotBuilt => {

@@ -54,6 +54,7 @@ fn start() -> io::Result<()> {
             runtime.block_on(async {
                 loop {
                     next(&mut signals).await;
+                    // Relaxed is enough: the flag stands by itself, and no other memory is published with it.
                     if REQUESTED.swap(true, Ordering::Relaxed) {
                         process::exit(i32::from(crate::EXIT_INTERRUPTED));
                     }
@@ -111,8 +112,9 @@ fn is_hangup_ignored() -> bool {
 #[cfg(unix)]
 fn ignores_hangup(status: &str) -> bool {
     const SIGHUP: u64 = 1;
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    let mask = (status.lines())
+        .find_map(|line| line.strip_prefix("SigIgn:"))
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     mask.is_none_or(|mask| mask & SIGHUP != 0)
 }
 

@@ -182,6 +182,7 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
         return None;
     };
     let file = PathBuf::from(lesson);
+    // Names of the program come before files; a file of such a name is reached as ./NAME.
     Some(if lesson == "lecture" {
         Ok(Played::Lecture)
     } else if shipped_lesson(lesson).is_some() {
@@ -231,9 +232,13 @@ impl Source {
         let name = name_of(file)?;
         let text = read(file)?;
         let lesson = Lesson::read(&name, &text);
-        let folder = file.parent().filter(|folder| *folder != Path::new(""));
-        let folder = folder.unwrap_or(Path::new("."));
+        // A bare file name has the empty path as its parent, which is no folder that can be listed.
+        let folder = (file.parent())
+            .filter(|folder| *folder != Path::new(""))
+            .unwrap_or(Path::new("."));
         let entries = fs::read_dir(folder).in_file(folder)?;
+
+        // The file is NAME.LANGUAGE.md: without its ending the language is an extension, too.
         let is_translation = |path: &PathBuf| {
             let named = path.with_extension("");
             path.extension().is_some_and(|extension| extension == "md")
@@ -242,6 +247,7 @@ impl Source {
         };
         let entries = entries.filter_map(|entry| Some(entry.ok()?.path()));
         let mut paths: Vec<PathBuf> = entries.filter(is_translation).collect();
+        // Systems list a folder in any order; the report is to have one order.
         paths.sort();
         let translation = |path: &PathBuf| Ok((named(path), Translation::read(&read(path)?)));
         Ok(Self {
@@ -335,7 +341,7 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
     Ok(verdict_code(is_fine))
 }
 
-/// What is reported of one lesson.
+/// The findings of a check of one lesson.
 struct Report {
     /// A line for each fault and each warning, then the lesson's numbers.
     text: String,
@@ -354,6 +360,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
     let name = source.name;
     let lesson = match source.lesson {
         Ok(lesson) => lesson,
+        // The other parts of a lesson that cannot be read cannot be checked either.
         Err(error) => {
             let fault = at(&name, &error);
             return Ok(Report {
@@ -377,6 +384,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
     let all = found.faults.iter().chain(&leaks);
     let mut faults: Vec<String> = all.map(|fault| at(&name, fault)).collect();
 
+    // The fonts may have all letters of the lesson, and lack some of a translation.
     for (name, translation) in source.translations {
         if let Ok(translation) = &translation {
             let texts = lesson.texts();
@@ -475,11 +483,12 @@ fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<St
         let translation = is_translated.then(|| shipped.german.into_owned());
         return Ok((name.to_owned(), shipped.text.into_owned(), translation));
     }
+
     let file = Path::new(name);
     ensure!(file.is_file(), no_lesson(name));
     let name = name_of(file)?;
-    let translation = file.with_file_name(format!("{name}.{language}.md"));
-    let translation = is_translated.then(|| read(&translation)).transpose()?;
+    let beside = file.with_file_name(format!("{name}.{language}.md"));
+    let translation = is_translated.then(|| read(&beside)).transpose()?;
     Ok((name, read(file)?, translation))
 }
 
@@ -489,6 +498,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
     let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
+
     let made = (window.handout)(Handout {
         lesson: (name, text),
         language: (arguments.language.clone(), translation),
@@ -496,6 +506,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
         notes: arguments.notes,
     });
     let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
+
     check_inputs_stay(out, [Path::new(lesson)])?;
     write(out, &html)?;
     output::emit(&format!("{path}: {} bytes\n", html.len()))
@@ -526,10 +537,12 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
     for file in &arguments.files {
         let lesson = with_line(Source::of_file(file)?.lesson, file)?;
         let found = checked(&lesson, arguments.seeds)?;
+        // A lesson with a fault may have false keys, so that none are written.
         if let Some(fault) = found.faults.first() {
             bail!(at(&named(file), fault));
         }
         let keys = file.with_extension("keys");
+        // A lesson whose file ends in .keys would be replaced by its own keys.
         check_inputs_stay(&keys, [file.as_path()])?;
         write(&keys, &found.keys)?;
     }
@@ -550,6 +563,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     let lesson = with_line(Lesson::read(&name, &read(file)?), file)?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
     check_inputs_stay(&target, [file])?;
+    // A translation that is there already keeps its texts.
     let old = if target.exists() {
         with_line(Translation::read(&read(&target)?), &target)?
     } else {

@@ -192,7 +192,9 @@ fn with_file_named(
     };
     let text = first.to_string_lossy().into_owned();
     let is_file = Path::new(first).is_file();
+    // clap adds `help` only when it parses, so that it is not among the commands yet.
     let is_command = command.find_subcommand(first).is_some() || text == "help";
+
     if text.starts_with('-') || is_command {
         return Ok(words);
     }
@@ -231,7 +233,7 @@ fn plain(word: OsString) -> OsString {
 /// Functions of the window's crates that commands call; this crate does not depend on those.
 #[derive(Clone, Copy)]
 pub struct FromWindow {
-    /// Carries out scripts.
+    /// Carries out the commands of a script, and passes on its output and its refusals.
     pub script: script::CarryOut,
     /// Returns a handout of a lesson, or why it cannot be made.
     pub handout: fn(lesson::Handout) -> Result<String, String>,
@@ -284,6 +286,8 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) if interrupt::obeyed() => {
+            // After a request to end, an error is only its consequence, and is not printed. Finished parts of a
+            // reproduction are kept, so that it needs no option to go on.
             let cancelled = |error| matches!(error, &ReproduceError::Cancelled);
             let goes_on = if error.is::<interrupt::Resumable>() {
                 "; run the same command with --resume to continue"
@@ -292,6 +296,7 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
             } else {
                 ""
             };
+
             output::note(&format!(
                 "interrupted; no file was left half written{goes_on}"
             ));

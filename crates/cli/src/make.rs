@@ -23,7 +23,7 @@ const FINISHING: f64 = 100.0;
 
 /// Asks for the memory that the set of `parameters` takes. Fails if the system does not give it, or if no set is so large.
 ///
-/// A program ends at once when an allocation fails, with a code and a message that say nothing of the cause.
+/// A failed allocation would end the program at once, with a code and a message that do not name the cause.
 pub fn ask_for_whole(making: Making, parameters: &Parameters) -> Result<()> {
     let samples = parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     Ok(ask_for(samples, making.bytes_a_sample().max(FINISHING))?)
@@ -89,6 +89,7 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     } else {
         Making::Sweep
     };
+    // The memory is asked for before the work, as a failed allocation would end the program without a reason.
     ask_for_whole(making, &run.parameters)?;
 
     let (made, backend) = if is_sequential {
@@ -148,8 +149,9 @@ fn with_set(
     set: &PointSet,
     context: &ExportContext,
 ) -> anyhow::Error {
-    let disagree = |cause: &_| matches!(cause, VerifyError::Disagreement { .. });
-    let disagree = |cause: &(dyn Error + 'static)| cause.downcast_ref().is_some_and(disagree);
+    let is_disagreement = |cause: &_| matches!(cause, VerifyError::Disagreement { .. });
+    let disagree =
+        |cause: &(dyn Error + 'static)| cause.downcast_ref().is_some_and(is_disagreement);
     if !error.chain().any(disagree) {
         return error;
     }
@@ -160,9 +162,11 @@ fn with_set(
     };
     let saved = tilescope_formats::export_unverified(path, set, &context);
     let path = named(path);
+    // The disagreement stays the error, whether or not its set could be saved.
     if let Err(failed) = saved {
         return error.context(format!("{path} could not be saved: {failed}"));
     }
+
     let (radius, region) = (context.radius, json!(context.region));
     let [width, height] = [context.region.width, context.region.height];
     let boundary = region["boundary"].as_str().unwrap_or_default();

@@ -148,9 +148,11 @@ impl SetArguments {
             self.boundary.is_some(),
         ];
         let mut stated = None;
+        // The certificate is read only where it has to fill in one of the three.
         if given.contains(&true) && given.contains(&false) {
             stated = self.certificate(path)?.map(|stated| stated.region);
         }
+
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
         let columns = self.columns.clone();
         Ok(Overrides {
@@ -249,8 +251,8 @@ impl SetArguments {
         certificate: CertificateUse,
         varying: bool,
     ) -> Result<ReadSet> {
-        let columns = self.columns.as_deref();
-        let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
+        let columns =
+            (self.columns.as_deref()).and_then(|columns| <&[String; 2]>::try_from(columns).ok());
 
         let hint = Hint {
             format: self.format,
@@ -261,8 +263,7 @@ impl SetArguments {
             varying,
             ..Hint::default()
         };
-        let read = tilescope_formats::read(path, &hint);
-        let read = read.map_err(|error| match error {
+        let read = tilescope_formats::read(path, &hint).map_err(|error| match error {
             FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
                 anyhow!("{error}; {WITHOUT_CERTIFICATE}")
             }

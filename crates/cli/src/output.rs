@@ -61,7 +61,7 @@ pub fn report(
 #[derive(Default)]
 pub struct Judged {
     pub report: Option<Report>,
-    /// What was found of each level of nested levels.
+    /// The judged levels, if the set has nested levels.
     pub levels: Vec<CertifiedLevel>,
     /// The certificate, if the set was saved with one.
     pub certificate: Option<PathBuf>,
@@ -130,8 +130,9 @@ impl Outcome {
     /// Returns the facts and the verdict as an object.
     pub fn json(&self) -> Value {
         let (facts, judged) = (&self.facts, &self.judged);
-        let seconds = self.work.seconds.iter();
-        let seconds = seconds.map(|(stage, s)| json!({ "stage": stage.to_string(), "seconds": s }));
+        let seconds = (self.work.seconds.iter())
+            .map(|(stage, s)| json!({ "stage": stage.to_string(), "seconds": s }));
+
         let mut object = json!({
             "method": facts.method,
             "parameters": facts.parameters,
@@ -165,6 +166,7 @@ impl Outcome {
     pub fn text(&self) -> String {
         let (facts, judged) = (&self.facts, &self.judged);
         let region = region_text(&facts.region);
+        // A field has no single radius.
         let varying = facts
             .varying
             .as_ref()
@@ -268,8 +270,8 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     }
     if rest > 0.0 {
         let inserted = |s: &Summary| s.inserted.iter().skip(1).sum::<usize>();
-        let did = summary.map(|summary| format!("   {} inserted", inserted(summary)));
-        let did = did.unwrap_or_default();
+        let did = (summary.map(|summary| format!("   {} inserted", inserted(summary))))
+            .unwrap_or_default();
         let _ = writeln!(out, "  {:<12} {:>9.1} ms{did}", "throw darts", rest * 1e3);
     }
     out
@@ -281,6 +283,7 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
         count => text.replace('#', &count.to_string()),
     };
     let (blocks, tiled, eliminated) = (s.blocks, s.tiled, s.eliminated);
+
     match stage {
         Stage::Pattern => String::new(),
         Stage::Blocks if blocks == 1 => "1 building block".to_owned(),
@@ -293,6 +296,7 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
         Stage::Eliminate => format!("{eliminated} eliminated"),
         Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
             Some(n) => format!("{n} inserted"),
+            // The last detection finds no gap, so that it has no count.
             None => "no gap is left".to_owned(),
         },
         Stage::Regions => {
@@ -306,7 +310,8 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     }
 }
 
-/// Returns the verdict in a few lines, or a row for each level, with what is promised and, in brackets, what was found.
+/// Returns the verdict in a few lines. Of nested levels each has a row: the promised values and, in brackets, the found
+/// ones.
 pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
     if !levels.is_empty() {
         let rows: String = levels.iter().map(level_row).collect();
@@ -315,17 +320,21 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
             "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
         );
     }
+    // A set that was judged by subdivision has no single radius in which its lengths could be given.
     if report.judges == [Judge::Subdivision] {
         return subdivision_text(report);
     }
+
     let (r, count, density) = (report.radius, report.count, report.density);
     let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
     let conflict_free = conflicts_answer(report.conflicts);
     let maximal = answer(report.maximal(), report.gaps);
+    // Positions are rounded to a lattice, and maximality has a tolerance for it.
     let limit = 1.0 + report.covering_tolerance;
     let (closest, _) = compared(closest, 1.0, 9);
     let (farthest, most) = compared(farthest, limit, 9);
     let judges = Judge::joined(&report.judges);
+
     let mut out = format!(
         "samples        {count}\n\
          density        {density:.4} N r^2 / area\n\
@@ -333,20 +342,25 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
          maximal        {maximal}   covering radius {farthest} r, at most {most} r\n\
          verified by    {judges}\n"
     );
+
+    // A set may have millions of conflicts; three show the fault.
     for conflict in report.worst_conflicts.iter().take(3) {
         let (a, b, apart) = (conflict.first, conflict.second, conflict.distance / r);
         let apart = match compared(apart, 1.0, 6) {
+            // Below r by less than the digits of a quotient can show.
             (apart, limit) if apart == limit => "less than 1 r apart by rounding".to_owned(),
             (apart, _) => format!("{apart} r apart"),
         };
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart}");
     }
+
     let gaps = report.worst_gaps.iter().take(3);
     for gap in gaps.filter(|_| !report.maximal()) {
         let ([x, y], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
         let place = format!("({x}, {y}) is {far} r from the nearest sample");
         let _ = writeln!(out, "  gap: {place}");
     }
+
     let _ = writeln!(out, "verdict        {}", validity(report.valid()));
     out
 }

@@ -40,8 +40,8 @@ const SIZE: [&str; 2] = ["radius", "count"];
 
 impl Args for RunArguments {
     fn augment_args(command: Command) -> Command {
-        // In the order in which `--help` lists them: what must be given first, and what stands in for a generated pattern
-        // behind the options of that.
+        // `--help` lists options in this order: the size first, as it must be given, and a pattern's file behind the options
+        // of a generated pattern.
         // Both are given where two radii are scaled to a count.
         let size = ArgGroup::new("size")
             .args(SIZE)
@@ -81,6 +81,7 @@ impl FromArgMatches for RunArguments {
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
         }
 
+        // All options have defaults: only a typed one can be refused by a method that has no use for it.
         let is_typed = |parameter: &Parameter| {
             matches.value_source(parameter.key()) == Some(ValueSource::CommandLine)
         };
@@ -124,6 +125,7 @@ fn refuse_sizes(
     greatest: Option<f64>,
     has_count: bool,
 ) -> Result<(), clap::Error> {
+    // Commands without images do not know the id, which means that it is not given.
     let is_given = |id: &str| matches.try_get_raw(id).is_ok_and(|values| values.is_some());
     let has_image = is_given("radius_image");
     let why = if greatest.is_some() && !has_image {
@@ -287,10 +289,11 @@ impl RunArguments {
         }
 
         let run = recipe.settle(watch)?;
+        // The tries that find a count's radius are not part of the time that the set takes.
         if recipe.count.is_some() {
             watch.drop_tries();
         }
-        // A search for the radius begins with an estimate, of which nothing was refused above.
+        // The radius of a count is known only now, so that its size was not checked above.
         if in_memory {
             run.parameters.validate_sequential()?;
         }
@@ -298,8 +301,9 @@ impl RunArguments {
     }
 }
 
-/// Returns the set in a file; fails unless it is conflict-free and maximal. What is not given is the certificate's, or that
-/// of the periodic unit square. If no radius is known, the error asks for `wanted`.
+/// Returns the set in a file; fails unless it is conflict-free and maximal. Sides, boundary and radius that are not given
+/// are the certificate's; without one the domain is the periodic unit square. If no radius is known, the error asks for
+/// `wanted`.
 pub fn set_of_file(path: &Path, given: &GivenDomain, wanted: &str) -> Result<Set> {
     let read = tilescope_formats::read(path, &Hint::default())?;
     let stated = read.certificate.as_ref().map(Into::into);

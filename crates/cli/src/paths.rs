@@ -28,6 +28,7 @@ impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
 pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
     match Format::to_write(path, format) {
         Err(FormatError::UnknownFormat { .. }) => {
+            // Variants of a format may share an extension, and stand beside each other.
             let mut known = Format::ALL.map(Format::extension).to_vec();
             known.dedup();
             bail!(
@@ -38,6 +39,7 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
         }
         outcome => outcome?,
     };
+    // The certificate is written as well, and has to be a file that can be replaced.
     destination(&certificate_path(&destination(path)?))?;
     check_file(path)
 }
@@ -68,6 +70,7 @@ fn are_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
+        // Hard links are one file under paths that have nothing in common.
         (first.dev(), first.ino()) == (second.dev(), second.ino())
     }
     #[cfg(not(unix))]

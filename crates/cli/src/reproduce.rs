@@ -100,9 +100,13 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         quick: arguments.quick,
         seed: arguments.seed,
     };
+
     let watch = WatchBar(bar("reproduce", 0));
     let fresh = arguments.before.fresh;
+
+    // Without a folder there is no place for results, so that the plan is all that can be shown.
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
+        // With --fresh the results in the folder do not count.
         let kept = arguments.out.as_deref().filter(|_| !fresh);
         let each = plan(&experiments, &settings, kept);
         let [units, kept] = totals(&each);
@@ -110,7 +114,9 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         output::report(arguments.json, json, || plan_text(&each))?;
         return Ok(EXIT_FINE);
     };
+
     let path = named(out);
+    // The error of the system would not say that the option wants a folder.
     let is_file = out.exists() && !out.is_dir();
     ensure!(!is_file, "{path}: this is a file; --out names a folder");
     std::fs::create_dir_all(out).with_context(|| format!("{path}: --out cannot be made"))?;
@@ -119,10 +125,14 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         out: out.clone(),
         fresh,
     };
+
     let outcome = reproduce(&experiments, &options, &watch);
+    // The bar goes first, so that an error stands in a line of its own.
     watch.0.finish_and_clear();
     let summary = outcome?;
+
     output::report(arguments.json, || json(&summary), || text(&summary))?;
+    // A claim that is not reproduced is a finding; only an experiment that could not be carried out is a fault.
     let is_fine = summary.failed.is_empty();
     Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
 }

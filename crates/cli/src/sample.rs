@@ -15,19 +15,23 @@ use crate::{interrupt, nested, stream, varying, window};
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.engine.threads.set()?;
+    // The file is checked before the set is made, which may take minutes.
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
         let inputs = arguments.run.pattern.as_deref().into_iter();
         check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
     }
+
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
     }
+    // A window is judged with its surroundings, and has a report of its own.
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
     }
+
     let outcome = if let Some(nested) = arguments.nested.request() {
         finish(arguments, nested::make(arguments, nested)?)?
     } else {
@@ -57,6 +61,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
             let backend = arguments.engine.choose(variant, expected)?;
             let mut watch = Stopwatch::start();
             let run = arguments.run.settle(recipe.clone(), !streams, &mut watch)?;
+            // A large set passes by band by band, and is never in memory as a whole.
             if streams {
                 let passed = stream::pass(arguments, &run, &backend, watch);
                 let outcome = match &arguments.out {
@@ -69,6 +74,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         }
     };
 
+    // The radius of a count is known only now.
     let parameters = Parameters {
         radius: worked.made.facts.radius,
         ..recipe.parameters
@@ -105,6 +111,7 @@ fn with_remarks(
         SamplingMethod::Exact => true,
         SamplingMethod::Reference => false,
     };
+    // A pattern from a file has the side that it has, so that the advice would be of no use.
     if let Some(side) = (parameters.side_without_repeats()).filter(|_| has_own_pattern) {
         let own = parameters.pattern.side;
         let remark = format!(

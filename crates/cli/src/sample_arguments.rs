@@ -163,6 +163,7 @@ impl SampleArguments {
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method() == SamplingMethod::Kdrt;
         let engine = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
+        // A shuffled set is in no order of rows, in which bands could be written.
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
         if self.resume {
             ensure!(

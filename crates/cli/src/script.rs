@@ -57,12 +57,14 @@ pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
         &arguments.file
     };
     let text = read(&arguments.file).in_file(file)?;
+
     let mut refused_code = EXIT_FINE;
     let mut refused = |number: usize, why: &str, is_of_file| {
         output::note(&format!(
             "error: {}: command {number}: {why}",
             file.display()
         ));
+        // Files that cannot be used are bad input; other refusals are a negative outcome.
         let code = if is_of_file {
             EXIT_BAD_INPUT
         } else {
@@ -70,8 +72,10 @@ pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
         };
         refused_code = refused_code.max(code);
     };
+
     let verdict =
         carry_out(&text, arguments.each, &mut output::emit, &mut refused).in_file(file)?;
+    // The graver code is the larger one.
     Ok(verdict.map_or(EXIT_FINE, verdict_code).max(refused_code))
 }
 

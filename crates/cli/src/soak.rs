@@ -122,16 +122,22 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         && sum.commands.len() < MAX_FAULTS
         && !interrupt::requested()
     {
-        let rounds: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
-        let rounds = rounds.into_par_iter().with_max_len(1);
-        let rounds = rounds.map(|k| round_or_fault(arguments, k));
-        for round in rounds.collect::<Vec<Tally>>() {
-            sum.add(round);
+        // Each round has the number that seeds it, so that a run of any number of threads has the same rounds.
+        let numbers: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
+        // Rounds differ in size by up to a factor of 800, so that threads take them one by one.
+        let rounds = numbers.into_par_iter().with_max_len(1);
+        let tallies: Vec<Tally> =
+            (rounds.map(|number| round_or_fault(arguments, number))).collect();
+        for tally in tallies {
+            sum.add(tally);
         }
+
         bar.set_position(sum.samples);
     }
+
     bar.finish_and_clear();
     output::report(arguments.json, || json!(sum), || text(&sum))?;
+    // The totals are printed all the same, but they are of fewer samples than were asked for.
     if interrupt::requested() {
         return Ok(crate::EXIT_INTERRUPTED);
     }
@@ -185,12 +191,17 @@ const ORDERS: [Order; 4] = [
 ];
 
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
+    // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
+    // r^2.
     let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
     let aspect = dice.scale(1, [0.05, 20.0]);
-    // Both sides at least as long as periodic domains must be.
+    // Both sides at least as long as periodic domains must be. 111 is more than 10.5 squared, so that the range is not
+    // empty.
     let width = (area * aspect).sqrt().clamp(10.5, area.max(111.0) / 10.5);
+
     let leaf = dice.scale(2, [6.0, 120.0]);
     let boundary = dice.pick(3, &[Boundary::Periodic, Boundary::Bounded]);
+
     let pattern = if dice.share(4) < 0.15 {
         // A bounded pattern must hold every enlarged block.
         PatternSpec {
@@ -209,10 +220,13 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
             seed: if is_default { seed & 7 } else { 0 },
         }
     };
+
+    // A reach of two radii may leave gaps: an experiment of the paper, for a few rounds.
     let mut search = Search::Complete;
     if dice.share(9) < 0.1 {
         search = Search::TwoRadii;
     }
+
     Parameters {
         width,
         height: (area / width).max(10.5),
@@ -261,15 +275,19 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
 
 fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
-    let run = Sequential::new(parameters, std::sync::Arc::clone(&pattern))?;
-    let run = run.finish(&mut Unobserved)?;
+    let run =
+        Sequential::new(parameters, std::sync::Arc::clone(&pattern))?.finish(&mut Unobserved)?;
+
     let points = run.points();
     let (swept, summary) = Sweep::new(parameters, &pattern, false)?.finish(&mut Unobserved)?;
     let engines_agree = swept.points == points && summary == run.summary();
+    // Rounds run side by side, so that the memory of the run is given back before windows are made.
     drop(run);
+
     let plane = Plane::new(parameters, &pattern)?;
     let domain = *plane.domain();
     let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
+
     let report = tilescope_analysis::verify(
         &domain.users_from_lattice(&points),
         region(&domain),
@@ -277,6 +295,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         verify,
         &|_| interrupt::flow(),
     )?;
+
     let mut round = Tally {
         rounds: 1,
         samples: report.count as u64,
@@ -284,21 +303,26 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         unequal: u64::from(!engines_agree || !windows_agree),
         ..Tally::default()
     };
+    // A reach of two radii may leave gaps, which is no fault.
     if parameters.search == Search::Complete {
         round.gaps = report.gaps;
         round.covering_radius_r = report.covering_radius;
     }
+
     let engines_differ = "--engine sequential and --engine parallel differ: ";
-    let faults = [
+    let checks = [
         (engines_agree, engines_differ),
         (windows_agree, "a --window differs from the set: "),
         (round.conflicts + round.gaps == 0, "not valid: "),
     ];
-    let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
-    let faults: String = faults.map(|(_, fault)| fault).collect();
+    let faults: String = (checks.into_iter())
+        .filter(|(is_fine, _)| !is_fine)
+        .map(|(_, fault)| fault)
+        .collect();
     if !faults.is_empty() {
         round.commands.push(faults + command(parameters).as_str());
     }
+
     nested::add(&mut round, parameters, dice, verify)?;
     Ok(round)
 }
@@ -324,8 +348,10 @@ fn windows_agree(
 fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
     let share = |k: u32| dice.share(100 + 10 * index + k);
-    let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
-    let low = [low[0] * sides[0], low[1] * sides[1]];
+    // Windows may begin outside: a periodic domain goes on there, and a bounded one cuts them at its border.
+    let corner = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
+    let low = [corner[0] * sides[0], corner[1] * sides[1]];
+    // Products of two draws make small windows more frequent.
     let size = [
         share(2) * share(3) * sides[0],
         share(4) * share(5) * sides[1],
@@ -376,6 +402,7 @@ fn common_command(p: &Parameters) -> String {
         pattern,
         ..
     } = p;
+    // Options take the names that JSON has.
     let names = json!([p.boundary, pattern.boundary]);
     let [boundary, ends] = [0, 1].map(|k| names[k].as_str().unwrap_or(""));
     let dihedral = if p.dihedral { " --dihedral" } else { "" };

@@ -38,8 +38,10 @@ pub fn pass(
     let context = arguments.context(&facts);
     let out = arguments.out.as_deref();
     let resumed = out.filter(|_| arguments.resume);
-    let state = resumed.map(|path| state_of(path, &facts, arguments.no_verify));
-    let state = state.transpose()?;
+    let state = resumed
+        .map(|path| state_of(path, &facts, arguments.no_verify))
+        .transpose()?;
+    // The interrupted process may have written all samples, and only its last renames may be left to do.
     if let Some(path) = resumed
         && let Some(count) = finish_interrupted(path)?
     {
@@ -47,6 +49,7 @@ pub fn pass(
     }
 
     let sink = Sink::open(arguments, &context)?;
+    // Sources are computed only for a file that can hold them.
     let sources = out.is_some() && context.format.is_some_and(Format::carries_provenance);
     let mut bands = make::bands(run, backend, sources)?;
     if let Some(state) = &state {
@@ -54,8 +57,9 @@ pub fn pass(
     }
     let parameters = serde_json::to_value(&facts.parameters)?;
     let verify = !arguments.no_verify;
+    // A run that is resumed compares the first two with its own arguments.
     let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
-    let end = pass_into(&mut bands, sink, (&run.domain, token), &mut watch);
+    let end = pass_into(&mut bands, sink, &run.domain, token, &mut watch);
     let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
 
     let summary = bands.summary();
@@ -133,12 +137,15 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
 fn pass_into(
     bands: &mut Bands,
     sink: Sink,
-    (domain, token): (&Domain, impl Fn(SweepState) -> Value),
+    domain: &Domain,
+    token: impl Fn(SweepState) -> Value,
     watch: &mut Stopwatch,
 ) -> Result<(Judged, String)> {
+    // One band waits at most: the memory must not grow where computing is faster than writing.
     let (sender, receiver) = sync_channel(1);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || sink.take_all(domain, &receiver));
+
         let computed = loop {
             let message: Message = match block_on(bands.step(watch)) {
                 Ok(sampled) => sampled.map(|sampled| (sampled, token(bands.state()))),
@@ -151,8 +158,11 @@ fn pass_into(
                 break Ok(());
             }
         };
+
+        // The writer waits until the channel is closed.
         drop(sender);
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
+
         match computed {
             // Both may fail, for instance if the disk is full and the process is asked to end.
             Err(error) => Err(written.err().unwrap_or(error)),
@@ -177,6 +187,7 @@ enum Sink {
 impl Sink {
     fn open(arguments: &SampleArguments, context: &ExportContext) -> Result<Self> {
         let Some(path) = &arguments.out else {
+            // Without a file the set is only judged while it passes by.
             let options = arguments.judge.options();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
             return Ok(Self::Judge(Box::new(verifier)));
@@ -205,13 +216,17 @@ impl Sink {
             let Some((sampled, token)) = message else {
                 return Ok(Some((self.finish()?, digest.text())));
             };
+
             let provenance = sampled.sources.as_deref().map(provenance);
+            // Positions take twice the memory of lattice points, so that they are made piece by piece.
             for (k, piece) in sampled.points.chunks(PIECE).enumerate() {
                 let points = domain.users_from_lattice(piece);
                 digest.add(&points);
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
+
+            // Only between bands, as the state of the token is that after the whole band.
             if let Self::File {
                 export,
                 last_checkpoint,
@@ -223,6 +238,8 @@ impl Sink {
                 *last_checkpoint = Instant::now();
             }
         }
+
+        // The channel was closed without the end: the run failed, and its file stays unfinished.
         Ok(None)
     }
 

@@ -60,6 +60,7 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         "--pattern: {why}; leave it out"
     );
     arguments.engine.check_on_cpu("the reference sampler")?;
+    // Only a typed option is refused, as all have defaults.
     match arguments
         .run
         .typed

@@ -103,12 +103,14 @@ fn checked(arguments: &VerifyArguments) -> Result<Check> {
         ..arguments.set.overrides(file)?
     };
     let (ground, set) = (&arguments.ground, &arguments.set);
+    // Without a certificate only the arguments can tell the field and the shape.
     if ground.is_given() {
         let stated = set.certificate(file)?;
         overrides.varying = ground.judged(file, set, stated.as_ref())?;
     }
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     let mut checked = check_or_unit_square(&overrides, check);
+
     // Only then is the certificate read a second time, as few sets have such parts.
     if let Err(CheckError::NoField) = checked {
         let stated = set.certificate(file)?;
@@ -154,10 +156,13 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     for gap in &mut report.worst_gaps {
         gap.center = [gap.center[0] + x, gap.center[1] + y];
     }
+
     let verdict = output::verdict_text(&report, &check.levels);
+    // A field has no single radius; its certificate states the least and the greatest.
     let stated = check.certificate.as_ref().map(|stated| &stated.radius);
     let radius = stated.filter(|radius| radius.is_field()).cloned();
     let at = origin.map_or_else(String::new, |[x, y]| format!(" at {x} {y}"));
+
     let mut out = format!(
         "{}: {}{at}, r = {}\n\n{verdict}",
         check.detection,
@@ -166,6 +171,7 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
             .as_ref()
             .map_or_else(|| report.radius.to_string(), output::radius_text),
     );
+
     match &check.certificate {
         None => out.push_str("certificate    none\n"),
         Some(stated) if check.differences.is_empty() => {

@@ -58,6 +58,8 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     let address = listener.local_addr()?;
     let page = format!("http://{}/", reachable(address));
     let mut text = format!("{page} serves {}; Ctrl+C ends it\n", named(&site.folder));
+
+    // A loopback address can be reached from this machine only.
     if !address.ip().is_loopback() {
         text += &elsewhere(address, outward(address.ip()));
         text += " is its address for other machines\n";
@@ -66,6 +68,7 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
              nor offline use.",
         );
     }
+
     output::emit(&text)?;
     if arguments.open {
         // On some systems this returns only when the browser is closed.
@@ -75,6 +78,8 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
             }
         });
     }
+
+    // No answer ends the server; only the request to end does.
     let served = answer_all(listener, site.router(), HEAD_LIMIT);
     tokio::select! {
         () = served => {}
@@ -152,6 +157,7 @@ fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         );
         return Ok(folder.to_owned());
     }
+    // web/build makes the first, in a checkout; an installed program has its page beside it.
     let mut folders = vec![PathBuf::from("web/dist")];
     folders.extend(std::env::current_exe().map(|program| program.with_file_name("web")));
     if let Some(folder) = folders.iter().find(|folder| has_page(folder)) {

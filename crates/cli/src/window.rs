@@ -83,6 +83,7 @@ fn show(
         );
     }
     check_size(&window)?;
+    // The time is that of the points alone, without their verdict.
     let began = Instant::now();
     let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
@@ -90,8 +91,7 @@ fn show(
 
     let count = points.len();
     let set = PointSet::from_points(domain.users_from_lattice(&points));
-    let file = arguments.out.as_ref();
-    let file = file.map(|path| named(path));
+    let file = arguments.out.as_ref().map(|path| named(path));
     let object = json!({
         "method": facts.method,
         "parameters": facts.parameters,
@@ -108,12 +108,7 @@ fn show(
         "valid": report.valid(),
         "file": file,
     });
-    let mut text = text(
-        [left, bottom, right, top],
-        &domain,
-        (count, seconds),
-        &report,
-    );
+    let mut text = text([left, bottom, right, top], &domain, count, seconds, &report);
     if let (Some(path), Some(file)) = (&arguments.out, &file) {
         ensure!(
             count > 0,
@@ -141,7 +136,8 @@ fn check_size(window: &Window) -> Result<()> {
 fn text(
     [left, bottom, right, top]: [f64; 4],
     domain: &Domain,
-    (count, seconds): (usize, f64),
+    count: usize,
+    seconds: f64,
     report: &CutReport,
 ) -> String {
     // The border of a bounded domain belongs to the windows that reach it.
@@ -151,6 +147,7 @@ fn text(
     };
     let (x, y) = (end(right, 0), end(top, 1));
     let (region, r) = (output::region_text(&region(domain)), domain.radius());
+
     let whole = &report.whole;
     format!(
         "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\

@@ -38,6 +38,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     let mut pictures: Vec<Panel> = shown.iter().map(periodogram).collect();
     let (spectra, pairs) = curve_rows(analysis);
     let mut rows = vec![spectra];
+    // A row has room for the pair correlation and two pictures.
     if pictures.len() <= 2 {
         pictures.insert(0, pairs);
         rows.extend([pictures, difference_row(analysis)]);
@@ -56,14 +57,14 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
 /// Returns the figures of a page: curves, differences, and all periodograms.
 pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let subjects = &analysis.subjects;
+    // One figure then has all periodograms.
     if subjects.len() <= 2 {
         return vec![figure(analysis).0];
     }
     let (spectra, pairs) = curve_rows(analysis);
     let rows = vec![spectra, vec![pairs], difference_row(analysis)];
     let curves = of_rows(title(analysis), rows);
-    let pictures = subjects.chunks(MAX_PICTURES).enumerate();
-    let pictures = pictures.map(|(index, some)| {
+    let pictures = (subjects.chunks(MAX_PICTURES).enumerate()).map(|(index, some)| {
         let first = index * MAX_PICTURES + 1;
         let (last, all) = (first + some.len() - 1, subjects.len());
         let panels: Vec<Panel> = some.iter().map(periodogram).collect();
@@ -98,6 +99,7 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let all = |curve: usize| {
         let each = subjects.iter().enumerate();
         series(each.map(|(index, subject)| {
+            // The reference comes first, with a look of its own, and the others count from 0.
             let number = index.checked_sub(usize::from(analysis.has_reference));
             let look = number.map_or(Look::Reference, Look::Numbered);
             (subject.title.clone(), look, &subject.curves[curve].1)
@@ -220,8 +222,9 @@ fn levels_of_anisotropy(subjects: &[Subject]) -> Vec<Level> {
 
 /// Returns an axis that holds all anisotropies of at least [`FEW`] frequencies.
 fn anisotropy_axis(subjects: &[Subject], levels: &[Level]) -> Axis {
-    let annuli = subjects.iter().flat_map(|one| &one.spectrum.profile.annuli);
-    let annuli = annuli.filter(|annulus| annulus.anisotropy_db.is_finite());
+    let annuli = (subjects.iter())
+        .flat_map(|one| &one.spectrum.profile.annuli)
+        .filter(|annulus| annulus.anisotropy_db.is_finite());
     let all: Vec<_> = annuli.map(|one| (one.count, one.anisotropy_db)).collect();
     range_of_many(&all, levels.iter().map(|level| level.y))
 }
@@ -230,8 +233,11 @@ fn range_of_many(all: &[(u64, f64)], levels: impl Iterator<Item = f64>) -> Axis 
     let label = "anisotropy, dB";
     let wider = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
     let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-    let many = all.iter().filter(|(count, _)| *count >= FEW);
-    let many = many.map(|(_, value)| *value).fold(nothing, wider);
+    let many = (all.iter())
+        .filter(|(count, _)| *count >= FEW)
+        .map(|(_, value)| *value)
+        .fold(nothing, wider);
+    // Without an annulus of so many frequencies the curves determine the range.
     if many[0] > many[1] {
         return Axis::new(label);
     }

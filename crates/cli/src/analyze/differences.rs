@@ -30,6 +30,7 @@ impl Differences {
     /// Returns how a subject differs from the reference.
     pub fn of(subject: &Subject, reference: &Subject) -> Result<Self, MeasureError> {
         let [power, pairs] = subject.minus(reference)?;
+
         let difference = |measure: &Measure| {
             let same = |other: &&Measure| other.key == measure.key;
             let base = reference.measures.iter().find(same);
@@ -39,12 +40,15 @@ impl Differences {
             Difference {
                 measure: measure.clone(),
                 value: values.map(|(value, base)| value - base),
+                // The sets are independent, so that their errors add in quadrature.
                 standard_error: errors.map(|(a, b)| a.hypot(b)).filter(|_| values.is_some()),
             }
         };
+
         let [power_key, pairs_key] = ["power_difference", "pair_correlation_difference"];
         let of_power = of_curve(&power, power_key, ["radial mean power", "annuli"], "nu");
         let of_pairs = of_curve(&pairs, pairs_key, ["pair correlation", "bins"], "r_max");
+
         Ok(Self {
             measures: subject.measures.iter().map(difference).collect(),
             of_curves: of_power.into_iter().chain(of_pairs).collect(),

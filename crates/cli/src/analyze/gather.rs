@@ -58,23 +58,28 @@ impl Analysis {
             averaged: arguments.average,
             ..Self::default()
         };
+
+        // A single set is the reference itself; several are averaged.
         if let [path] = &against[..]
             && request.sources(path).map_or(1, |sources| sources.len()) == 1
         {
-            let reference = request.measure(Source::whole(path), None);
-            let reference = reference.context("--against")?;
+            let reference = request
+                .measure(Source::whole(path), None)
+                .context("--against")?;
             analysis.subjects.extend(Subject::one(reference)?);
         } else if analysis.has_reference {
-            let average = analysis.average(against, &request)?;
-            let average = average.context("--against: none of its sets can be used")?;
+            let average = (analysis.average(against, &request)?)
+                .context("--against: none of its sets can be used")?;
             analysis.subjects.push(average);
         }
+
         if arguments.average {
             let average = analysis.average(files, &request)?;
             analysis.subjects.extend(average);
         } else {
             analysis.one_by_one(files, &request)?;
         }
+
         analysis.note_shared(arguments);
         analysis.name();
         analysis.note_domains();
@@ -82,18 +87,19 @@ impl Analysis {
         if arguments.frequencies.is_none() {
             analysis.note_short_spectra();
         }
+
         if let Some(reference) = analysis.reference() {
             let each = analysis.compared().iter();
-            let each = each.map(|subject| Differences::of(subject, reference));
-            analysis.differences = each.collect::<Result<_, _>>()?;
+            let differences = each.map(|subject| Differences::of(subject, reference));
+            analysis.differences = differences.collect::<Result<_, _>>()?;
         }
         Ok(analysis)
     }
 
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, same) in paths.iter().zip(repetitions(paths)) {
-            let set = request.measure(Source::whole(path), None);
-            let set = set.and_then(|set| self.with_domain_of_reference(set));
+            let set = (request.measure(Source::whole(path), None))
+                .and_then(|set| self.with_domain_of_reference(set));
             match set.and_then(|set| Ok(Subject::one(set)?)) {
                 Ok(subject) => {
                     self.subjects.extend(subject);
@@ -122,7 +128,9 @@ impl Analysis {
                     continue;
                 }
             };
+
             for source in sources {
+                // The first set determines the frequencies and the bins of all.
                 let measured = request.measure(source, population.common.as_ref());
                 let set = measured.and_then(|set| self.with_domain_of_reference(set));
                 if let Err(error) = set.and_then(|set| Ok(population.add(set)?)) {
@@ -219,24 +227,28 @@ impl Analysis {
         if self.subjects.iter_mut().filter(is_average).count() > 1 {
             for subject in self.subjects.iter_mut().filter(is_average) {
                 let files = subject.members.iter().map(|member| member.name.as_str());
-                let files = names::pattern(&files.collect::<Vec<&str>>());
-                subject.name = format!("{}: {files}", subject.name);
+                let shared = names::pattern(&files.collect::<Vec<&str>>());
+                subject.name = format!("{}: {shared}", subject.name);
             }
         }
+
         let each = self.subjects.iter();
         let names: Vec<String> = each.map(|subject| subject.name.clone()).collect();
         let labels = names::short(&names);
+
         let (reference, others) = self.subjects.split_at_mut(usize::from(self.has_reference));
         for subject in &mut *reference {
             subject.label.clone_from(&labels[0]);
             subject.title = format!("{} (reference)", subject.label);
+            // The reference may be one of the compared files as well.
             if names[1..].contains(&subject.name) {
                 subject.name.push_str(" (reference)");
             }
         }
+
         let numbered = |all: &[String]| names::numbered(&all[reference.len()..]);
-        let names = numbered(&names).into_iter().zip(numbered(&labels));
-        for (subject, (name, label)) in others.iter_mut().zip(names) {
+        let unique = numbered(&names).into_iter().zip(numbered(&labels));
+        for (subject, (name, label)) in others.iter_mut().zip(unique) {
             subject.name = name;
             subject.title.clone_from(&label);
             subject.label = label;

@@ -34,7 +34,7 @@ pub struct Member {
     #[serde(rename = "file")]
     pub name: String,
     pub region: Region,
-    /// The recognised format.
+    /// The format that was recognised by the file's name and its first lines.
     #[serde(serialize_with = "as_text")]
     pub format: Format,
     pub samples: usize,
@@ -112,7 +112,9 @@ impl<'a> Request<'a> {
             None => (arguments.certificate(path).ok()).map(|found| found.map(|c| c.radius.least())),
         };
         let radii: Option<Vec<f64>> = paths.iter().filter_map(stated).collect();
+        // A single set of unknown radius leaves all without a common one.
         let radii = radii.unwrap_or_default();
+        // Radii that differ by rounding alone are one.
         let is_same = |first: &f64| (radii.iter()).all(|r| (r / first - 1.0).abs() <= 1e-9);
         Self {
             arguments,
@@ -144,6 +146,7 @@ impl<'a> Request<'a> {
         self.refuse_early(source.path)?;
         let (set, check, has_radius) = read(source, self.arguments)?;
         let (samples, region) = (set.len(), check.report.region);
+        // A set that cannot be averaged is refused before it is measured.
         if let Some(common) = common {
             common.admit(samples, region)?;
         }
@@ -190,6 +193,8 @@ impl<'a> Request<'a> {
         };
 
         let mut measured = watched("measure", measure)?;
+        // Sets of one radius have their distances in one unit: curves that jump at one distance would differ if they
+        // were cut at different ones.
         if self.radius.is_some() {
             let own = largest_min_distance(samples, region.area());
             let unit = self.unit.get().unwrap_or(own);
@@ -272,10 +277,12 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
     overrides.set = source.set.or(overrides.set);
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
+
     let mut outcome = check_or_unit_square(&overrides, check);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
         let count = arguments.read(path, overrides.set)?.set.len();
+        // The spacing below is meant for sets that can be measured, of three samples and more.
         if count < 3 {
             return Err(MeasureError::TooFew { count, limit: 3 }.into());
         }
@@ -284,10 +291,13 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
         overrides.radius = Some((region.area() / count as f64).sqrt());
         outcome = check_or_unit_square(&overrides, check);
     }
+
     let (set, check) = outcome.map_err(reason)?;
+    // Numbers of other points must not be averaged. A region or a radius that the caller replaced is only warned of.
     if let Some(differs) = check.falsehood() {
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
+
     output::note_left_out(arguments, path);
     let (report, name) = (&check.report, source.name());
     let warn = |warning: &str| output::note(&format!("warning: {name}: {warning}"));
@@ -303,6 +313,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
         let counted = format!("conflicts were counted up to {MAX_CONFLICTS}");
         warn(&format!("{counted}; there may be more"));
     }
+
     Ok((set, check, has_radius))
 }
 

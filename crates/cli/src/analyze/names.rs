@@ -6,8 +6,9 @@ const MAX_LENGTH: usize = 40;
 /// Returns the names, with a number after those that occurred before.
 pub fn numbered(names: &[String]) -> Vec<String> {
     let numbered = |(index, name): (usize, &String)| {
-        let before = names[..index].iter().filter(|other| *other == name);
-        let before = before.count();
+        let before = (names[..index].iter())
+            .filter(|other| *other == name)
+            .count();
         if before == 0 {
             return name.clone();
         }
@@ -44,6 +45,7 @@ pub fn pattern(names: &[&str]) -> String {
         file.unwrap_or_default().chars().collect()
     };
     let mut files: Vec<Vec<char>> = names.iter().map(file).collect();
+    // The shortest name bounds the common beginning as well as the common end.
     files.sort_by_key(Vec::len);
     let Some((shortest, others)) = files.split_first() else {
         return String::new();
@@ -53,9 +55,11 @@ pub fn pattern(names: &[&str]) -> String {
     if others.iter().all(|file| file == shortest) {
         return shortest.iter().collect();
     }
+
     let at_end = |file: &[char], back: usize| file[file.len() - 1 - back];
     let is_common =
         |&back: &usize| (others.iter()).all(|file| at_end(file, back) == at_end(shortest, back));
+    // In the shortest name the two must not overlap.
     let tail = (0..shortest.len() - head).take_while(is_common).count();
     let end = &shortest[shortest.len() - tail..];
     shortest[..head].iter().chain(&['*']).chain(end).collect()

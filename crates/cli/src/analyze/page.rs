@@ -24,6 +24,7 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
     );
+
     let measures = table::measures(&analysis.subjects);
     page_table(&mut out, &measures);
     if let Some(reference) = analysis.reference() {
@@ -31,16 +32,19 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
         let table = table::differences(reference, analysis.compared(), &analysis.differences);
         page_table(&mut out, &table);
     }
+
     out.push_str("<h2>Curves</h2>\n");
     for (index, svg) in figures.iter().enumerate() {
         let svg = with_own_ids(svg, index);
         let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
     }
+
     out.push_str(NOTES);
     files(&mut out, analysis);
     list(&mut out, "Notes", analysis.notes.iter());
     let reasons = analysis.failures.iter().map(|failure| &failure.reason);
     list(&mut out, "Not analysed", reasons);
+
     let _ = write!(
         out,
         "<h2>Command</h2>\n<pre>{}</pre>\n<p>tilescope {}</p>\n</body>\n</html>\n",
@@ -98,15 +102,17 @@ difference of equal curves with probability 0.95. Periodograms are white where t
 three times the power of white noise on. The zero frequency is left out; if it has a cell of its own, a ring marks it.</p>\n";
 
 fn page_table(out: &mut String, table: &Table) {
+    // Tables of files have no units, and a column of nothing is left out.
     let units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
     let class = if units { " class=\"units\"" } else { "" };
     let _ = write!(out, "<div class=\"wide\"><table{class}>\n<thead>");
     let line = |tag: &str, label: &str, unit: &str, cell: &dyn Fn(&Column) -> String| {
         let unit = units.then(|| unit.to_owned());
         let cells = table.columns.iter().map(|column| escape(&cell(column)));
-        let cells = std::iter::once(escape(label)).chain(unit).chain(cells);
-        let cells: Vec<String> = cells.collect();
-        let cells = cells.join(&format!("</{tag}><{tag}>"));
+        let all: Vec<String> = (std::iter::once(escape(label)).chain(unit))
+            .chain(cells)
+            .collect();
+        let cells = all.join(&format!("</{tag}><{tag}>"));
         format!("<tr><{tag}>{cells}</{tag}></tr>")
     };
     *out += &line("th", &table.head, "unit", &|column| column.name.clone());

@@ -18,6 +18,7 @@ use super::subject::Subject;
 pub fn csv(analysis: &Analysis) -> String {
     let mut out = format!("{BYTE_ORDER_MARK}file,measure,x,y,lower,upper\n");
     for (index, subject) in analysis.subjects.iter().enumerate() {
+        // A single set has the measures of its only file.
         for member in subject.members.iter().filter(|_| subject.average) {
             csv_measures(&mut out, &quoted(&member.name), &member.measures);
         }
@@ -36,6 +37,7 @@ pub fn csv(analysis: &Analysis) -> String {
 fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
     for measure in measures {
         let (key, Some(value)) = (&measure.key, measure.value) else {
+            // A measure that is not defined has no line.
             continue;
         };
         let Some(spread) = measure.spread else {
@@ -74,12 +76,15 @@ pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
     let compared = analysis.compared().iter().enumerate();
     let mut compared =
         compared.map(|(index, subject)| subject_json(subject, analysis.differences.get(index)));
+
+    // An average is the only subject that is compared; its files have numbers of their own.
     let (average, files) = if analysis.averaged {
         let members = analysis.compared().iter().flat_map(|one| &one.members);
         (compared.next(), json!(members.collect::<Vec<_>>()))
     } else {
         (None, compared.collect())
     };
+
     let against = analysis.reference().map(|subject| {
         let mut object = subject_json(subject, None);
         if subject.average {
@@ -87,6 +92,7 @@ pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
         }
         object
     });
+
     json!({
         "files": files,
         "average": average,
@@ -112,23 +118,25 @@ fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
             "measures": object(subject.measures.iter().map(mean_json)),
         }),
     };
+
     let curves =
         |all: &[(&'static str, Curve)]| object(all.iter().map(|(key, c)| (*key, c.json())));
     json["label"] = json!(subject.label);
     json["curves"] = curves(&subject.curves);
+
     if let Some(differences) = differences {
-        let each = differences.measures.iter();
-        let each = each.map(|one| (one.measure.key.as_str(), one));
+        let each = (differences.measures.iter()).map(|one| (one.measure.key.as_str(), one));
         let values = each.clone().map(|(key, one)| (key, one.value));
-        let of_curves = differences.of_curves.iter();
-        let of_curves = of_curves.map(|own| (own.key.as_str(), own.value));
+        let of_curves = (differences.of_curves.iter()).map(|own| (own.key.as_str(), own.value));
         json["differences"] = object(values.chain(of_curves));
         json["curves_of_differences"] = curves(&differences.curves);
         let errors = object(each.filter_map(|(key, one)| Some((key, one.standard_error?))));
+        // Two single sets have no spread, and their differences no errors.
         if errors != json!({}) {
             json["standard_errors_of_differences"] = errors;
         }
     }
+
     json
 }
 

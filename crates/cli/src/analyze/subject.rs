@@ -83,6 +83,7 @@ impl Population {
             self.common = Some(Common::of(&set));
             self.distances = set.pairs.iter().map(|point| point[0]).collect();
         }
+        // The mean of smooth spectra means something only if every set has one.
         match &set.curve {
             Some(curve) if !self.lacks_smooth => {
                 let (frequencies, powers) = (curve.frequencies(), curve.powers());
@@ -91,6 +92,7 @@ impl Population {
             }
             _ => self.lacks_smooth = true,
         }
+
         self.periodograms.add(set.periodogram)?;
         let average = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
         average.add(&set.powers)?;
@@ -108,22 +110,27 @@ impl Population {
         else {
             return Ok(None);
         };
+
         let spectrum = Spectrum::of(&mean)?;
         let mut measures = means(&self.members)?;
         let mut name = self.members[0].name.clone();
         if average {
-            let smooth = self.smooth.filter(|_| !self.lacks_smooth);
-            let smooth =
-                smooth.and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
+            let smooth = (self.smooth.filter(|_| !self.lacks_smooth))
+                .and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
             measures.extend(of_mean_power(smooth.as_ref()));
             let sets = self.members.len();
             let plural = if sets == 1 { "" } else { "s" };
             name = format!("average of {sets} set{plural}");
         }
+
+        // The law that gives bands by the number of frequencies does not hold for tapered sets: theirs come from the
+        // spread.
         let bands = spectrum.bands.clone().or(powers.band(Spectrum::LEVEL)?);
         let distances = self.distances.iter().copied();
-        let pairs = distances.zip(correlations.means().iter().copied());
-        let pairs = pairs.map(<[f64; 2]>::from).collect();
+        let pairs = (distances.zip(correlations.means().iter().copied()))
+            .map(<[f64; 2]>::from)
+            .collect();
+
         // Annuli without an anisotropy are left out.
         let curves = [
             ("power", Curve::new(spectrum.power(), bands)),
@@ -133,6 +140,7 @@ impl Population {
                 Curve::new(pairs, correlations.band(Spectrum::LEVEL)?),
             ),
         ];
+
         Ok(Some(Subject {
             name,
             label: String::new(),

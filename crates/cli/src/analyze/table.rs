@@ -15,10 +15,10 @@ const MAX_WIDTH: usize = 110;
 /// Letters between two columns.
 const GAP: usize = 3;
 
-/// A table.
+/// Rows of measures and columns of sets, still without a form.
 #[derive(Default)]
 pub struct Table {
-    /// Above the labels.
+    /// The heading of the labels.
     pub head: String,
     /// A label and a unit each.
     pub rows: Vec<(String, &'static str)>,
@@ -67,6 +67,7 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
         };
         Column::new(name, words.into_iter().chain(rows.iter().map(cell)))
     };
+
     let words = [
         format(&subject.members),
         region_text(&subject.region),
@@ -75,6 +76,7 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
     // Means of whole numbers have one decimal, and errors have one more than their measure.
     let mean = |own: &Measure| own.text(own.value, usize::from(several && own.decimals == 0));
     let mut columns = vec![column(&subject.title, words, &mean)];
+
     if several {
         type Part = fn(&Spread) -> f64;
         let spreads: [(&str, Part); 3] = [
@@ -87,6 +89,8 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
             column(name, [const { String::new() }; 3], &value)
         }));
     }
+
+    // A wide table is split between subjects only.
     for column in &mut columns[1..] {
         column.joined = true;
     }
@@ -164,10 +168,12 @@ fn character_count(text: &str) -> usize {
 
 /// Returns a table as aligned text, in several parts if it is wide.
 pub fn text(table: &Table) -> String {
-    let labels = table.rows.iter();
-    let labels: Vec<String> = labels.map(|(label, unit)| with_unit(label, unit)).collect();
-    let first = labels.iter().chain([&table.head]);
-    let first = first.map(|text| character_count(text)).max().unwrap_or(0);
+    let labels: Vec<String> = (table.rows.iter())
+        .map(|(label, unit)| with_unit(label, unit))
+        .collect();
+    let lengths = (labels.iter().chain([&table.head])).map(|text| character_count(text));
+    let first = lengths.max().unwrap_or(0);
+
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
     while !rest.is_empty() {
@@ -180,6 +186,7 @@ pub fn text(table: &Table) -> String {
             }
             out.push('\n');
         };
+
         line(&table.head, &|column| column.name.clone());
         for (row, label) in labels.iter().enumerate() {
             // Rows of text have cells only in the first column of a subject: leave them out of parts where all are empty.
@@ -187,6 +194,7 @@ pub fn text(table: &Table) -> String {
                 line(label, &|column| column.cells[row].clone());
             }
         }
+
         parts.push(out);
         rest = behind;
     }

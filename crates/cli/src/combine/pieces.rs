@@ -51,9 +51,10 @@ impl Census {
 
     pub fn text(&self) -> String {
         let names = ["from files", "by kdrt", "by the reference sampler"];
-        let kinds = self.kinds.into_iter().zip(names);
-        let kinds = kinds.filter(|&(count, _)| count > 0);
-        let kinds: Vec<String> = kinds.map(|(n, kind)| format!("{n} {kind}")).collect();
+        let kinds: Vec<String> = (self.kinds.into_iter().zip(names))
+            .filter(|&(count, _)| count > 0)
+            .map(|(n, kind)| format!("{n} {kind}"))
+            .collect();
         let (count, kinds) = (self.count, kinds.join(", "));
         format!("{count} pieces in {:.1} ms: {kinds}", self.seconds * 1e3)
     }

@@ -82,16 +82,22 @@ impl Drivers {
                 "The Vulkan loader {LOADER} is not installed (Debian, Ubuntu: libvulkan1; Fedora: vulkan-loader)."
             ),
         }];
+
         if let Some(Variable { name, value }) = &self.variable {
             let others = "other drivers are not looked for";
             lines.push(format!("{name} is {value}: {others}."));
         }
         lines.extend(self.files.iter().map(DriverFile::text));
+
+        // If a variable names the drivers, no directory was looked into.
         if self.files.is_empty() && self.variable.is_none() {
-            let directories = self.looked_in.iter().map(|path| path.display().to_string());
-            let directories = directories.collect::<Vec<_>>().join(", ");
+            let directories: Vec<String> = (self.looked_in.iter())
+                .map(|path| path.display().to_string())
+                .collect();
+            let directories = directories.join(", ");
             lines.push(format!("No driver announces itself in {directories}."));
         }
+
         if !self.files.iter().any(|file| file.is_found) {
             lines.push(format!(
                 "Install the GPU's driver with Vulkan (Mesa's, software included: mesa-vulkan-drivers), \
@@ -124,6 +130,7 @@ impl System<'_> {
         let set = |name: &'static str| Some((name, (self.variable)(name)?));
         let variable = VARIABLES.into_iter().find_map(set);
         let mut looked_in = Vec::new();
+        // A set, as two directories may lead to one file.
         let paths: BTreeSet<PathBuf> = if let Some((_, value)) = &variable {
             std::env::split_paths(value).collect()
         } else {
@@ -170,6 +177,7 @@ impl System<'_> {
 
     fn driver(&self, path: PathBuf) -> DriverFile {
         let library = self.library_of(&path);
+        // As the loader does it: a name with a slash is relative to the file, any other is searched for like a library.
         let is_found = library.as_ref().is_ok_and(|name| {
             if name.contains('/') {
                 self.real(&path.with_file_name(name)).exists()
@@ -196,8 +204,8 @@ impl System<'_> {
     fn library(&self, name: &str) -> Option<PathBuf> {
         let given = (self.variable)("LD_LIBRARY_PATH").unwrap_or_default();
         let directories = std::env::split_paths(&given).chain(LIBRARIES.map(PathBuf::from));
-        let paths = directories.map(|directory| directory.join(name));
-        let mut paths = paths.chain(self.cached(name));
+        let mut paths =
+            (directories.map(|directory| directory.join(name))).chain(self.cached(name));
         paths.find(|path| self.real(path).exists())
     }
 

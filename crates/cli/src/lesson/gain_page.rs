@@ -28,6 +28,7 @@ pub fn html(gains: &Gains) -> Result<String> {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{MEANING}"
     );
+
     for (index, (name, count, rows)) in [
         ("Class", "learners", &gains.class),
         ("Votes of the class", "votes after", &gains.votes),
@@ -36,9 +37,11 @@ pub fn html(gains: &Gains) -> Result<String> {
     .into_iter()
     .enumerate()
     {
+        // A class without votes, for instance, has no heading for them either.
         if rows.is_empty() {
             continue;
         }
+
         let _ = writeln!(out, "<h2>{name}</h2>");
         // A picture with a row for each learner would be as long as the class is large.
         if count != "questions" {
@@ -46,6 +49,7 @@ pub fn html(gains: &Gains) -> Result<String> {
         }
         table(&mut out, count, rows);
     }
+
     out.push_str("</body>\n</html>\n");
     Ok(out)
 }
@@ -74,6 +78,7 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
             text,
             color,
         };
+
         BarGroup {
             heading: subject(gain).to_owned(),
             bars: vec![
@@ -92,10 +97,12 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
             ],
         }
     };
+
     let chart = BarChart {
         label: "mean score in percent".to_owned(),
         groups: rows.iter().map(group).collect(),
     };
+
     let figure = Figure {
         title: format!("{name}: scores before and after"),
         rows: vec![vec![Panel::Bars(chart)]],

@@ -32,6 +32,7 @@ fn first_samples(run: &Run, history: &PatternHistory) -> Vec<Point> {
     for block in &run.blocks.leaves {
         add_darts(block, run.parameters.dihedral, history, &mut darts);
     }
+    // Darts compare by their arrival.
     darts.sort_unstable();
 
     let mut grid = SampleGrid::with_capacity(run.domain, run.result.len());
@@ -48,13 +49,16 @@ fn first_samples(run: &Run, history: &PatternHistory) -> Vec<Point> {
 /// Adds all darts of the first levels that a block has.
 fn add_darts(block: &Block, dihedral: bool, history: &PatternHistory, all: &mut Vec<PlacedDart>) {
     let Rect { min, max } = block.rect;
+    // A rectangle excludes its upper corner; its last place lies one unit before it.
     let last = Point::new(max.x - 1, max.y - 1);
     for copy in copies(block, dihedral, history) {
         let [a, b] = [min, last].map(|corner| copy.nearest(corner));
+        // A symmetry may exchange the corners.
         let (low, high) = (a.min(b), a.max(b));
 
         for level in 0..LEVELS {
             let side = R >> level;
+            // Cells begin at multiples of their side, a power of two.
             let along = |low: i32, high: i32| (low & -side..=high).step_by(side as usize);
             let rows = along(low.y, high.y);
             let cells = rows.flat_map(|y| along(low.x, high.x).map(move |x| Point::new(x, y)));
@@ -64,6 +68,7 @@ fn add_darts(block: &Block, dihedral: bool, history: &PatternHistory, all: &mut 
                 source,
                 place: copy.place(source),
             });
+            // Cells that reach over the border of the block hold darts of others as well.
             all.extend(placed.filter(|dart| block.rect.contains(dart.place)));
         }
     }
@@ -111,6 +116,7 @@ fn copies(block: &Block, dihedral: bool, history: &PatternHistory) -> Vec<Patter
         i64::from(below(draw[axis], starts as u32)) + i64::from(R)
     });
 
+    // The block may reach over the end of the periodic pattern, into as many further copies as it is long.
     let along = |axis: usize| first[axis] / side..=(first[axis] + size[axis] - 1) / side;
     let all = along(1).flat_map(|row| along(0).map(move |column| I64Vec2::new(column, row)));
     let corner = symmetry.corner(extent).as_i64vec2();

@@ -1,4 +1,4 @@
-//! Rounds of exact tiling: the definition, the engine by windows, what was counted, and the verdict.
+//! Rounds of exact tiling: the definition, the engine by windows, the counts, and the verdict.
 
 use anyhow::Result;
 use tilescope_analysis::{VerifyOptions, verify};
@@ -34,14 +34,17 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         &control,
     )?;
 
-    let faults = [
+    let checks = [
         (is_defined, "--method exact differs from its definition: "),
         (engines_agree, "--method exact on all threads differs: "),
         (windows_agree, "a --window differs from the set: "),
         (report.valid(), "not valid: "),
     ];
-    let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
-    let faults: String = faults.map(|(_, fault)| fault).collect();
+    let faults: String = (checks.into_iter())
+        .filter(|(is_fine, _)| !is_fine)
+        .map(|(_, fault)| fault)
+        .collect();
+
     let command = || format!("{faults}{}", command(parameters));
     Ok(Tally {
         rounds: 1,
@@ -55,7 +58,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     })
 }
 
-/// Returns whether what was tiled, less what was lost, with what was inserted is what there is.
+/// Returns whether the tiled samples, less the eliminated and plus the inserted, make up the set.
 fn counts_add_up(run: &Run) -> bool {
     let counts = run.summary();
     let inserted: usize = counts.inserted.iter().sum();

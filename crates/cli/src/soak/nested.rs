@@ -21,9 +21,12 @@ pub fn add(
     dice: &Dice,
     verify: &VerifyOptions,
 ) -> Result<()> {
+    // A run of levels takes several times as long as one of a single level.
     if dice.share(20) >= SHARE {
         return Ok(());
     }
+
+    // Nested levels have one order, insertion and search, and a pattern of their own.
     let parameters = Parameters {
         order: Order::default(),
         insertion: Insertion::default(),
@@ -31,11 +34,13 @@ pub fn add(
         pattern: PatternSpec::default(),
         ..*parameters
     };
+
     let (plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
     let nested = plane.whole(&mut Unobserved)?;
     let domain = nested.domain();
     let made = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
     let differ = !windows_agree(domain, nested.points(), dice, made)?;
+
     let positions = nested.positions();
     let mut invalid = 0;
     let control = |_| interrupt::flow();
@@ -47,6 +52,7 @@ pub fn add(
         round.gaps += found.report.gaps;
         invalid += u32::from(!found.valid());
     }
+
     round.unequal += u64::from(differ);
     let made = format!("{} --levels {levels}", command(&parameters));
     let differs = differ.then(|| format!("a window differs from the set: {made}"));
@@ -55,7 +61,7 @@ pub fn add(
     Ok(())
 }
 
-/// Returns a plane of so many levels, or of as many as the sides allow, and how many these are.
+/// Returns a plane of `levels` levels, or of fewer if the sides do not allow them, and their number.
 fn plane(parameters: &Parameters, levels: u32) -> Result<(NestedPlane, u32), SampleError> {
     match NestedPlane::new(parameters, levels, &mut Unobserved) {
         Err(SampleError::Parameters(ParameterError::TooManyLevels { .. })) if levels > 1 => {

@@ -60,6 +60,7 @@ pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
     {
         headers.insert(CONTENT_TYPE, kind);
     }
+    // A name that has the hash of its content never gets another content.
     let keep = if is_hashed(file) { KEEP } else { CHECK };
     headers.insert(CACHE_CONTROL, keep);
 }

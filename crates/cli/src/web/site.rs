@@ -21,7 +21,7 @@ use crate::paths::named;
 /// A folder that is served.
 #[derive(Clone, Debug)]
 pub struct ServedFolder {
-    /// The folder, canonical.
+    /// Its path, absolute and without links.
     pub folder: PathBuf,
     /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at
     /// this machine's address and read the served files (DNS rebinding).
@@ -67,8 +67,9 @@ fn is_local(name: &str) -> bool {
         return false;
     }
     let host = name.host();
-    let address = host.trim_start_matches('[').trim_end_matches(']');
-    let address = address.parse::<IpAddr>();
+    let address = (host.trim_start_matches('['))
+        .trim_end_matches(']')
+        .parse::<IpAddr>();
     host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
 }
 
@@ -132,6 +133,7 @@ async fn file(site: &ServedFolder, request: Request) -> Response {
     };
     let mut response = response.map(Body::new);
     let status = response.status();
+    // An answer that the file is unchanged renews its headers, too.
     if status.is_success() || status == StatusCode::NOT_MODIFIED {
         headers::add(response.headers_mut(), &file, &path);
     }

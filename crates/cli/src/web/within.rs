@@ -14,6 +14,7 @@ pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
     for part in path.strip_prefix('/')?.split('/') {
         let part = percent_decode_str(part).decode_utf8().ok()?;
         let is_special = |c: char| "/\\:".contains(c) || c.is_control();
+        // The dot also keeps out `..`, which would lead out of the folder.
         if part.is_empty() || part.starts_with('.') || part.contains(is_special) {
             return None;
         }
