@@ -37,7 +37,7 @@ pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
     format.map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// Returns what is said of a file: its format, and which of several sets is meant.
+/// Returns the overrides of a file that the arguments give: its format, and which of several sets is meant.
 pub fn overrides(format_name: Option<&str>, set: Option<&Bound<'_, PyAny>>) -> PyResult<Overrides> {
     let set = set.map(|set| whole("set", set)).transpose()?;
     Ok(Overrides {
@@ -48,7 +48,7 @@ pub fn overrides(format_name: Option<&str>, set: Option<&Bound<'_, PyAny>>) -> P
     })
 }
 
-/// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
+/// Checks the domain and radius of a set: raises `ValueError` for values that no set can have.
 #[pyfunction]
 pub fn check_domain(
     radius: Option<&Bound<'_, PyAny>>,
@@ -58,9 +58,11 @@ pub fn check_domain(
 ) -> PyResult<()> {
     let radius = real_if_given("radius", radius)?;
     let (width, height) = (real("width", width)?, real("height", height)?);
+    // Also refuses NaN, which no comparison holds for.
     if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
         return Err(Failure::from(ParameterError::Radius { radius }).into());
     }
+
     let region = Region {
         width,
         height,
@@ -81,7 +83,7 @@ pub struct LevelArgument {
     covering: Option<f64>,
 }
 
-/// Returns what is claimed of the levels of a set.
+/// Returns the claims about the levels of a set.
 pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
     let claim = |level: &LevelArgument| (level.count, level.distance, level.covering).into();
     levels.iter().map(claim).collect()
@@ -90,13 +92,13 @@ pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
 /// Count, distance and covering of a level, which Python makes a `Level` of.
 pub type LevelFields = (usize, f64, Option<f64>);
 
-/// Returns what is claimed of levels, for Python.
+/// Returns the claims about levels as Python takes them.
 pub fn level_fields(claims: &[PrefixClaim]) -> Vec<LevelFields> {
     let fields = |claim: &PrefixClaim| (claim.count, claim.distance, claim.covering);
     claims.iter().map(fields).collect()
 }
 
-/// Returns what holds for the first `count` samples of a set with levels.
+/// Returns the claim that holds for the first `count` samples of a set with levels.
 #[pyfunction]
 pub fn prefix(levels: Vec<LevelArgument>, count: &Bound<'_, PyAny>) -> PyResult<LevelFields> {
     let count = usize::try_from(whole("count", count)?).unwrap_or(usize::MAX);
@@ -116,7 +118,7 @@ pub struct SetArgument<'py> {
     radius: Option<f64>,
     pub levels: Vec<LevelArgument>,
     pub method: String,
-    /// As JSON.
+    /// The parameters as a JSON object.
     #[pyo3(attribute("_parameters"))]
     pub parameters: String,
 }
@@ -219,7 +221,7 @@ fn search_of(radii: &Bound<'_, PyAny>) -> PyResult<Search> {
     match radii.extract::<i64>() {
         Ok(4) => Ok(Search::Complete),
         Ok(2) => Ok(Search::TwoRadii),
-        // Whole numbers of any size, and what is no whole number.
+        // A whole number that is too large raises another error than an object of a wrong type.
         found => {
             let text = format!("search is {}; it must be 4 or 2", shown(radii));
             let is_type = found.is_err_and(|error| error.is_instance_of::<PyTypeError>(radii.py()));
@@ -232,7 +234,7 @@ fn search_of(radii: &Bound<'_, PyAny>) -> PyResult<Search> {
     }
 }
 
-/// Returns what is asked of nested levels, if they are asked for. Refuses what is said of levels without any.
+/// Returns the request for nested levels, if there is one. Refuses other arguments of levels without it.
 fn nested_of(
     levels: Option<u64>,
     exactly: Option<u64>,
@@ -248,7 +250,7 @@ fn nested_of(
         return Ok(None);
     };
 
-    // More than the type holds is refused as what is too much.
+    // A number that the type cannot hold is refused later, as any number that is too large.
     Ok(Some(NestedRequest {
         levels: u32::try_from(levels).unwrap_or(u32::MAX),
         order_within,
@@ -284,6 +286,7 @@ fn settle_radius(
         (Some(_), Some(_)) => Err(refused("both count and radius are given; give one")),
         (None, None) => Err(refused("neither count nor radius is given; give one")),
         (Some(count), None) => {
+            // By the estimate wrong arguments are found before anything is made.
             parameters.radius = radius_estimate(parameters, count).map_err(Failure::from)?;
             Ok(())
         }
@@ -294,7 +297,7 @@ fn settle_radius(
     }
 }
 
-/// Returns where a given pattern is from: what is said of it, and else the digest of its positions.
+/// Returns the origin of a given pattern: the one that is stated, or else the digest of its positions.
 fn source_of(given: &SetArgument<'_>, source: Option<&str>) -> PyResult<Value> {
     if let Some(Ok(source)) = source.map(serde_json::from_str) {
         return Ok(source);
@@ -357,6 +360,7 @@ impl RunRequest {
         let (mut parameters, named) = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
+        // The pattern comes last, as it is verified.
         let given = |given: SetArgument<'_>| -> PyResult<GivenPattern> {
             Ok(GivenPattern {
                 source: source_of(&given, pattern_source)?,

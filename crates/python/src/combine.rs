@@ -35,6 +35,7 @@ pub fn combine<'py>(
 ) -> PyResult<PythonSet<'py>> {
     let layout = Layout::from_json(layout.as_bytes()).map_err(Failure::from)?;
     let placed = layout.placed().map_err(Failure::from)?;
+
     let mut given = HashMap::new();
     for (name, set) in &sets {
         let set = GivenSet {
@@ -43,12 +44,15 @@ pub fn combine<'py>(
         };
         given.insert(name.as_str(), set);
     }
+
+    // Memory is asked for before the pieces are made, which may take long.
     let samples = placed.domain.area_radii() * MAXIMAL_DENSITY;
     let made = run(py, progress, |watch| {
         ask_for(samples, Making::Sequential.bytes_a_sample())?;
         let make = |source: &PieceSource| set_of(source, &folder, &given, watch);
         let pieces = placed.pieces(make, |_| {})?;
         let options = layout.options();
+
         let found = combined(placed.domain, &pieces, &options, &mut watch.observer())?;
         // Files are named without folders, sets in memory by their digests.
         let named = |path: &str| match given.get(path) {
@@ -76,6 +80,7 @@ fn set_of(
     set_of_piece(source, &mut watch.observer(), |path, beside| {
         let missing = || Failure::Value("the set has no certificate; give its radius".into());
         if let Some(held) = given.get(path) {
+            // The layout's own words about a set come before the set's.
             let known = beside.over(Some(held.domain)).ok_or_else(missing)?;
             return Ok(known.set(held.points)?);
         }

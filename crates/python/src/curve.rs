@@ -34,6 +34,7 @@ pub fn curve<'py>(
     let method = named("method", method)?;
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
+    // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
     let numbers = match numbers {
         None => live_numbers()
             .filter(|number| !is_of_spectrum(number))
@@ -41,14 +42,15 @@ pub fn curve<'py>(
         Some(keys) => numbers_named(&keys)
             .map_err(|error| PyValueError::new_err(format!("numbers: {error}")))?,
     };
-    // More than the type holds are as many as there are.
-    let moments = moments.map(|count| whole("moments", count)).transpose()?;
-    let moments = moments.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+    // A number of moments that the type cannot hold is more than any run has.
+    let moments = (moments.map(|count| whole("moments", count)).transpose()?)
+        .map(|count| usize::try_from(count).unwrap_or(usize::MAX));
 
     let made = run(py, progress, |watch| {
         let course = Arc::new(course(request, &recipe, method, watch)?);
         let mut maker = CurveMaker::new(course, &numbers, moments)?;
         let mut go_on = watch.steps("curve");
+        // In slices, so that a signal can end the curve between two of them.
         while !maker.proceed(SLICE)? {
             let [done, total] = maker.progress();
             if go_on(done, total).is_break() {
@@ -68,6 +70,7 @@ fn course(
     watch: &TaskWatch,
 ) -> Result<Course, Failure> {
     let mut observer = watch.observer();
+    // Refused before memory is asked for: the course may have too many samples.
     Course::check(&recipe.parameters)?;
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     let ask = |making: Making| ask_for(samples, making.bytes_a_sample());

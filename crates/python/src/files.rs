@@ -37,8 +37,8 @@ pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     Ok(json!(named).to_string())
 }
 
-/// Reads a file. What is not given is of its certificate, and else of the periodic unit square. Refuses a set whose
-/// certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was made.
+/// Reads a file. Missing parts of the domain are those of the certificate, or of the periodic unit square. Refuses a set
+/// whose certificate is not true; without `certificate` none is read, and the method is unknown.
 #[pyfunction]
 pub fn read<'py>(
     py: Python<'py>,
@@ -54,6 +54,7 @@ pub fn read<'py>(
         ..overrides(format_name, set)?
     };
     let found = run(py, progress, |watch| {
+        // Asked for first, as a failed allocation would end the interpreter.
         ask_to_read(&path)?;
         of_file(&path, &overrides, certificate, &watch.control("verify"))
     })?;
@@ -126,15 +127,18 @@ fn certified(
     control: Control<'_>,
 ) -> Result<Option<FoundSet>, Failure> {
     let (set, check) = match tilescope_formats::check(path, overrides, control) {
+        // Only a file without a certificate leaves the radius or the region open.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => return Ok(None),
         checked => checked?,
     };
+
     if let Some(differs) = check.differences.first() {
         return Err(Failure::Value(format!(
             "{}: its certificate is not true: {differs}; certificate=False reads the set as one of unknown origin",
             path.display()
         )));
     }
+
     // One that is given is the stated one: another would be a difference.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     Ok(Some(FoundSet {
@@ -168,8 +172,8 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
     })
 }
 
-/// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,
-/// and warnings, as JSON.
+/// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on the file, and
+/// warnings, as JSON.
 #[pyfunction]
 #[pyo3(signature = (set, path, *, format_name, precision, shuffle, origin, verify, judge, progress))]
 #[expect(
@@ -197,6 +201,8 @@ pub fn save(
         verify: verify_options(judge)?,
         ..own
     };
+
+    // Refused here, where the message can name the argument of Python.
     if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, context.format) {
         let mut known = Format::ALL.map(Format::extension).to_vec();
         known.dedup();
@@ -207,6 +213,7 @@ pub fn save(
         ))
         .into());
     }
+
     let set = to_write(&set)?;
     let (report, warnings) = run(py, progress, |watch| {
         ask_to_export(set.len())?;
@@ -217,6 +224,7 @@ pub fn save(
         let report = of_report(&exported.report, &exported.certificate.levels);
         Ok((Some(report), exported.warnings))
     })?;
+
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     Ok(json!({ "report": report, "warnings": warnings }).to_string())
 }
@@ -280,7 +288,9 @@ fn to_write(set: &SetArgument<'_>) -> PyResult<PointSet> {
         ),
         None => None,
     };
+
     let points = set.points()?;
+    // A failed allocation would end the interpreter; this one raises `MemoryError`.
     let mut copied = Vec::new();
     (copied.try_reserve_exact(points.len())).map_err(|_| {
         Failure::from(NoMemory {
@@ -288,6 +298,7 @@ fn to_write(set: &SetArgument<'_>) -> PyResult<PointSet> {
         })
     })?;
     copied.extend_from_slice(points);
+
     Ok(PointSet {
         points: copied,
         provenance,

@@ -39,8 +39,8 @@ pub fn verify(
     Ok(report.to_string())
 }
 
-/// Returns a report with what follows from its numbers, and what was found of each level. A set with levels is valid if each
-/// is as claimed.
+/// Returns a report with the facts that follow from its numbers, and with the judged levels. A set with levels is valid if
+/// each is as claimed.
 pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     let mut all = json!(report);
     all["conflict_free"] = json!(report.conflict_free());
@@ -82,8 +82,7 @@ impl GivenDomain {
     /// Returns the domain, with missing parts taken from `stated`, or from the periodic unit square.
     pub fn region_over(&self, stated: Option<Region>) -> PyResult<Region> {
         let base = stated.unwrap_or(Region::UNIT_SQUARE);
-        let boundary = self.boundary.as_deref();
-        let boundary = boundary.map(|boundary| named("boundary", boundary));
+        let boundary = (self.boundary.as_deref()).map(|boundary| named("boundary", boundary));
         Ok(Region {
             width: self.width.unwrap_or(base.width),
             height: self.height.unwrap_or(base.height),
@@ -109,6 +108,7 @@ pub fn check(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let overrides = overrides(format_name, set)?;
+    // The certificate is read only if a part of the domain is given, as it fills in the others.
     let stated = || certificate(&path, overrides.format).map(|stated| stated.region);
     let region = given.has_region().then(|| given.region_over(stated()));
     let overrides = Overrides {
@@ -118,6 +118,7 @@ pub fn check(
         judges: verify_options(judge)?.judges,
         ..overrides
     };
+
     let check = run(py, progress, |watch| {
         // Larger files are verified without being held in memory.
         if std::fs::metadata(&path).is_ok_and(|found| found.len() <= WHOLE_FILE_BYTES) {
@@ -132,8 +133,10 @@ pub fn check(
             other => Failure::from(other),
         })
     })?;
-    let differences = check.differences.iter().map(ToString::to_string);
-    let differences: Vec<String> = differences.collect();
+
+    let differences: Vec<String> = (check.differences.iter())
+        .map(ToString::to_string)
+        .collect();
     let report = of_report(&check.report, &check.levels);
     Ok(json!({ "report": report, "differences": differences }).to_string())
 }

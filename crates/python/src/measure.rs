@@ -60,6 +60,7 @@ pub fn spectrum<'py>(
         Some(nu) => Spectrum::window_to(nu, samples, region).map_err(Failure::from)?,
         None => Spectrum::window(samples, region),
     };
+
     let (spectrum, curve) = run(py, progress, |watch| {
         ask_to_measure(points.len())?;
         let control = watch.control("spectrum");
@@ -68,6 +69,7 @@ pub fn spectrum<'py>(
         let curve = PowerCurve::of_samples(points, region, &watch.control("pairs"))?;
         Ok((spectrum, curve))
     })?;
+
     let found = PyDict::new(py);
     let (profile, picture) = (&spectrum.profile, spectrum.picture);
     let anisotropy = profile.annuli.iter().map(|annulus| annulus.anisotropy_db);
@@ -80,6 +82,8 @@ pub fn spectrum<'py>(
     let power = PyArray1::from_vec(py, picture.power);
     found.set_item("picture", power.reshape([picture.rows, picture.size])?)?;
     found.set_item("picture_reach", spectrum.picture_reach)?;
+
+    // A domain that is too narrow has no smooth spectrum, and so neither of its two numbers.
     let curve = curve.as_ref();
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     found.set_item("effective_nyquist", nyquist)?;
@@ -98,6 +102,7 @@ pub fn pair_correlation<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PairCurve<'py>> {
     let (points, region) = (set.points()?, set.region()?);
+    // Sets of one known radius have the same bins, in parts of it.
     let bins = PairBins::of(set.known_radius(), points.len(), region);
     let places = run(py, progress, |watch| {
         ask_to_measure(points.len())?;

@@ -47,26 +47,16 @@ pub fn draw(
         ));
     }
     let (points, region) = (set.points()?, set.region()?);
-    let window = window
-        .map(|corners| rectangle("window", corners))
-        .transpose()?;
-    if let Some([x0, y0, x1, y1]) = window {
-        let inside = x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height;
-        let finite = [x0, y0, x1, y1].iter().all(|v| v.is_finite());
-        if !(finite && x0 < x1 && y0 < y1 && inside) {
-            return refused(format!(
-                "window is ({x0}, {y0}, {x1}, {y1}); it must be (x0, y0, x1, y1) with x0 < x1 and y0 < y1, and \
-                 reach into the domain, {} x {}",
-                region.width, region.height
-            ));
-        }
-    }
+    let window = window_within(window, &region)?;
+
     let palette = match theme {
         "light" => Palette::LIGHT,
         "dark" => Palette::DARK,
         _ => return refused(format!("theme is '{theme}'; it must be 'light' or 'dark'")),
     };
+
     let radius = set.known_radius();
+    // A large set has few samples in a window, and the others need not be laid out.
     let near = near(points, &region, radius.unwrap_or_default(), window);
     let picture = SetPicture {
         points: near.as_deref().unwrap_or(points),
@@ -78,16 +68,19 @@ pub fn draw(
         exposed: Vec::new(),
         caption,
     };
+
     let options = PictureOptions {
         width: size as f64,
         palette,
         window: window.map(|[x0, y0, x1, y1]| Rect::new([x0, y0], [x1, y1])),
         disks,
     };
+
     run(py, progress, |watch| {
         let shown = options
             .window
             .map_or(region.size(), |window| window.size().to_array());
+        // Only a bitmap takes memory for each of its pixels.
         let pixels = options.width * options.width * (shown[1] / shown[0] + FRAME);
         ask_to_draw(picture.points.len(), if svg { 0.0 } else { pixels })?;
         let mut control = watch.steps("lay out");
@@ -102,6 +95,26 @@ pub fn draw(
     })
 }
 
+/// Returns the corners of a window that is given. Refuses one that is empty or does not reach into the domain.
+fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult<Option<[f64; 4]>> {
+    let window = window
+        .map(|corners| rectangle("window", corners))
+        .transpose()?;
+    if let Some([x0, y0, x1, y1]) = window {
+        let inside = x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height;
+        let finite = [x0, y0, x1, y1].iter().all(|v| v.is_finite());
+        if !(finite && x0 < x1 && y0 < y1 && inside) {
+            return Err(Failure::Value(format!(
+                "window is ({x0}, {y0}, {x1}, {y1}); it must be (x0, y0, x1, y1) with x0 < x1 and y0 < y1, and \
+                 reach into the domain, {} x {}",
+                region.width, region.height
+            ))
+            .into());
+        }
+    }
+    Ok(window)
+}
+
 /// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few.
 fn near(
     points: &[[f64; 2]],
@@ -111,6 +124,7 @@ fn near(
 ) -> Option<Vec<[f64; 2]>> {
     let [x0, y0, x1, y1] = window?;
     let along = |value: f64, low: f64, high: f64, side: f64| {
+        // In a periodic domain a sample is drawn on the opposite side as well; in others a few more samples do no harm.
         let copies = [0.0, -side, side].map(|shift| value + shift);
         copies
             .iter()

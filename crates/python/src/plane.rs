@@ -20,14 +20,14 @@ use crate::memory::ask_to_judge;
 use crate::task::run;
 use crate::values::rectangle;
 
-/// What computes windows.
+/// Planes of one level, or of nested levels.
 enum Windows {
     Single(Box<Plane>),
     /// With the number of the last level.
     Nested(NestedPlane, u32),
 }
 
-/// A plane.
+/// A plane whose windows can be made.
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
 pub struct PythonPlane {
     windows: Windows,
@@ -76,12 +76,16 @@ impl PythonPlane {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<usize>)> {
         let window = self.rectangle(rectangle)?;
+
         let (positions, ends) = run(py, progress, |watch| {
             let making = match &self.windows {
                 Windows::Single(_) => Making::Sweep,
                 Windows::Nested(..) => Making::Levels,
             };
+
+            // Only the window takes memory: the plane is never made as a whole.
             ask_for(expected(&window), making.bytes_a_sample())?;
+
             let mut observer = watch.observer();
             Ok(match &self.windows {
                 Windows::Single(plane) => {
@@ -95,6 +99,7 @@ impl PythonPlane {
                 }
             })
         })?;
+
         Ok((array(py, positions)?, ends))
     }
 
@@ -110,8 +115,10 @@ impl PythonPlane {
         run(py, progress, |watch| {
             ask_to_judge(expected(&window) as usize)?;
             let mut found = (0, 0);
+            // Each level is a set with a radius of its own.
             for level in self.levels() {
                 let mut observer = watch.observer();
+                // Samples around the window may cover places in it, and be in conflict with its samples.
                 let (cut, radius) = match &self.windows {
                     Windows::Single(plane) => (
                         plane.widened(&window, &mut observer)?,
@@ -122,13 +129,16 @@ impl PythonPlane {
                         plane.radius(level),
                     ),
                 };
+
                 let asked = (Region::new(cut.size, false), radius);
                 let options = VerifyOptions::default();
                 let control = watch.control("verify");
                 let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
+
                 found.0 += report.whole.conflicts;
                 found.1 += report.gaps;
             }
+
             Ok(found)
         })
     }
@@ -153,8 +163,7 @@ impl PythonPlane {
     fn rectangle(&self, corners: &Bound<'_, PyAny>) -> PyResult<Window> {
         let [left, bottom, right, top] = rectangle("the window", corners)?;
         let domain = self.domain();
-        let window = domain.window([left, bottom], [right, top]);
-        let window = window.map_err(Failure::from)?;
+        let window = (domain.window([left, bottom], [right, top])).map_err(Failure::from)?;
         for (axis, name) in ["width", "height"].into_iter().enumerate() {
             let [low, high] = [[left, right], [bottom, top]][axis];
             // A window of a bounded domain shows nothing outside the domain.

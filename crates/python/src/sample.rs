@@ -39,8 +39,7 @@ pub fn set_into_python<'py>(
     py: Python<'py>,
 ) -> PyResult<PythonSet<'py>> {
     let row = |from: Provenance| -> [u32; 3] { from.into() };
-    let provenance = set.provenance;
-    let provenance = provenance.map(|all| array(py, all.into_iter().map(row).collect()));
+    let provenance = (set.provenance).map(|all| array(py, all.into_iter().map(row).collect()));
     Ok((
         array(py, set.points)?,
         provenance.transpose()?,
@@ -88,7 +87,7 @@ enum RunEngine {
     Sequential,
 }
 
-/// Makes a set.
+/// Makes a set in memory, by the method of this name.
 #[pyfunction]
 pub fn sample<'py>(
     py: Python<'py>,

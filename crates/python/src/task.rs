@@ -80,7 +80,7 @@ impl TaskWatch {
         }
     }
 
-    /// Calls `progress` with a name, what is done and all there is to do.
+    /// Calls `progress` with a name, the number of finished steps and that of all.
     fn pass_on(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let latest = *lock(&self.latest);
         if let (Some(progress), Some((work, done, total))) = (progress, latest) {
@@ -94,9 +94,9 @@ impl TaskWatch {
     }
 }
 
-/// Does `work` and returns what it returns. Python's lock is free meanwhile.
+/// Does `work` and returns its result. Python's lock is free meanwhile.
 ///
-/// Raises what a signal's handler or `progress` raise, which stops the work, and else what the work fails with.
+/// Raises an error of a signal's handler or of `progress`, which stops the work, or else the failure of the work.
 pub fn run<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -105,11 +105,13 @@ pub fn run<T: Send>(
     let pool = pool()?;
     let watch = TaskWatch::default();
     let look = || {
+        // The lock is taken for a look only.
         Python::attach(|py| {
             py.check_signals()?;
             watch.pass_on(py, progress.as_ref())
         })
     };
+
     let (outcome, looked) = py.detach(|| {
         let (sender, receiver) = channel();
         let watch = &watch;
@@ -118,6 +120,7 @@ pub fn run<T: Send>(
                 // The receiver waits until this is sent.
                 let _ = sender.send(work(watch));
             });
+
             let mut looked = Ok(());
             loop {
                 match receiver.recv_timeout(PERIOD) {
@@ -128,13 +131,17 @@ pub fn run<T: Send>(
                         looked = look();
                         watch.stopped.store(looked.is_err(), Ordering::Relaxed);
                     }
+                    // After such an error the loop only waits until the work has stopped.
                     Err(RecvTimeoutError::Timeout) => {}
                 }
             }
         })
     });
+
+    // The error that stopped the work comes before the failure that it caused.
     looked?;
     let outcome = outcome.ok_or_else(|| PyRuntimeError::new_err("the work has no result"))?;
+    // The work may have got further since the last look.
     watch.pass_on(py, progress.as_ref())?;
     Ok(outcome?)
 }
@@ -152,10 +159,9 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
     }
 }
 
-/// Starts threads; zero stands for as many as there are cores, or `RAYON_NUM_THREADS`.
+/// Starts threads; zero stands for the number of cores, or for `RAYON_NUM_THREADS`.
 fn keep(kept: &mut Option<ProcessThreads>, threads: usize) -> PyResult<Arc<ThreadPool>> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| {
+    let pool = (rayon::ThreadPoolBuilder::new().num_threads(threads).build()).map_err(|error| {
         PyRuntimeError::new_err(format!("the threads cannot be started: {error}"))
     })?;
     let (pool, process) = (Arc::new(pool), std::process::id());
