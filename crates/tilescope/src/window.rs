@@ -61,6 +61,7 @@ pub fn open(
     if !is_possible() {
         return Err(HeadlessReason::NoDisplay);
     }
+
     let mut commands = played.map_or_else(Vec::new, opening);
     commands.extend(file.map(opening_file));
     let options = WindowOptions {
@@ -68,6 +69,7 @@ pub fn open(
         commands,
         ..WindowOptions::default()
     };
+
     match tilescope_app::run_native(&options) {
         Ok(()) => Ok(ExitCode::SUCCESS),
         // A window that was open and is lost is an error; the headless session, which writes files, is only for
