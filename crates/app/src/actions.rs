@@ -340,6 +340,7 @@ impl List {
             .scenes()
             .shown
             .map(|_| Command::Scene(SceneCommand::Leave));
+        // Escape closes one thing at a time, and in this order.
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
@@ -380,6 +381,7 @@ fn edit(list: &mut List, state: &State) {
     let is_nothing = run.selected.is_none() && run.place.is_none();
 
     list.group();
+    // The keyboard's way to select: a click selects at the pointer.
     let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
     list.add("Select at the centre of the view", middle)
         .on_key(Key::M)
@@ -406,6 +408,7 @@ fn help(list: &mut List) {
 
 /// Adds going through the scenes, and making one.
 fn scenes(list: &mut List, state: &State) {
+    // The scenes of the tour can be gone through as well, by a user who has none.
     let has_scenes =
         state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
@@ -590,6 +593,7 @@ fn colours(list: &mut List, state: &State) {
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             _ => "Only nested levels have levels.",
         };
+        // Such a colouring would be drawn as another one.
         list.add(name, command)
             .refused((colouring.of(kind) != colouring).then_some(refusal))
             .marked(state.appearance().colouring.of(kind) == colouring);
@@ -700,6 +704,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 fn debug(list: &mut List, state: &State) {
     list.menu = Menu::Debug;
     let no_events = no_events(state);
+    // At the end of the run no line is next, so that there is none to stop at.
     if let Some(debugger) = &state.runs().first.debugger
         && let Some(event) = debugger.event()
     {

@@ -49,7 +49,7 @@ pub struct App {
     copier: fn(&str) -> bool,
     /// Toggles full screen and returns true, or returns false to leave it to egui.
     screener: fn() -> bool,
-    /// The folder for what must not be lost; `None` in tests.
+    /// The folder for results and for the last session, which must not be lost; `None` in tests.
     #[cfg(not(target_arch = "wasm32"))]
     kept: Option<KeptFolder>,
     /// The text of the last session as this window has written it.
@@ -85,6 +85,7 @@ impl App {
             commands: Vec::new(),
             focused: None,
             stage: Stage::default(),
+            // A page replaces these; otherwise egui's ways serve.
             copier: |_| false,
             screener: || false,
             #[cfg(not(target_arch = "wasm32"))]
@@ -130,6 +131,7 @@ impl App {
 
     /// Shows one frame: advances the state, shows the panels and carries out the commands that they issue.
     pub fn show(&mut self, ui: &mut Ui) {
+        // The time of a frame is one time, so that all that moves is at the same moment.
         self.state.begin_frame(FrameStart {
             now: now(),
             is_full: ui.input(|input| input.viewport().fullscreen),
@@ -189,6 +191,7 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
+            // Keys of this frame have issued commands already.
             self.commands.retain(|command| command.rules().in_frame);
             panels::show_embedded(
                 ui,
@@ -346,6 +349,7 @@ impl App {
     /// Does what the state asks the window for.
     fn follow_requests(&mut self, ctx: &Context) {
         let requests = self.state.take_requests();
+        // A page copies by a function of its own; where there is none, egui copies.
         if let Some(text) = requests.copied
             && !(self.copier)(&text)
         {
@@ -365,6 +369,7 @@ impl App {
                 self.state.report(text);
             }
         }
+        // Detached: the window must not wait until the system's file manager is closed.
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(folder) = requests.folder
             && let Err(error) = open::that_detached(&folder)

@@ -83,6 +83,7 @@ impl Unseen {
     fn texts(&mut self) -> BTreeSet<String> {
         let [width, height] = SIZE;
         let mut texts = BTreeSet::new();
+        // A panel that opens is laid out only in later frames.
         for _ in 0..FRAMES {
             let input = RawInput {
                 screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height))),
@@ -123,6 +124,7 @@ pub fn asked(name: &str, text: &str) -> Result<Vec<Asked>, String> {
 
     let mut all = Vec::new();
     for (step, gate) in lesson.gates() {
+        // Only a question with practice has runs of other seeds.
         let practised = gate.practice.as_ref().map_or(0, |_| SEEDS);
         let mut commands = vec![LessonCommand::Go(step.name.clone())];
         commands.extend((0..practised).map(LessonCommand::Practise));

@@ -1,6 +1,6 @@
-//! The folder in which the native window keeps, between its uses, what must not be lost: the results of lessons, written at
-//! each answer, and the last session. Several windows may use it at once. Everything else is in the storage of eframe, which
-//! is written now and then as a whole.
+//! The folder in which the native window keeps the results of lessons, written at each answer, and the last session: they
+//! must not be lost. Several windows may use it at once. Everything else is in the storage of eframe, which is written now
+//! and then as a whole.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -70,6 +70,7 @@ impl KeptFolder {
             Err(error) => return Err(failed(&error)),
         };
         let results = merge(stored.as_deref());
+        // Results that cannot be read are put aside, and not replaced.
         if results.unreadable {
             fs::rename(&path, free_name(&self.folder)).map_err(|error| failed(&error))?;
         }

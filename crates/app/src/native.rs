@@ -167,6 +167,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.remember(storage, is_default);
                 }
 
+                // Options come last: they replace the settings of earlier uses.
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(
                         tilescope_workbench::command::AppearanceCommand::ToggleTheme,

@@ -93,6 +93,7 @@ pub fn show_projector(
             timeline::show(ui, &TimeContext::of(state), commands);
         });
 
+    // Beside the canvas there is room for this panel alone.
     if state.window().shows(Panel::Analysis) {
         let side = Frame::new().fill(palette.panel);
         egui::Panel::left("projected analysis")

@@ -122,6 +122,7 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
                 tiles: linear.children.iter().map(shared).collect::<Option<_>>()?,
             }
         }
+        // The window makes no grids, and layouts have none.
         Tile::Container(Container::Grid(_)) => return None,
     })
 }
@@ -142,6 +143,7 @@ pub fn with_shares_of(
     for id in ids {
         if let (Some(old), Some(seen)) = (linear(before, id), linear(shown, id))
             && let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(id)
+            // A row that was resized differs from the one that was shown, and keeps its new shares.
             && *linear == seen
         {
             *linear = old;

@@ -106,14 +106,17 @@ pub async fn start(
 ) -> Result<Tilescope, JsValue> {
     let options: Options = serde_json::from_str(options).map_err(|error| error.to_string())?;
     hooks::tell(Some(hooks));
+
     let cores = web_sys::window().map_or(1.0, |window| window.navigator().hardware_concurrency());
     let pool = Pool::new(Program {
         worker: options.worker.clone(),
         bindings: options.bindings.clone(),
         module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
+        // One processor is left to the page.
         workers: ((cores as usize).saturating_sub(1)).clamp(1, MAX_WORKERS),
     });
     set_task_pool(Some(Rc::new(pool.clone())));
+
     let runner = WebRunner::new();
     let shared = Rc::<Shared>::default();
     let web_options = web_options(&options, &shared);
@@ -125,11 +128,14 @@ pub async fn start(
             Box::new(move |creation| Ok(Box::new(Page::new(creation, &options, carried, seen)))),
         )
         .await;
+
+    // Without a page nothing would ask the workers to end.
     if let Err(error) = started {
         set_task_pool(None);
         pool.close();
         return Err(error);
     }
+
     let display = runner
         .app_mut::<Page>()
         .map_or_else(String::new, |page| page.display.clone());
@@ -169,7 +175,7 @@ impl Tilescope {
         }
     }
 
-    /// Stores what is kept for the next visit. The page asks for it when it is hidden, as the browser may end it then.
+    /// Stores the settings for the next visit. The page asks for it when it is hidden, as the browser may end it then.
     pub fn keep(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
             page.store_results();
@@ -371,22 +377,7 @@ impl Page {
     ) -> Self {
         let mut app = App::new(&creation.egui_ctx);
         let stores = options.embed.is_none();
-        let mut display = String::new();
-        if let Some(render) = &creation.wgpu_render_state {
-            app.draw_with(render);
-            display = name_of(render.adapter.get_info().backend).to_owned();
-            render
-                .device
-                .set_device_lost_callback(|_, reason| hooks::lost(&reason));
-        }
-        app.copy_with(hooks::copy);
-        App::speak_to(&creation.egui_ctx, |spoken| {
-            hooks::field(&spoken.field);
-            if !spoken.text.is_empty() {
-                hooks::announce(&spoken.text);
-            }
-        });
-        app.turn_full_screen_with(hooks::full_screen);
+        let display = connect(&mut app, creation);
 
         let storage = creation.storage.filter(|_| stores);
         let language = storage.and_then(|storage| restore(&mut app, storage, options));
@@ -443,12 +434,14 @@ impl Page {
     /// some.
     fn store_results(&mut self) {
         let state = &mut self.app.state;
+        // A page within another page stores nothing.
         if !self.stores || !state.lessons().has_unstored_results() {
             return;
         }
         let mut store = LocalStore;
         let before = store.get_string(RESULTS_KEY);
         let results = state.store_results(before.as_deref());
+        // Results that cannot be read are put aside, and not replaced.
         if let Some(before) = before.filter(|_| results.unreadable) {
             store.set_string(UNREADABLE_RESULTS_KEY, before);
         }
@@ -507,6 +500,7 @@ impl Page {
             self.announcement = announcement;
         }
         self.load_lessons();
+
         let state = &self.app.state;
         // The time of egui stands still while the page is hidden.
         let now_secs = Date::now() / 1e3;
@@ -516,6 +510,7 @@ impl Page {
                 .request_repaint_after(std::time::Duration::from_secs_f64(due_secs));
             return;
         }
+
         self.told_secs = now_secs;
         let talk = state
             .classroom()
@@ -525,6 +520,7 @@ impl Page {
             hooks::talk(&talk);
             self.talk = talk;
         }
+
         let told = to_json(state);
         let link = told["link"].as_str().unwrap_or_default();
         if self.link.as_deref() != Some(link) {
@@ -582,6 +578,30 @@ impl eframe::App for Page {
     fn as_any_mut(&mut self) -> Option<&mut dyn Any> {
         Some(self)
     }
+}
+
+/// Connects the app with its display and with the functions of the page. Returns the name of the display, or an empty text
+/// without one.
+fn connect(app: &mut App, creation: &eframe::CreationContext<'_>) -> String {
+    let mut display = String::new();
+    if let Some(render) = &creation.wgpu_render_state {
+        app.draw_with(render);
+        display = name_of(render.adapter.get_info().backend).to_owned();
+        render
+            .device
+            .set_device_lost_callback(|_, reason| hooks::lost(&reason));
+    }
+
+    app.copy_with(hooks::copy);
+    App::speak_to(&creation.egui_ctx, |spoken| {
+        hooks::field(&spoken.field);
+        // The field may change without a text to announce.
+        if !spoken.text.is_empty() {
+            hooks::announce(&spoken.text);
+        }
+    });
+    app.turn_full_screen_with(hooks::full_screen);
+    display
 }
 
 /// Restores what earlier visits have stored. Returns the language of lessons, if one is stored.

@@ -25,7 +25,7 @@ pub struct Program {
     pub worker: String,
     /// The address of the bindings.
     pub bindings: String,
-    /// The compiled program.
+    /// The compiled program, which workers need not compile again.
     pub module: JsValue,
     /// The largest number of workers.
     pub workers: usize,
@@ -94,12 +94,14 @@ impl Pool {
     pub fn close(&self) {
         let (slots, waiting) = {
             let mut inner = self.0.borrow_mut();
+            // From here on no worker is started.
             inner.program.workers = 0;
             (
                 std::mem::take(&mut inner.slots),
                 std::mem::take(&mut inner.waiting),
             )
         };
+        // Receivers of answers use the pool, so that it is not borrowed while they are called.
         for slot in slots {
             slot.worker.terminate();
             if let Some(busy) = slot.busy {
@@ -124,6 +126,7 @@ impl Pool {
                 }
             }
         }
+        // A task may end by itself meanwhile, and its worker then keeps the sessions that it has.
         for id in graced {
             let pool = self.clone();
             let end = Closure::once_into_js(move || pool.abandon(id));
@@ -178,6 +181,7 @@ impl Pool {
         match self.started(&inner.program) {
             Ok(slot) => inner.slots.push(slot),
             Err(error) => {
+                // Where the browser refuses another worker, no more are tried.
                 inner.program.workers = inner.slots.len();
                 let waiting = std::mem::take(&mut inner.waiting);
                 drop(inner);
@@ -192,21 +196,24 @@ impl Pool {
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
         let worker = Worker::new_with_options(&program.worker, &options)?;
+
         let (pool, from) = (self.clone(), worker.clone());
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
             pool.receive(&from, &event.data());
         });
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+
         let (pool, from) = (self.clone(), worker.clone());
         // If the script cannot be loaded, the event has no message, although its type has one.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
-            let message = Reflect::get(&event, &"message".into());
-            let message = message.ok().and_then(|message| message.as_string());
+            let message = (Reflect::get(&event, &"message".into()).ok())
+                .and_then(|message| message.as_string());
             let why = message.unwrap_or_else(|| "its script cannot be loaded".to_owned());
             pool.remove_broken(&from, &why);
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
         worker.set_onmessageerror(Some(on_error.as_ref().unchecked_ref()));
+
         let first = object(&[
             ("bindings", program.bindings.as_str().into()),
             ("module", program.module.clone()),
@@ -281,6 +288,7 @@ impl Pool {
     fn finish(&self, worker: &Worker, bytes: Vec<u8>, kept: Option<Vec<u64>>) {
         let busy = {
             let mut inner = self.0.borrow_mut();
+            // A finished task shows that workers can work: earlier breaks no longer count.
             inner.broken = 0;
             let slot = inner.slots.iter_mut().find(|slot| slot.worker == *worker);
             slot.and_then(|slot| {
@@ -302,11 +310,14 @@ impl Pool {
         let Some(busy) = slot.and_then(|slot| slot.busy.as_mut()) else {
             return Ok(());
         };
+
+        // A worker that lacks them after they were sent would ask for ever.
         if std::mem::replace(&mut busy.sessions_sent, true) {
             return Err(format!(
                 "sessions {unknown:?} were sent and are still missing"
             ));
         }
+
         let sessions = busy.task.sessions.iter();
         let lacking: Vec<_> = sessions
             .filter(|session| unknown.contains(&session.generation))
@@ -314,12 +325,13 @@ impl Pool {
         if lacking.is_empty() {
             return Err(format!("sessions {unknown:?} are not there"));
         }
+
         for session in lacking {
-            let bytes = session_bytes(session)?;
-            let bytes = Uint8Array::from(&bytes[..]).buffer();
+            let bytes = Uint8Array::from(&session_bytes(session)?[..]).buffer();
             let message = object(&[("session", bytes.clone().into())]);
             post(worker, &message, &bytes)?;
         }
+
         send(worker, busy.id, &busy.task)
     }
 
@@ -334,6 +346,7 @@ impl Pool {
             let idle = inner.idle();
             let failed = idle.and_then(|place| inner.send_next(place));
             let may_grow = inner.slots.len() < inner.program.workers;
+            // Answers and new workers borrow the pool themselves.
             drop(inner);
             match (idle, failed) {
                 (_, Some((answer, why))) => answer(TaskEnd::Failed(why)),
@@ -372,6 +385,7 @@ impl Inner {
                 .filter(|session| slot.kept.contains(&session.generation))
                 .count()
         };
+        // Of workers that keep equally many sessions the first one is taken.
         let best = idle.max_by_key(|(place, slot)| (kept(slot), std::cmp::Reverse(*place)))?;
         Some(best.0)
     }

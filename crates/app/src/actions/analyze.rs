@@ -55,6 +55,7 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Adds brushing by keyboard.
 fn brushes(list: &mut List, state: &State) {
+    // Without a pointer no range can be dragged; the panel has fields for any other range.
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",

@@ -43,6 +43,7 @@ pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
 pub fn shortcut_text(ctx: &egui::Context, shortcut: &KeyboardShortcut) -> String {
     let text = ctx.format_shortcut(shortcut);
     let name = shortcut.logical_key.name();
+    // egui has words for these keys.
     let sign = match shortcut.logical_key {
         Key::Period => ".",
         Key::Plus => "+",

@@ -23,7 +23,7 @@ pub(super) enum Closing {
 }
 
 impl App {
-    /// Answers a request to close the window: asks if something would be lost, otherwise ends what is open and lets it close.
+    /// Answers a request to close the window: asks if something would be lost, otherwise ends open work and lets it close.
     pub(super) fn follow_closing(&mut self, ctx: &Context) {
         if ctx.input(|input| input.viewport().close_requested()) {
             if self.closing != Closing::Sure

@@ -73,6 +73,7 @@ impl App {
             let builder = self.window_of(role);
             let id = ViewportId::from_hash_of("the other window of a talk");
             ctx.show_viewport_immediate(id, builder, |ui, class| {
+                // Without windows of its own a system would have one role drawn over the other.
                 if class == ViewportClass::EmbeddedWindow {
                     return;
                 }
@@ -112,6 +113,7 @@ impl App {
             return;
         };
 
+        // Monitors are measured in pixels, and windows are placed in points.
         let pixels_per_point = ctx.pixels_per_point();
         let each = window.available_monitors().map(|monitor| {
             let (at, size) = (monitor.position(), monitor.size());

@@ -228,6 +228,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
         let counts = measures.now.map(numbers::counts).unwrap_or_default();
         return format!("{name}: {counts}");
     }
+    // The measures that move with the run are at this moment before the others, though perhaps with fewer frequencies.
     if let Some(live) = measures.live {
         let share = share(run.live.share(shown));
         return format!("{name}: {} {share}", numbers::counts(live));
@@ -465,6 +466,7 @@ fn drag(
     match dragged {
         Some(Dragged::Between(a, b)) => {
             let dragged = Brush::between(axis, a, b);
+            // A drag that moves within the same range issues nothing.
             if dragged.is_some() && dragged != brush {
                 own.push(AnalysisCommand::Brush(dragged));
             }

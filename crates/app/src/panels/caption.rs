@@ -44,6 +44,7 @@ impl<'a> Card<'a> {
         let scenes = shown.list.scenes(&state.runs().first);
         let scene = *scenes.get(shown.index)?;
         let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
+        // A card without any words would only cover the canvas.
         let has_text = of_tour.is_some() || !scene.caption.is_empty();
         has_text.then_some(Self {
             shown,

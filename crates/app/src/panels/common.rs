@@ -130,6 +130,7 @@ pub fn texture_of<T: Send + Sync + 'static>(
     image: impl FnOnce(&T) -> ColorImage,
 ) -> TextureHandle {
     let kept: Option<(Arc<T>, TextureHandle)> = ui.data(|data| data.get_temp(id));
+    // One picture is one allocation, so that pixels need not be compared.
     if let Some((_, texture)) = kept.filter(|(of, _)| Arc::ptr_eq(of, picture)) {
         return texture;
     }

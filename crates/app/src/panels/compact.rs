@@ -204,6 +204,7 @@ fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, R
         .show(ui, |ui| {
             let size = vec2(ui.available_width(), high.height());
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+            // The parts were laid out for the unscrolled window, and move with the scrolled rectangle.
             add(ui, high.translate(vec2(0.0, rect.top() - high.top())));
             focus::follow(ui);
         });

@@ -56,6 +56,7 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
     let mut own = Vec::new();
     if let Some((side, comparison)) = context.second {
         second(ui, side, palette, commands);
+        // Runs can be compared once both are made.
         if let (Some(a), Some(b)) = (&context.first.session, &side.session) {
             heading(ui, "What differs in the parameters");
             let differing = contrast_of(a, b);

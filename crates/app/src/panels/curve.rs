@@ -47,6 +47,7 @@ pub fn show(
 
     let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
     let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
+    // Where it does not fit, the actions of the View menu choose the number.
     if beside.width() >= MIN_BESIDE {
         let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
         chooser(&mut side, context, commands);
@@ -165,6 +166,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
     if let Some(pointer) = response.interact_pointer_pos()
         && response.dragged()
     {
+        // Clamped first, so that the cast changes nothing but the fraction.
         let height = (chart.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
         commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
     }

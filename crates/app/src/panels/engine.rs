@@ -46,6 +46,7 @@ fn entry(
     engine: EngineChoice,
     commands: &mut Vec<Command>,
 ) {
+    // Only a GPU can be missing.
     let refusal = match engine {
         EngineChoice::Gpu => context.gpu.device.refusal(),
         EngineChoice::Auto | EngineChoice::Cpu => None,

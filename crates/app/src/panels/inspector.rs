@@ -25,6 +25,7 @@ pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 /// Shows the inspector, of a sample, a place or neither.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
+    // The pointer comes first: one looks around, and the selection stays.
     let (id, name) = match (context.run.hovered, context.run.selected) {
         (Some(id), _) => (Some(id), "Sample under the pointer"),
         (None, Some(id)) => (Some(id), "Selected sample"),
@@ -122,6 +123,7 @@ fn event_row(
     let response = ui.add(egui::Button::new(label).frame(false).truncate());
     let tip = tilescope_debugger::sentence(recording, event);
     if response.on_hover_text(tip).clicked() {
+        // The cursor counts the events that have happened, this one among them.
         commands.push(Command::Time(TimeCommand::Jump(event + 1)));
     }
 }

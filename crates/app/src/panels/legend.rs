@@ -78,6 +78,7 @@ fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
             (palette.detector, 2.0, "adds less, or takes from it"),
         ],
     };
+
     for (color, radius, meaning) in entries {
         entry(ui, meaning, palette, |painter, rect| {
             // A radius of 0 stands for a line, as brushed pairs are drawn.

@@ -322,8 +322,8 @@ impl LessonPanel<'_> {
         before == Some((now.0, true)) && !now.1
     }
 
-    /// Scrolls to what is below `top`, the verdict and all that follows it, when the question has just been closed: long
-    /// options would leave it below the panel's edge. While it is open nothing moves below the pointer.
+    /// Scrolls to the verdict and all that follows it, below `top`, when the question has just been closed: long options
+    /// would leave it below the panel's edge. While it is open nothing moves below the pointer.
     fn follow_verdict(&self, ui: &Ui, top: f32) {
         if self.remember(ui) {
             let seen = ui.clip_rect().height();

@@ -141,8 +141,10 @@ pub(super) fn labelled(
         let start = ui.cursor().left();
         let text = RichText::new(name).color(palette.muted);
         let label = ui
+            // A number changes while its name is dragged sideways.
             .add(egui::Label::new(text).selectable(false).sense(Sense::DRAG))
             .on_hover_text(meaning);
+        // Fields begin at one place, however long their names are.
         let gap = start + FIELD_START - ui.cursor().left();
         ui.add_space(gap.max(0.0));
         add(ui, label.id);

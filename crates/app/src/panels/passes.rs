@@ -410,6 +410,7 @@ fn muted(text: &str, palette: &Palette) -> RichText {
 fn summary(passes: &Passes) -> String {
     let entries = passes.entries();
     let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
+    // Within a stage the CPU has no state to compare with.
     let compared = count(|badge| *badge != Badge::Intermediate);
     let equal = count(|badge| *badge == Badge::Equal);
     let all = counted(entries.len(), "pass", "passes");

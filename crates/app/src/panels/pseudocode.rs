@@ -367,6 +367,7 @@ pub fn next_line(run: &RunView) -> Option<String> {
     let debugger = run.debugger.as_ref()?;
     let parameters = run.session.as_ref()?.run().parameters;
     let Some(event) = debugger.event() else {
+        // A lesson cuts the run off where its question begins, so that the next line is not told.
         let cursor = debugger.state().cursor();
         let is_cut_off = run
             .session

@@ -72,6 +72,7 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
         )
     };
 
+    // A click elsewhere takes the focus as well.
     if !response.lost_focus() || !ui.input(|input| input.key_pressed(Key::Enter)) {
         return false;
     }

@@ -147,9 +147,9 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
+        // Iterations are counted from 1.
         Stage::Iterate(k) => {
-            let inserted = summary.inserted.get(k as usize - 1).copied();
-            let inserted = grouped(inserted.unwrap_or(0));
+            let inserted = grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0));
             // Other runs lose all that they lose before the first iteration.
             if session.is_exact() {
                 let lost = session.lost_in(session.stage_index(stage));

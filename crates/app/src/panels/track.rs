@@ -91,6 +91,7 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
             Some(nested) => of_level(session, nested, index),
             None => of_stage(session, session.stages[index], events.len()),
         };
+        // A run without events has segments of one width.
         let width = least + room * events.len() as f32 / total.max(1) as f32;
         let from = at;
         at += width;
@@ -293,7 +294,8 @@ fn density(
                     .into_iter()
                     .zip([palette.conflict, palette.gap, palette.inserted])
             {
-                // The three columns are stacked, and stay within the bar.
+                // The three columns are stacked, and stay within the bar. The root raises small shares, which would be lost
+                // below half a point.
                 let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
                 if height >= 0.5 {
                     let ends = [pos2(x, bottom), pos2(x, bottom - height)];

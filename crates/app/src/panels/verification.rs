@@ -102,6 +102,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
             };
 
             let text = verdict.claim.map_or_else(of_result, of_prefix);
+            // Until the verdict on the prefix at work is there, the one before is shown, muted.
             let color = if context.run.prefix_at_work().is_some() {
                 palette.muted
             } else if well {
@@ -258,8 +259,10 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
                 verdict.is_some_and(|v| v.largest.is_some()),
             ),
         ] {
+            // Before the verdict there is no pair and no hole to fly to.
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
+
             let button = button.on_disabled_hover_text(ui.words("The verifier reported none."));
             if button.on_hover_text(ui.words("Fly there")).clicked() {
                 commands.push(Command::View(

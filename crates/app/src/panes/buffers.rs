@@ -217,6 +217,7 @@ fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
 fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     let width = if strong { 1.5 } else { 1.0 };
     let inner = rect.shrink(0.25);
+    // The border of so small a square would fill it anyway.
     if inner.width().min(inner.height()) < MIN_BORDERED {
         let ground = color.gamma_multiply(if strong { 0.7 } else { 0.3 });
         mesh.add_colored_rect(inner, ground);

@@ -69,6 +69,7 @@ impl Differences {
     /// has more in another one.
     fn image(&self, palette: &Palette) -> ColorImage {
         let shade = |difference: f64| {
+            // Cells that one of the spectra does not reach are grey.
             if !difference.is_finite() {
                 return palette.line;
             }
@@ -115,6 +116,7 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
         }
     }
 
+    // A cell without a frequency becomes NaN.
     sums.into_iter().map(|[sum, count]| sum / count).collect()
 }
 

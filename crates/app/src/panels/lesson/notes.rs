@@ -397,6 +397,7 @@ impl Notes<'_> {
         self.heading(ui, &title);
         match self.state.talks().next_picture.drawn() {
             Some(picture) => self.picture(ui, picture),
+            // After the last step there is no picture to wait for.
             None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
             _ => self.muted(ui, ui.words("Its picture is being drawn\u{2026}")),
         }

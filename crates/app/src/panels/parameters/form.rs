@@ -74,6 +74,7 @@ impl Fields<'_> {
             return;
         };
         let is_exact = self.parameters().method == TilingMethod::Exact;
+        // Exact tiling keeps the sample that arrived first, so that there is no order or insertion to choose.
         let has_meaning = !(is_exact && NOT_OF_EXACT.contains(&parameter));
         ui.add_enabled_ui(has_meaning, |ui| {
             self.choice(

@@ -114,6 +114,7 @@ fn header(
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let names = std::iter::once("row").chain(table.columns.iter().map(String::as_str));
     for (name, end) in names.zip(&columns.ends) {
+        // The heads follow the rows sideways, and stay when these are scrolled down.
         let at = Pos2::new(rect.left() + end - offset, rect.center().y);
         let font = FontId::monospace(11.5);
         painter.text(at, Align2::RIGHT_CENTER, name, font, palette.muted);
