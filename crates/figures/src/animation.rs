@@ -38,15 +38,15 @@ pub enum AnimationError {
     /// There are too many frames.
     #[error("an animation of {frames} frames is too long; the limit is {MAX_FRAMES}")]
     TooManyFrames {
-        /// /// How many frames were asked for.
+        /// How many frames were asked for.
         frames: usize,
     },
     /// A frame has no pixel or too many.
     #[error("a frame of {width} x {height} pixels cannot be animated; the limit is {limit}")]
     FrameSize {
-        /// /// Width of the frame in pixels.
+        /// Width of the frame in pixels.
         width: u32,
-        /// /// Height of the frame in pixels.
+        /// Height of the frame in pixels.
         height: u32,
         /// The largest number of pixels, or in a GIF the largest side.
         limit: u64,
@@ -76,9 +76,9 @@ pub enum AnimationError {
     /// There are fewer frames than the iterator said.
     #[error("{found} frames came where {expected} were announced")]
     Missing {
-        /// /// How many frames the iterator gave.
+        /// How many frames the iterator gave.
         found: usize,
-        /// /// How many frames it had announced.
+        /// How many frames it had announced.
         expected: usize,
     },
     /// A frame could not be drawn.
@@ -86,16 +86,16 @@ pub enum AnimationError {
     Frame {
         /// The frame, from 0.
         index: usize,
-        /// /// Why it could not be drawn.
+        /// Why it could not be drawn.
         cause: FigureError,
     },
     /// The encoder or what it writes to refused.
     #[error("the animation could not be written: {0}")]
     Encode(String),
-    /// /// The callback asked to stop. The file is not complete.
+    /// The callback asked to stop. The file is not complete.
     #[error("the animation was cancelled after {frames} frames")]
     Cancelled {
-        /// /// How many frames were written before.
+        /// How many frames were written before.
         frames: usize,
     },
 }

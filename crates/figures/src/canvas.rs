@@ -24,7 +24,7 @@ const ARC_STEP: f64 = 0.1;
 pub struct PictureOptions {
     /// Width of the picture in pixels; the height follows from the domain or the window.
     pub width: f64,
-    /// /// Colours of marks, text and background.
+    /// Colours of marks, text and background.
     pub palette: Palette,
     /// The part of the domain that is shown, in user units; `None` shows it whole.
     pub window: Option<Rect>,

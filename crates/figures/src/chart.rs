@@ -34,7 +34,7 @@ pub enum Look {
 pub struct Series {
     /// Its name in the legend; series of one name in several charts should have one look.
     pub name: String,
-    /// /// How it looks; series of one figure need looks of their own.
+    /// How it looks; series of one figure need looks of their own.
     pub look: Look,
     /// Places `[x, y]` in the sequence in which they are joined.
     pub points: Vec<[f64; 2]>,
@@ -45,9 +45,9 @@ pub struct Series {
 /// A horizontal line with a name, such as an expected value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// /// The name that is written at the line.
+    /// The name that is written at the line.
     pub name: String,
-    /// /// Its ordinate, in units of the vertical axis.
+    /// Its ordinate, in units of the vertical axis.
     pub y: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct Axis {
     pub label: String,
     /// The ends; none takes those of the data.
     pub range: Option<[f64; 2]>,
-    /// /// Values that have a tick, each with its label; none takes round values.
+    /// Values that have a tick, each with its label; none takes round values.
     pub ticks: Option<Vec<(f64, String)>>,
 }
 
@@ -73,7 +73,7 @@ impl Axis {
         }
     }
 
-    /// /// The same axis from `low` to `high`; anything beyond is cut off.
+    /// The same axis from `low` to `high`; anything beyond is cut off.
     #[must_use]
     pub fn with_range(self, low: f64, high: f64) -> Self {
         Self {
@@ -98,9 +98,9 @@ impl Axis {
 pub struct LineChart {
     /// Heading above the plot.
     pub title: String,
-    /// /// The horizontal axis, which rises to the right.
+    /// The horizontal axis, which rises to the right.
     pub x: Axis,
-    /// /// The vertical axis, which rises upwards.
+    /// The vertical axis, which rises upwards.
     pub y: Axis,
     /// The curves, the first painted first.
     pub series: Vec<Series>,
@@ -138,7 +138,7 @@ pub struct BlankChart {
     pub y: Axis,
     /// Columns and rows of the image that would be there; none where curves would be.
     pub cells: Option<[usize; 2]>,
-    /// /// The reason why there is nothing, written in the middle.
+    /// The reason why there is nothing, written in the middle.
     pub why: String,
 }
 
@@ -193,9 +193,9 @@ pub enum ChartError {
         chart: String,
         /// Name of the series, or what else the value belongs to.
         series: String,
-        /// /// Index of the value in its series.
+        /// Index of the value in its series.
         index: usize,
-        /// /// The value that is not finite.
+        /// The value that is not finite.
         value: f64,
     },
     /// A band has not one pair of ends for each place.
@@ -219,9 +219,9 @@ pub enum ChartError {
     Grid {
         /// Title of the image.
         chart: String,
-        /// /// How many values there are.
+        /// How many values there are.
         values: usize,
-        /// /// How many of them are a row.
+        /// How many of them are a row.
         columns: usize,
     },
 }

@@ -32,7 +32,7 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Counts one shape.
+    /// Counts a shape as a step, and asks now and then whether to go on.
     pub(crate) fn shape(&mut self) -> Result<(), FigureError> {
         self.done += 1;
         if self.done.is_multiple_of(STRIDE) {

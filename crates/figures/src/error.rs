@@ -27,7 +27,7 @@ pub enum FigureError {
     Size {
         /// Width in pixels, the scale applied.
         width: f64,
-        /// /// Height in pixels, the scale applied.
+        /// Height in pixels, the scale applied.
         height: f64,
     },
     /// The scale is NaN, infinite or not above 0.
@@ -36,13 +36,13 @@ pub enum FigureError {
     /// Both sides are fine and the area is not.
     #[error("a picture of {pixels} pixels needs too much memory; the limit is {MAX_PIXELS}")]
     Pixels {
-        /// /// Width times height, in pixels.
+        /// Width times height, in pixels.
         pixels: u64,
     },
     /// A coordinate or length of a shape is NaN or infinite.
     #[error("shape {index} of group \"{group}\" has a coordinate or length that is not finite")]
     NotFinite {
-        /// /// Name of the group that has the shape.
+        /// Name of the group that has the shape.
         group: String,
         /// Index of the shape in its group.
         index: usize,
@@ -52,7 +52,7 @@ pub enum FigureError {
         "shape {index} of group \"{group}\" has a length of {length} pixels; the limit is {MAX_LENGTH}"
     )]
     Length {
-        /// /// Name of the group that has the shape.
+        /// Name of the group that has the shape.
         group: String,
         /// Index of the shape in its group.
         index: usize,
@@ -75,7 +75,7 @@ pub enum FigureError {
         "the view or clip rectangle of group \"{group}\" is not finite, or its scale not above 0"
     )]
     View {
-        /// /// Name of the group with that view.
+        /// Name of the group with that view.
         group: String,
     },
     /// A font of the program does not parse: a damaged build.

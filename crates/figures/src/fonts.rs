@@ -13,12 +13,12 @@ use crate::error::FigureError;
 /// A font of the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Font {
-    /// Inter Regular.
+    /// Inter Regular, for plain text.
     #[default]
     Regular,
-    /// Inter `SemiBold`.
+    /// Inter `SemiBold`, for titles and headings.
     SemiBold,
-    /// `JetBrains` Mono Regular.
+    /// `JetBrains` Mono Regular, whose characters have one width.
     Mono,
 }
 
@@ -44,7 +44,7 @@ impl Font {
     }
 }
 
-/// /// The fonts of the program, parsed, in the sequence of [`Font::ALL`].
+/// The fonts of the program, parsed, in the sequence of [`Font::ALL`].
 pub(crate) struct Fonts {
     faces: [Face<'static>; 3],
 }

@@ -19,11 +19,11 @@ const fn rgb(hex: u32) -> Color {
 /// The colours of one theme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
-    /// /// The ground of pictures, behind everything.
+    /// The ground of pictures, behind everything.
     pub background: Color,
     /// Behind panels and legends.
     pub surface: Color,
-    /// /// Text, and the lines of axes.
+    /// Text, and the lines of axes.
     pub text: Color,
     /// Secondary text, ticks, scale bars.
     pub muted: Color,
@@ -31,7 +31,7 @@ pub struct Palette {
     pub line: Color,
     /// The interface's one accent.
     pub accent: Color,
-    /// /// A sample, drawn as a dot.
+    /// A sample, drawn as a dot.
     pub sample: Color,
     /// The ring of a disk.
     pub disk: Color,

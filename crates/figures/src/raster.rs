@@ -23,9 +23,9 @@ use crate::scene::{
 /// A picture in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pixels {
-    /// Width in pixels.
+    /// The number of pixels in a row.
     pub width: u32,
-    /// Height in pixels.
+    /// The number of rows of pixels.
     pub height: u32,
     /// Red, green, blue, opacity of each pixel, row by row; not premultiplied.
     pub rgba: Vec<u8>,
@@ -179,10 +179,12 @@ impl Painter {
             Shape::Rect { rect, style } => self.polygon(&at.rect(*rect).corners(), *style),
             Shape::Polygon { points, style } => self.polygon(&at.pixels(points), *style),
             Shape::Polyline { points, stroke } => self.polyline(&at.pixels(points), *stroke),
+
             Shape::Segments { segments, stroke } => {
                 let pixels = segments.iter().map(|s| s.map(|p| at.pixel(p)));
                 self.segments(pixels, *stroke);
             }
+
             Shape::Marker {
                 marker,
                 center,
@@ -197,6 +199,7 @@ impl Painter {
                     self.polygon(&marker_outline(*marker, center, size), *style);
                 }
             }
+
             Shape::Image { rect, bitmap } => {
                 let width = self.pixmap.width() as usize;
                 bitmap.paint(self.pixmap.data_mut(), width, at.rect(*rect), self.frame);

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// An axis-parallel rectangle.
+/// A rectangle with sides along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
     /// The corner with the smaller coordinates.
@@ -19,7 +19,7 @@ impl Rect {
         Self { min, max }
     }
 
-    /// Width and height.
+    /// Returns the lengths of the sides along x and along y.
     #[must_use]
     pub fn size(&self) -> DVec2 {
         self.max - self.min

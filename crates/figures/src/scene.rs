@@ -18,7 +18,7 @@ pub struct Scene {
     pub width: f64,
     /// Height in pixels at scale 1.
     pub height: f64,
-    /// /// Colour of the ground, behind everything.
+    /// Colour of the ground, behind everything.
     pub background: Color,
     /// The title: the SVG's accessible name, the PNG's `Title`.
     pub title: String,
@@ -68,7 +68,7 @@ pub struct Group {
     pub name: String,
     /// From the group's units to scene pixels.
     pub view: View,
-    /// /// The rectangle, in scene pixels, to which the group is cut; `None` leaves it whole.
+    /// The rectangle, in scene pixels, to which the group is cut; `None` leaves it whole.
     pub clip: Option<Rect>,
     /// Shapes, the first painted first.
     pub shapes: Vec<Shape>,
@@ -106,14 +106,14 @@ impl Group {
 /// From a group's units to scene pixels: `pixel = origin + scale * position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// /// Scene pixels per unit of the group.
+    /// Scene pixels per unit of the group.
     pub scale: f64,
     /// The pixel of the group's origin.
     pub origin: DVec2,
 }
 
 impl View {
-    /// /// The view whose units are scene pixels.
+    /// The view whose units are scene pixels.
     pub const PIXELS: Self = Self {
         scale: 1.0,
         origin: DVec2::ZERO,
@@ -171,9 +171,9 @@ impl Placing {
 /// How an area is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fill {
-    /// /// One colour all over the area.
+    /// One colour all over the area.
     Solid(Color),
-    /// /// Diagonal lines across the area.
+    /// Diagonal lines across the area.
     Hatch(Hatch),
 }
 
@@ -193,7 +193,7 @@ pub struct Hatch {
 pub struct Stroke {
     /// Colour of the line.
     pub color: Color,
-    /// Width in pixels.
+    /// Width in pixels of the scene.
     pub width: f64,
     /// Lengths of dash and space in pixels; `None` is a solid line.
     pub dash: Option<[f64; 2]>,
@@ -274,7 +274,7 @@ impl Style {
 /// The outline of a mark whose size is in pixels, whatever the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// A circle: samples.
+    /// A circle, which stands for samples.
     Dot,
     /// An upright saltire (x), an area that can be hollow: eliminated samples.
     Cross,
@@ -282,7 +282,7 @@ pub enum Marker {
     Triangle,
     /// A square on its corner: inserted samples.
     Diamond,
-    /// An upright square.
+    /// A square with sides along the axes.
     Square,
 }
 
@@ -294,7 +294,7 @@ pub enum Anchor {
     Start,
     /// Its middle is there.
     Middle,
-    /// /// The text ends there.
+    /// The text ends there.
     End,
 }
 
@@ -358,24 +358,24 @@ pub enum Shape {
         center: DVec2,
         /// Radius in the group's units.
         radius: f64,
-        /// Fill and stroke.
+        /// How its area and its border are drawn.
         style: Style,
     },
-    /// An axis-parallel rectangle.
+    /// A rectangle with sides along the axes.
     Rect {
         /// The rectangle in the group's units.
         rect: Rect,
-        /// Fill and stroke.
+        /// How its area and its border are drawn.
         style: Style,
     },
     /// A closed polygon; overlapping parts are filled by the even-odd rule.
     Polygon {
         /// Corners in sequence; the last is joined to the first.
         points: Vec<DVec2>,
-        /// Fill and stroke.
+        /// How its area and its border are drawn.
         style: Style,
     },
-    /// /// A line from corner to corner, not closed.
+    /// A line from corner to corner, not closed.
     Polyline {
         /// Corners in sequence; the last is not joined to the first.
         points: Vec<DVec2>,
@@ -397,7 +397,7 @@ pub enum Shape {
         center: DVec2,
         /// Width and height in pixels.
         size: f64,
-        /// Fill and stroke.
+        /// How its area and its border are drawn.
         style: Style,
     },
     /// Pixels that fill a rectangle, the first row at its upper edge; never smoothed.
@@ -412,7 +412,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Returns a disk.
+    /// Returns a disk in the group's units.
     #[must_use]
     pub fn circle(center: impl Into<DVec2>, radius: f64, style: Style) -> Self {
         Self::Circle {
@@ -422,7 +422,7 @@ impl Shape {
         }
     }
 
-    /// One straight line.
+    /// Returns one straight line between two places.
     #[must_use]
     pub fn line(from: impl Into<DVec2>, to: impl Into<DVec2>, stroke: Stroke) -> Self {
         Self::Segments {

@@ -203,9 +203,11 @@ impl Writer {
                     "<polyline points=\"{points}\" fill=\"none\"{stroke}/>\n"
                 ));
             }
+
             Shape::Segments { segments, stroke } => {
                 self.segments(segments.iter().map(|s| s.map(|p| at.pixel(p))), *stroke);
             }
+
             Shape::Marker {
                 marker,
                 center,
@@ -220,6 +222,7 @@ impl Writer {
                     self.polygon(&marker_outline(*marker, center, *size), *style);
                 }
             }
+
             Shape::Image { rect, bitmap } => return self.image(at.rect(*rect), bitmap),
             Shape::Text(text) => self.text(text, at.pixel(text.at)),
         }

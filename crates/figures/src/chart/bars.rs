@@ -10,16 +10,16 @@ use crate::fonts::{Font, text_width};
 use crate::palette::Palette;
 use crate::scene::{Anchor, Baseline, Group, Rect, Shape, Stroke, Style, Text};
 
-/// /// A bar with its name before it and its value behind it.
+/// A bar with its name before it and its value behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
-    /// /// The name that is written before it.
+    /// The name that is written before it.
     pub name: String,
-    /// /// Its length, in units of the axis; a value below zero has none.
+    /// Its length, in units of the axis; a value below zero has none.
     pub value: f64,
     /// Where a whisker begins and ends.
     pub whisker: Option<[f64; 2]>,
-    /// /// The text behind it, as a rule its value.
+    /// The text behind it, as a rule its value.
     pub text: String,
     /// The number of its colour: bars of one kind in several groups have the same.
     pub color: usize,

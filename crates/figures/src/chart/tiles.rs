@@ -20,7 +20,7 @@ pub enum TileContent {
     Cells(Bitmap),
     /// Dots at places of the unit square, y upwards, framed.
     Dots(Vec<[f64; 2]>),
-    /// /// No picture: the tile keeps its room and its words.
+    /// No picture: the tile keeps its room and its words.
     Empty,
 }
 
