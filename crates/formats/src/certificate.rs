@@ -1,4 +1,4 @@
-//! The certificate: a JSON document that states what a point-set file holds and what was verified.
+//! The certificate: a JSON document with the contents of a point-set file and the verdict on it.
 //!
 //! Written beside a data file as `<file>.certificate.json`, and inside a JSON point set. Every number in it is measured
 //! on the positions read back from the file.
@@ -172,9 +172,9 @@ pub struct Certificate {
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
-    /// Who verified.
+    /// The judges that gave this verdict.
     pub judges: Vec<Judge>,
-    /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
+    /// The levels, if the file holds nested levels: each with its guarantee for all points to its end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<CertifiedLevel>,
     /// That the set is the beginning of a larger one, in version 2.

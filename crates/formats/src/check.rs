@@ -309,6 +309,7 @@ impl Judged {
         if varying.is_none() && certificate.is_some_and(Certificate::is_varying) {
             return Err(CheckError::NoField);
         }
+
         let unit_torus = Region::UNIT_SQUARE;
         let judged = varying.as_ref().map(|varying| &varying.judged);
         let region = judged
@@ -317,9 +318,11 @@ impl Judged {
             .or_else(|| certificate.map(|c| c.region))
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
-        let radius = judged.map(VaryingRegion::radius).or(overrides.radius);
-        let radius = radius.or_else(|| certificate.map(|c| c.radius.least()));
-        let radius = radius.ok_or(CheckError::NoRadius)?;
+        let radius = (judged.map(VaryingRegion::radius))
+            .or(overrides.radius)
+            .or_else(|| certificate.map(|c| c.radius.least()))
+            .ok_or(CheckError::NoRadius)?;
+
         let stated = || certificate.and_then(|c| c.origin);
         let origin = overrides.origin.or_else(stated).unwrap_or_default();
         check_origin(origin, region, radius, format, precision)?;

@@ -1,6 +1,6 @@
 //! Bytes to points and points to bytes, one file of the folder for each family of formats.
 //!
-//! `decode` and `encode` refuse what no format may hold (empty sets, NaN, provenance of another length), so that the
+//! `decode` and `encode` refuse sets that no format may hold (empty ones, NaN, provenance of another length), so that the
 //! codecs need not. They open no file and do not verify sets.
 
 mod csv;
@@ -92,7 +92,7 @@ pub struct ReadSet {
     /// within 180 and 90. See [`refuse_degrees`].
     pub degrees: bool,
     /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as
-    /// it is; for other functions [`Hint::certificate`] says what is done with it. [`check_bytes`](crate::check_bytes)
+    /// it is; for other functions [`Hint::certificate`] says how it is used. [`check_bytes`](crate::check_bytes)
     /// also judges the points.
     pub certificate: Option<Certificate>,
     /// Why a certificate that is there is not used, if the caller then read the file without it; `None` as functions of
@@ -195,7 +195,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::Svg => svg::read(bytes),
     }?;
 
-    // What no format may hold is refused here, so that the codecs need not.
+    // Sets that no format may hold are refused here, so that the codecs need not.
     if raw.set.is_empty() {
         return Err(FormatError::Empty { format });
     }

@@ -20,7 +20,7 @@ use crate::read::certificate_path;
 pub(crate) use lock::{Lock, is_own};
 pub(crate) use place::{Place, write_new};
 
-/// The most links in a row that are followed, as many as Linux follows.
+/// The most links in a row that are followed. Linux follows equally many.
 const MAX_LINKS: usize = 40;
 
 /// The file that an output named `path` makes or replaces: `path`, or what its links lead to.

@@ -166,7 +166,7 @@ enum NamedText {
     Cloud,
     /// Anything: `.txt`, which is also psa's, and `.dat`, which is also UTK's.
     Any,
-    /// The name says nothing of text.
+    /// The name tells no format of text.
     Unknown,
 }
 

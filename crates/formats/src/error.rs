@@ -1,6 +1,6 @@
 //! Errors of point-set files, with one variant for each cause.
 //!
-//! Each message names the format, the place, the value found and what was expected. Quoted tokens are cut to a bounded
+//! Each message names the format, the place, the value found and the expected one. Quoted tokens are cut to a bounded
 //! length.
 
 use std::fmt;

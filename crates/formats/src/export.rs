@@ -1,4 +1,4 @@
-//! Validated export: encode, store, read back, verify what was read, certify.
+//! Validated export: encode, store, read back, verify the stored points, certify.
 //!
 //! One pipeline for files and for memory (the web), which differ in how bytes are stored and read back. Only positions
 //! decoded from the stored bytes are certified.
@@ -196,9 +196,9 @@ pub enum ExportError {
     /// The data read back differs from the data written.
     #[error("reading back gave {found} where {written} was written; the storage is not reliable")]
     ReadBack {
-        /// What was written, in words.
+        /// The written content, in words.
         written: String,
-        /// What was read back, in words.
+        /// The content that was read back, in words.
         found: String,
     },
 }

@@ -61,7 +61,7 @@ impl Separator {
     }
 }
 
-/// The bytes of a row without its quotation marks and what is between them.
+/// The bytes of a row outside of its quotation marks.
 fn outside_quotes(row: &[u8]) -> impl Iterator<Item = u8> {
     let parts = row.split(|&b| b == b'"').step_by(2);
     parts.flatten().copied()

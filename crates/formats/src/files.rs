@@ -94,7 +94,7 @@ pub fn check(
 }
 
 /// Writes `set` (in domain units) to the file `path` and a certificate beside it, after reading back and verifying
-/// what was written.
+/// the written file.
 ///
 /// A set need not be valid: an invalid one is exported with `valid: false` and a warning.
 ///

@@ -270,8 +270,8 @@ mod tests {
             for origin in [[5e5, 5.4e6], [-1.0, -0.1], [-1e-9, 1e-3], [0.1, -7.3]] {
                 for width in [1.0, 0.3, 1000.0 / 3.0] {
                     let region = square(width, boundary);
-                    let mapping = Mapping::new(Format::Npy, Some(region), Precision::Double);
-                    let mapping = mapping.with_origin(origin);
+                    let mapping = Mapping::new(Format::Npy, Some(region), Precision::Double)
+                        .with_origin(origin);
                     let corner = mapping.file_from_domain([0.0, 0.0]);
                     assert_eq!(corner, origin);
                     assert_eq!(mapping.domain_from_file(corner), [0.0, 0.0]);
@@ -297,6 +297,7 @@ mod tests {
             let checked = check_origin(origin, region, radius, format, precision);
             checked.map_err(|error| error.to_string())
         };
+
         let double = |origin, radius| check(origin, radius, Format::Csv, Precision::Double);
         assert_eq!(double([5e5, 5.4e6], 0.01), Ok(()));
         assert_eq!(double([0.0, -0.0], 1e-300), Ok(()));
@@ -307,9 +308,11 @@ mod tests {
              0.01: rounded to them, samples would no longer keep their distance and cover; an origin nearer to 0, or a \
              radius of at least 1.3e-2, would do"
         );
+
         for origin in [[f64::NAN, 0.0], [f64::INFINITY, 1.0], [f64::MAX, 0.0]] {
             assert!(double(origin, 0.1).is_err(), "{origin:?}");
         }
+
         let single = check([5e5, 5.4e6], 0.01, Format::Npy, Precision::Single);
         assert!(
             single

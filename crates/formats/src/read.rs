@@ -30,7 +30,7 @@ pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 }
 
 /// The point set in the bytes of a file. `certificate` has the name and the bytes of the certificate beside it, which
-/// takes precedence over one inside; [`Hint::certificate`] says what is done with it.
+/// takes precedence over one inside; [`Hint::certificate`] says how it is used.
 ///
 /// By default the returned certificate is that of these bytes: its digests, its count and the numbers that follow from
 /// others are compared. Whether the set is as valid as it states, only [`check_bytes`](crate::check_bytes) tells.
@@ -55,6 +55,7 @@ pub fn read_bytes(
     if hint.certificate == CertificateUse::Checked
         && let Some(stated) = &read.certificate
     {
+        // A caller that takes the radius for one number would be wrong about such a set.
         if !hint.varying {
             stated.refuse_varying(name)?;
         }

@@ -54,6 +54,7 @@ pub(crate) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
 
     let (pairs, odd) = bytes[2..].as_chunks::<2>();
     let units = pairs.iter().map(|&pair| unit(pair));
+    // Raw numbers may begin with the same two bytes.
     if !units.clone().take(64).all(is_of_tables) {
         return Cow::Borrowed(bytes);
     }

@@ -4,8 +4,8 @@ use tilescope_analysis::{Control, Report, VaryingRegion, VerifyError, VerifyOpti
 
 use crate::certificate::{CertifiedRadius, CertifiedShape};
 
-/// A region with its radii and its shape: as the judge has them, and as certificates state them. Whoever makes it sees to it
-/// that these are the same.
+/// A region with its radii and its shape: as the judge has them, and as certificates state them. Its maker keeps the two
+/// the same.
 #[derive(Clone, Debug)]
 pub struct VaryingDomain {
     /// What sets are judged in.

@@ -84,7 +84,7 @@ impl Part for CertifiedShape {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum CertifiedRadius {
-    /// The same everywhere.
+    /// One radius for the whole region.
     Constant(f64),
     /// Another one at each place.
     Field(RadiusField),
@@ -157,7 +157,7 @@ pub enum RadiusRule {
     HarmonicMean,
 }
 
-/// The set is the beginning of a larger one that was maximal: what was left out was added last.
+/// The set is the beginning of a larger one that was maximal: the points that are left out were added last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedPrefix {
@@ -182,7 +182,7 @@ impl Part for CertifiedPrefix {
     }
 }
 
-/// The points were chosen from another set, as many as keep their distance.
+/// The points were chosen from another set so that they keep their distance.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Thinned {

@@ -14,6 +14,7 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
         return out;
     }
 
+    // The head ends its line, before whose end further columns are named.
     out.pop();
     let names = [
         ("level", columns.levels.len()),
@@ -25,6 +26,7 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
     out.push(b'\n');
     for (index, point) in points.iter().enumerate() {
         push_line(&mut out, point, ",");
+        // The line ends after the further columns.
         out.pop();
         if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!(",{level}"));

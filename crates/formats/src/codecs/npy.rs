@@ -207,6 +207,7 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
     let mut out = Vec::with_capacity(2 * ALIGNMENT);
     out.extend_from_slice(NPY_MAGIC);
     out.extend_from_slice(&[1, 0]);
+    // The head has 128 bytes, so that two bytes hold the length.
     out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());
     push(&mut out, format_args!("{dictionary}\n"));
     out

@@ -334,7 +334,9 @@ pub(super) fn write_ascii(
 ) -> Vec<u8> {
     let count = points.len() as u64;
     let mut out = header("ascii", count, "double", provenance.is_some(), columns);
+
     for (index, [x, y]) in points.iter().enumerate() {
+        // Readers of point clouds expect a z.
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
             for word in <[u32; 3]>::from(*from) {

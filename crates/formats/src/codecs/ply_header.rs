@@ -220,6 +220,7 @@ impl Parser {
             scalar,
             offset: element.width,
         });
+        // Binary rows have no room between properties.
         element.width += scalar.bytes();
         Ok(())
     }
@@ -317,6 +318,7 @@ mod tests {
             ),
         ] {
             let found = message(header);
+
             assert!(found.contains(part), "{found}");
         }
     }

@@ -21,6 +21,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut points = Vec::with_capacity(stated.min(bytes.len() as u64 / 4) as usize);
 
     let mut last = None;
+    // Numbers follow each other over the ends of lines: a point may go on in the next one.
     for (place, token) in tokens {
         let value = number(token, FORMAT, place)?;
         match last.take() {

@@ -135,6 +135,7 @@ impl TextTable {
                 let line = self.line + 1;
                 self.remark = Header { names, line };
             }
+        // In a later line the same words would be a row.
         } else if self.line == 0
             && let Some(stated) = Separator::stated(line)
         {

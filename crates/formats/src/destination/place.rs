@@ -106,6 +106,7 @@ impl Place {
         let placed = self.exchange(new, stated, &mut aside);
         // If the old file is there again, so is its certificate; without one it is lost rather than false.
         let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
+        // The file that was moved last comes back first.
         for (name, hidden) in aside.into_iter().rev() {
             let _ = if is_old {
                 fs::rename(hidden, name)
@@ -118,6 +119,7 @@ impl Place {
             let _ = fs::remove_file(stated);
         }
         placed.map_err(|failure| failure.error)?;
+        // Until the folder is synchronised, a power cut could undo the renaming.
         sync_folder(&self.file).map_err(|e| io_error(&self.file, e))
     }
 

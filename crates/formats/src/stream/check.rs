@@ -41,8 +41,8 @@ pub(super) fn check_from(
     control: Control<'_>,
 ) -> Result<Check, CheckError> {
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
-    let length = Input::open(path).and_then(|input| input.length());
-    let length = length.map_err(|e| io_error(path, e))?;
+    let length =
+        (Input::open(path).and_then(|input| input.length())).map_err(|e| io_error(path, e))?;
     // Subdivision needs all samples at once.
     if length <= whole || overrides.set.is_some() || overrides.varying.is_some() {
         return in_memory();

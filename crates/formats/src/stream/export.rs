@@ -306,6 +306,7 @@ impl StreamExport {
         }
 
         let found = provenance.map_or(0, <[_]>::len);
+        // Rows have provenance in all of the file or nowhere, as its head says.
         let expected = if self.provenance { points.len() } else { 0 };
         if found != expected {
             let points = points.len();

@@ -1,4 +1,4 @@
-//! The file under its temporary name: head, rows, and a digest of what was written.
+//! The file under its temporary name: head, rows, and a digest of the written bytes.
 //!
 //! The caller renames it to its final name after it was read back.
 
@@ -153,7 +153,7 @@ impl Partial {
         Ok(())
     }
 
-    /// Reads the whole file back and compares it with what was written. Returns the digest of the file, if wanted.
+    /// Reads the whole file back and compares it with the written bytes. Returns the digest of the file, if wanted.
     /// Calls `go_on` for each block.
     pub fn read_back(
         &mut self,
