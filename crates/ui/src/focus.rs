@@ -43,6 +43,7 @@ pub fn keep_arrows(ctx: &Context, is_covered: bool) {
         return;
     };
     let is_theirs = ctx.text_edit_focused() || Popup::is_any_open(ctx);
+    // In a text field the arrows move the cursor, in a menu the choice.
     if is_theirs || is_covered {
         return;
     }
@@ -64,6 +65,7 @@ pub fn follow(ui: &Ui) {
         return;
     };
 
+    // A menu or a sheet over the list has a layer of its own.
     let is_here = response.layer_id == ui.layer_id() && ui.min_rect().contains_rect(response.rect);
     let before = ui.data(|data| data.get_temp::<egui::Id>(id));
     // Once for each focus, so that the user can scroll away from it.
@@ -92,6 +94,7 @@ pub fn name_tiles(ctx: &Context) {
             if node.role() != Role::Unknown || node.label().is_some() {
                 return;
             }
+            // Only their sizes tell the two apart.
             if widget.rect.size().min_elem() < ROW_OF_TABS {
                 node.set_role(Role::Splitter);
                 node.set_label(&*border);
@@ -118,6 +121,7 @@ pub enum End {
 /// Returns the widget at an end of the Tab order.
 fn at(ctx: &Context, end: End) -> Option<Id> {
     let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
+        // Of the pass before, as this one may not have shown all of its widgets yet.
         let layers = viewport.prev_pass.widgets.layers();
         let focusable = layers.map(|(layer, widgets)| {
             let taking = widgets

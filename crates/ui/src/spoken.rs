@@ -49,6 +49,7 @@ impl Speaker {
         let is_left = now.is_none() && writes(&self.before);
         self.before = now;
 
+        // The page learns that no text field has the focus any more.
         if is_left {
             (self.callback)(&Spoken::default());
         }
@@ -122,6 +123,7 @@ impl SpokenFocus {
             parts.map(str::to_owned)
         };
 
+        // After the focus has moved, every part is new.
         let old = before
             .filter(|before| before.focus == self.focus)
             .map(parts)

@@ -62,6 +62,7 @@ impl<T: Debug> Display for Kebab<T> {
                 continue;
             }
 
+            // A capital letter begins a word, unless it follows another one, as in an abbreviation.
             let is_word = c.is_ascii_uppercase() && last.is_some_and(|c| !c.is_ascii_uppercase());
             if last.is_some() && (is_apart || is_word) {
                 formatter.write_char('-')?;
@@ -134,6 +135,7 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
             } => {
                 let corners = corners.into_iter().map(|corner| at + corner).collect();
                 let line = line.map_or(Stroke::NONE, stroke);
+                // Only an area has to be convex.
                 painter.add(match fill {
                     Some(fill) => Shape::convex_polygon(corners, fill, line),
                     None => Shape::closed_line(corners, line),
@@ -219,6 +221,7 @@ fn show_chip(
 
     let mut text = rect.left_center() + vec2(10.0, -galley.size().y / 2.0);
     if let Some(layer) = layer {
+        // The symbol of a layer that is off is faint, and keeps its colours.
         let mut shaded = painter.clone();
         if !on {
             shaded.set_opacity(0.45);
@@ -342,6 +345,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         }
         Icon::Sun => paint_sun(painter, at, stroke),
         Icon::Moon => {
+            // A crescent: the colour of the ground covers a part of the disk.
             painter.circle_filled(at, 7.0, color);
             painter.circle_filled(at + vec2(3.6, -2.6), 5.6, ground);
         }

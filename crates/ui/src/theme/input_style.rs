@@ -104,6 +104,7 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
         let data = Arc::new(FontData::from_static(bytes));
         fonts.font_data.insert((*name).to_owned(), data);
         let others = embedded.iter().map(|(other, ..)| *other);
+        // A letter that the text's font lacks may be one of the other two.
         let own = std::iter::once(*name).chain(others.filter(|other| other != name));
         // The family of headings is not one of egui's, so it falls back as the text does.
         let names = fonts
