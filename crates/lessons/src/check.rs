@@ -68,6 +68,7 @@ impl Runs {
             return Ok(Arc::clone(recording));
         }
 
+        // Runs of several seeds share a pattern, which need not be made again.
         let spec = format!("{:?}", parameters.pattern);
         let pattern = if let Some(pattern) = self.patterns.get(&spec) {
             Arc::clone(pattern)
@@ -236,6 +237,7 @@ pub fn check(
         checked.add(step, of_step, lesson.form.is_some());
     }
     checked.add_scores(&scores);
+    // Authors go through their file from its beginning.
     checked.faults.sort_by_key(|fault| fault.line);
     Ok(checked)
 }

@@ -235,6 +235,7 @@ impl Field {
 
     /// Returns the number of seeds `first..last`, both included.
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
+        // The word may be left out.
         let after = self.value.strip_prefix("seeds");
         let text = after.unwrap_or(&self.value).trim();
 

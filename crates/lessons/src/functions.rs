@@ -142,6 +142,7 @@ impl Now {
             return Dynamic::UNIT;
         };
 
+        // Events are numbered from 1.
         put("event", (index as i64 + 1).into());
         put("kind", event.kind().name().into());
 
@@ -380,6 +381,7 @@ impl Now {
 
     /// Returns the number of samples of the result per r^2 nearer to an edge of a block than a distance, or farther away.
     fn density(&self, distance: f64, is_near: bool) -> Found<f64> {
+        // All samples are looked at, which the budget of a question counts.
         self.spend(SET)?;
         let set = PointSet::of_run(self.recording.run());
         let is_counted = |&&at: &&[f64; 2]| (self.seam(at.into()).1 < distance) == is_near;
@@ -730,6 +732,7 @@ pub(crate) fn place_of(value: &Dynamic) -> Result<[f64; 2], String> {
         }
     };
 
+    // Infinite coordinates and those that are no numbers are no place.
     let place = read().filter(|place| place.iter().all(|number| number.is_finite()));
     place.ok_or_else(|| {
         format!(

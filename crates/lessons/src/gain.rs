@@ -65,6 +65,7 @@ impl Gains {
             .all
             .iter()
             .map(|results| (results.learner.as_str(), pairs_of(results)))
+            // Without an answer in both forms there is nothing to compare.
             .filter(|(_, pairs)| !pairs.is_empty())
             .collect();
         Self {
@@ -218,6 +219,7 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
     };
 
     let rows = std::iter::once(all).chain(asked.iter().map(of_concept));
+    // A concept without answers has no row.
     rows.filter(|(_, scores)| !scores.is_empty())
         .map(|(name, scores)| {
             let [before, after] = mean(&scores);
@@ -237,6 +239,7 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
 /// Returns the 95% interval of the gain of learners by the bootstrap: as many learners are drawn again and again, each of them
 /// any number of times. The draws are the same for every call.
 fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
+    // One learner has no spread.
     if scores.len() < 2 {
         return None;
     }

@@ -318,6 +318,7 @@ impl Learner {
     ///
     /// An answer that is not of the question's kind, or given while no question is open; it does not count as a try.
     pub fn answer(&mut self, answer: &Answer, time: f64) -> Result<Feedback, LessonError> {
+        // An answer that was taken, as in a form, cannot be given again.
         let waits = self.is_open() && !self.attempt.is_taken;
         let asked = self.question.as_ref().zip(self.scene.as_ref());
         let Some((question, scene)) = asked.filter(|_| waits) else {
@@ -325,6 +326,7 @@ impl Learner {
         };
 
         let attempt = &mut self.attempt;
+        // An answer of a wrong kind is an error, and does not count as a try.
         let grade = question.grade(answer, attempt.traced.0, scene)?;
 
         attempt.tries += 1;
@@ -385,6 +387,7 @@ impl Learner {
             return false;
         }
 
+        // A single click, perhaps by mistake, must not reveal the answer.
         if !self.attempt.asked_to_give_up {
             self.attempt.asked_to_give_up = true;
             return false;
@@ -440,6 +443,7 @@ impl Learner {
             hints: attempt.hints,
             given_up,
             confidence: attempt.confidence,
+            // Clocks may be set back.
             seconds: (time - attempt.begun).max(0.0),
             time,
         };

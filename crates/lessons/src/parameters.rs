@@ -46,6 +46,7 @@ pub(crate) fn set_parameter(
             ParameterKind::Whole(_) => {
                 (text.parse::<u64>()).map_or_else(|_| text.into(), Value::from)
             }
+            // Some authors write a decimal comma.
             _ => (text.replace(',', ".").parse::<f64>()).map_or_else(|_| text.into(), Value::from),
         },
     };

@@ -52,6 +52,7 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
             }
             Event::Code(text) => put(&text, Style::Code),
             Event::Text(text) | Event::Html(text) | Event::InlineHtml(text) => put(&text, style),
+            // A paragraph goes on over the ends of its lines.
             Event::SoftBreak | Event::HardBreak => put(" ", style),
             // Links, lists and headings leave their text as it is.
             _ => {}

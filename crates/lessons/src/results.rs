@@ -179,6 +179,7 @@ impl Results {
     ///
     /// A file that is too large, of another form or of a newer version, and an entry with a number out of its range.
     pub fn read(text: &str) -> Result<Self, ResultsError> {
+        // A file may come from anywhere.
         if text.len() > MAX_BYTES {
             return Err(ResultsError::TooLong(text.len()));
         }
@@ -228,6 +229,7 @@ impl Results {
             }
         }
 
+        // The later clearing includes the earlier one.
         let cleared = [self.cleared, other.cleared].into_iter().flatten();
         self.cleared = cleared.reduce(f64::max);
         if let Some(cleared) = self.cleared {
@@ -294,6 +296,7 @@ impl Results {
     /// statements takes each of them once, however often it is sent.
     #[must_use]
     pub fn xapi(&self) -> Value {
+        // A statement needs an actor with a name.
         let name = match self.learner.as_str() {
             "" => "anonymous",
             name => name,
@@ -393,6 +396,7 @@ impl Merged {
         for (name, results) in files {
             let is_named = !results.learner.is_empty();
 
+            // Learners without a name may be different people, and are kept apart.
             let others = merged.all.iter();
             let known = others
                 .filter(|_| is_named)

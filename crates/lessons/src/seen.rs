@@ -159,6 +159,7 @@ fn near_the_edge(
     canvas: [f64; 2],
 ) -> Option<String> {
     let [width, height] = canvas;
+    // On a small canvas a share of its side has to do.
     let needed = MIN_ROOM.min(MIN_SHARE * width.min(height) / scale);
 
     let room = |at: [f64; 2]| {

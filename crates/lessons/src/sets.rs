@@ -242,5 +242,6 @@ pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
         (sum + square, count + 1.0)
     });
 
+    // Two empty curves do not differ.
     (sum / f64::max(count, 1.0)).sqrt()
 }

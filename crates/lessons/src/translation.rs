@@ -172,6 +172,7 @@ impl Translation {
         let mut file = String::new();
 
         for &text in texts {
+            // A text that the lesson has twice is translated once.
             if !seen.contains(&text) {
                 seen.push(text);
                 let known = self.texts.get(text);

@@ -67,6 +67,7 @@ impl Vote {
     /// A sentence with the wrong word and the allowed ones.
     pub fn read(text: &str, options: usize) -> Result<Self, String> {
         let lower = text.to_lowercase();
+        // Lecturers separate counts in any way.
         let words: Vec<&str> = lower
             .split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':' | '='))
             .filter(|word| !word.is_empty())

@@ -38,6 +38,7 @@ pub(super) fn test_claims(
     for (claim, values) in spec.claims.iter().zip(claimed) {
         values.push(match claim {
             Claim::Each(text) => {
+                // As numbers, so that both kinds of claims are kept alike.
                 let truth = scene.truth(text, |_| {});
                 truth.map(|holds| f64::from(u8::from(holds)))
             }

@@ -212,6 +212,7 @@ fn sight(step: &Step, found: &Findings) -> Option<LessonError> {
 /// Returns the fault of a question that "again" asks as it was before.
 fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     let instances = &found.instances;
+    // With few seeds a share says little.
     if instances.len() < MIN_SEEDS_FOR_SHARES {
         return Vec::new();
     }
@@ -291,6 +292,7 @@ pub(super) fn content_words(text: &str) -> BTreeSet<String> {
 
 /// Returns the faults of right options that the text above the question says.
 fn reading(step: &Step, gate: &Gate, found: &Findings) -> Vec<LessonError> {
+    // The author wants the answer to be read in the text.
     if gate.is_reading {
         return Vec::new();
     }

@@ -115,6 +115,7 @@ impl Bands {
             chosen: view.draft.band(band) == Some(change),
             change: DraftCommand::Band(band, change),
             sign: Some(sign(change)),
+            // An open question does not tell which word is right.
             is_right: !view.is_open && self.right[band] == change,
         });
         Row {

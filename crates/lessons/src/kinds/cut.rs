@@ -72,6 +72,7 @@ impl GateKind for CutGate {
             (other, low[across] + 0.4 * leaf),
         ]
         .map(|(axis, at)| Line { axis, at });
+        // The right one is the first so far.
         shuffle(&mut candidates, asking.draws());
         Ok(Arc::new(Cut {
             node: [low, high],

@@ -94,6 +94,7 @@ impl Pick {
     /// None or too many of them, and samples that are not in the list.
     fn picked(&self, samples: &[u32], given: &Given<'_>) -> Result<Vec<u32>, LessonError> {
         let mut samples = samples.to_vec();
+        // A sample may be named twice.
         samples.sort_unstable();
         samples.dedup();
 
@@ -268,6 +269,7 @@ impl Interaction for Pick {
         let marks = self.candidates.iter().map(|sample| ListedMark {
             at: Spot::Sample(*sample),
             label: sample.to_string(),
+            // Only a closed question shows which samples are right.
             kind: if is_done && self.right.contains(sample) {
                 MarkKind::Right
             } else if selected.contains(sample) {

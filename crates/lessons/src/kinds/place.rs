@@ -143,7 +143,9 @@ impl Interaction for Place {
         let distances = self.right.iter().map(|at| set.distance(*at, place));
         let nearest = distances.fold(f64::INFINITY, f64::min);
 
+        // Anywhere within the distance is fully right.
         let off_place = (nearest - self.within).max(0.0);
+        // A region of right places may be nearer than any single one.
         let off_region = self.off_region(place, off_place, given.scene)?;
         let off = off_region.unwrap_or(off_place);
         Ok((1.0 - off / REACH).max(0.0))
