@@ -47,6 +47,7 @@ impl Edges {
         }
 
         let brushed = self.brushed.as_ref()?;
+        // Only the edges in the middle of the view are kept where there are very many.
         if self.in_view > self.ends.len() {
             return Some(format!(
                 "{brushed} {} in view: the {} nearest to the middle are drawn. Zoom in.",
@@ -61,6 +62,7 @@ impl Edges {
 /// Describes the brush, if it draws anything.
 fn short(cause: &Cause) -> Option<String> {
     let text = match cause {
+        // A brush without pairs and without frequencies draws nothing, and needs no remark.
         Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,
         Cause::Pairs { total, pairs } if *total > pairs.len() as u64 => format!(
             "Brushed: {} pairs; the {} lowest in the domain are kept.",

@@ -15,6 +15,7 @@ const WIDTH: f32 = 1.5;
 /// where the other alone has one. Returns a remark if there are too many in view.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let contrast = scene.subject.contrast?;
+    // Before tiling neither run has samples.
     if scene.stage < tilescope_core::Stage::Tile {
         return None;
     }
@@ -39,6 +40,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     let room = scene.domain().intersect(scene.rect).area();
     // A mark has four sides.
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
+    // In a crowd samples are points, which marks would hide.
     if !seen.is_empty() && (crowded || seen.len() > MAX_MARKS || ink > MAX_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
     }

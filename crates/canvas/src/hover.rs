@@ -46,6 +46,7 @@ pub fn show(
     palette: &Palette,
     brief: bool,
 ) {
+    // A pointer that drags the picture does not ask for a name.
     let pointer = response.hover_pos().filter(|_| !response.dragged());
     let Some(named) = pointer.and_then(|pos| name(subject, response.rect, pos)) else {
         return;
@@ -135,6 +136,7 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
 
+    // The text speaks of exposed arcs only while they are drawn.
     let exposed = subject
         .layers
         .has(Layer::CoveredCircles)
@@ -203,6 +205,7 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
         axis(rect.min.x, rect.max.x, position.x) && axis(rect.min.y, rect.max.y, position.y)
     };
 
+    // While the tree is being built, only the leaves made so far have a name.
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
     let leaf = &leaves[number];

@@ -50,7 +50,7 @@ pub enum InstancedError {
     },
 }
 
-/// Limits on what is drawn in a frame.
+/// How much is drawn in a frame at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// The most samples drawn as symbols; more in view become points.
@@ -159,6 +159,7 @@ impl InstancedCanvas {
             return Ok(());
         }
 
+        // Should the upload fail, no generation may count as loaded.
         (self.generation, self.version) = (None, None);
         // Positions in the buffers are numbers of 32 bits.
         if count > limit.min(u64::from(u32::MAX)) {

@@ -89,6 +89,7 @@ pub fn cursor(
     let shown = &subject.shown;
     let fitted = Camera::fitting(shown.session.size_at(Some(shown.stage)), rect).scale;
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
+    // Away from the picture the pointer has no coordinates, and the scale stands alone.
     let position = pointer
         .map(|pos| subject.camera.domain_from_screen(rect, pos))
         .map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));

@@ -61,13 +61,13 @@ pub struct Coverage {
 /// Number of pixels in a row that are skipped at once.
 const SKIP: usize = 16;
 
-/// Outside the domain.
+/// The pixel shows neither the domain nor a copy of it.
 const OUTSIDE: u8 = 3;
 /// Covered by a sample from before the stage.
 const BEFORE: u8 = 2;
 /// Covered only by samples that the stage added.
 const NOW: u8 = 1;
-/// Not covered.
+/// No disk covers the pixel yet.
 const OPEN: u8 = 0;
 
 impl Coverage {

@@ -123,6 +123,7 @@ fn changed<'a>(
     if events.len() > MAX_EVENTS {
         return None;
     }
+    // An event names `NONE` in the places that it does not need.
     let count = scene.session.run().samples.len() as u32;
     let events = events.filter_map(|index| recording.event(index));
     let ids = events.flat_map(tilescope_debugger::Event::samples);

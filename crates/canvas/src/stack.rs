@@ -84,7 +84,7 @@ impl<K: PartialEq> Stack<'_, K> {
         )
     }
 
-    /// Draws all parts.
+    /// Draws the parts shown where every sample has its symbol.
     pub fn all(&mut self) {
         // Consecutive edges of one mesh are copied once.
         for parts in Part::ALL.chunk_by(|a, b| is_net(*a) && is_net(*b)) {

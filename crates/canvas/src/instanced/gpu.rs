@@ -70,6 +70,7 @@ pub struct Gpu {
 
 impl Gpu {
     pub fn new(render: &RenderState) -> Self {
+        // Several canvases keep their buffers in one map, each under a key of its own.
         static NEXT_KEY: AtomicU64 = AtomicU64::new(0);
         let device = &render.device;
         let frames = device.create_buffer(&wgpu::BufferDescriptor {
@@ -130,6 +131,7 @@ impl Gpu {
         let mut renderer = self.render.renderer.write();
         let residents = renderer.callback_resources.get_mut::<Residents>();
         if let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) {
+            // The layers of the next frame draw from these.
             resident.positions = self.positions.clone();
             resident.looks = self.looks.clone();
             resident.ids = id_buffer;
@@ -236,6 +238,7 @@ impl CallbackTrait for Drawing {
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         let residents = resources.get_mut::<Residents>();
+        // The canvas may have been dropped since the frame was laid out.
         let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) else {
             return Vec::new();
         };
@@ -269,6 +272,7 @@ impl CallbackTrait for Drawing {
         resources: &CallbackResources,
     ) {
         let residents = resources.get::<Residents>();
+        // As in `prepare`, the canvas may be gone.
         let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) else {
             return;
         };

@@ -91,6 +91,7 @@ impl CellOrder {
 
         for cell in 0..self.cell_count() {
             let cell = &mut ids[starts[cell] as usize..starts[cell + 1] as usize];
+            // By a hash of their places, so that the order in which they were made leaves no trace in the levels.
             cell.sort_unstable_by_key(|&id| (hash(points[id as usize]), id));
         }
         ids
@@ -149,6 +150,7 @@ impl CellOrder {
                 }
             }
 
+            // The others are tried one by one; those too near remain for a finer level.
             for (sample, &point) in levels.iter_mut().zip(&visited) {
                 if *sample > level && taken.take(point) {
                     *sample = level;
@@ -161,8 +163,9 @@ impl CellOrder {
 
     /// Returns how many levels hold the first `count` samples, at least one, and how many samples these levels have.
     pub fn levels_of(&self, count: u32) -> (usize, u32) {
-        let level = self.ends.partition_point(|&end| end < count);
-        let level = level.min(self.ends.len().saturating_sub(1));
+        let enough = self.ends.partition_point(|&end| end < count);
+        // With more than there are, all levels are taken.
+        let level = enough.min(self.ends.len().saturating_sub(1));
         (level + 1, self.ends.get(level).copied().unwrap_or(0))
     }
 

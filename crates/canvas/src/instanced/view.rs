@@ -144,6 +144,7 @@ impl PlaneView {
         periodic: bool,
         options: &PaintOptions,
     ) -> Vec<Copy> {
+        // A mark whose middle lies outside the clip rectangle may reach into it.
         let reach = options.reach(self.camera.scale) / self.camera.scale;
         let low = self
             .camera
