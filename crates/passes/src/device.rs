@@ -276,6 +276,7 @@ impl Arrival {
             let (next, last) = (walker.passed() + 1, goal.pass + 1);
             monitor.set_activity(&format!("running pass {next} of {last}"));
             monitor.set_fraction(next as f32 / (last + 1) as f32);
+            // The run ended with fewer passes than the list has.
             if !walker.step().await? {
                 return Err(other_passes(goal));
             }

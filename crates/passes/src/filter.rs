@@ -120,6 +120,7 @@ fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     }
 
     let no_comparison = || FilterError::NoComparison(text.to_owned());
+    // The operator is at the beginning of the rest: what stands before it is the column.
     let at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
     let (name, rest) = (text[..at].trim(), &text[at..]);
     let (sign, comparison) = COMPARISONS

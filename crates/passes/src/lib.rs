@@ -157,6 +157,7 @@ impl Passes {
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
             PassCommand::Buffer(index) => {
+                // The result of the last export is about another buffer.
                 self.export_result = None;
                 self.shown.show(self.visit.as_ref(), index);
             }

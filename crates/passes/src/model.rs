@@ -83,6 +83,7 @@ pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
         lines.push(PassLine::Stage {
             stage: group[0].report.stage,
             passes: group.len(),
+            // None rather than zero where the device measures no times.
             seconds: timed.fold(None, |sum, seconds| Some(sum.unwrap_or(0.0) + seconds)),
         });
         lines.extend((first..first + group.len()).map(PassLine::Pass));

@@ -69,6 +69,7 @@ pub(super) fn count(
     let mut counts = PlacedCounts::default();
     for &row in rows {
         let row = row as usize;
+        // A row with several marks counts once, at its first.
         if let Some(first) = marks(places, row, table, is_filtered).first() {
             counts.rows += 1;
             counts.changed += usize::from(table.is_changed(row));

@@ -13,7 +13,7 @@ pub struct ShownBuffer {
     buffer: usize,
     /// The buffer chosen last, to be shown again in other passes.
     chosen: Option<Name>,
-    /// The buffer shown.
+    /// The buffer whose rows are listed now: the chosen one, or the first that the pass changed.
     entered: Option<Name>,
     side: PassSide,
     text: String,
@@ -119,7 +119,7 @@ impl ShownBuffer {
         self.refresh(Some(visit));
     }
 
-    /// Shows another buffer.
+    /// Chooses a buffer of the visited pass by its index and lists its rows.
     pub(super) fn show(&mut self, visit: Option<&Visit>, index: usize) {
         if let Some(table) = visit.and_then(|visit| visit.buffers.get(index)) {
             self.buffer = index;

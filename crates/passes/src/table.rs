@@ -147,6 +147,7 @@ impl BufferTable {
     pub fn widths(&self, side: PassSide) -> Vec<usize> {
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();
         let digits = |value: i64| {
+            // Zero has no logarithm, but one digit.
             let log = value.unsigned_abs().checked_ilog10().unwrap_or(0);
             log as usize + 1 + usize::from(value < 0)
         };
