@@ -75,6 +75,7 @@ pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<
         return None;
     }
 
+    // A few shares lie far beyond the others: they all have the strongest colour.
     let part = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
     let strong = if part < 0.0 {
         palette.detector

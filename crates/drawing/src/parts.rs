@@ -102,22 +102,26 @@ impl Part {
         match self {
             Self::Tints => "blocks",
             Self::Band => "band",
+
             Self::Delaunay => "Delaunay",
             Self::Voronoi => "Voronoi",
             Self::Circumcircles => "circumcircles",
             Self::CoveredCircles => "covered circles",
             Self::GapBorders => "gap borders",
             Self::Disks => "disks",
+
             Self::Borders => "block borders",
             Self::Numbers => "block numbers",
             Self::Seams => "seams",
             Self::Tree => "KD-tree",
             Self::Clips => "clips",
+
             Self::Conflicts => "conflicts",
             Self::Pairs => "brushed pairs",
             Self::Copies => "copies",
             Self::Samples => "samples",
             Self::Search => "search",
+
             Self::TreeNumbers => "split numbers",
             Self::Step => "step",
             Self::Selection => "selection",
@@ -174,22 +178,26 @@ impl Part {
         match self {
             Self::Tints => blocks::tints(scene, surface),
             Self::Band => seams::band(scene, surface),
+
             Self::Delaunay => geometry::delaunay(scene, surface),
             Self::Voronoi => geometry::voronoi(scene, surface),
             Self::Circumcircles => geometry::circumcircles(scene, surface),
             Self::CoveredCircles => geometry::covered_circles(scene, surface),
             Self::GapBorders => geometry::gap_borders(scene, surface),
+
             Self::Disks => samples::disks(scene, looks, surface),
             Self::Borders => blocks::borders(scene, surface),
             Self::Numbers => blocks::numbers(scene, surface),
             Self::Seams => seams::lines(scene, surface),
             Self::Tree => tree::lines(scene, surface),
             Self::Clips => blocks::clips(scene, surface),
+
             Self::Conflicts => samples::conflicts(scene, surface),
             Self::Pairs => pairs::draw(scene, surface),
             Self::Copies => samples::copies(scene, looks, surface),
             Self::Samples => samples::draw(scene, looks, surface),
             Self::Search => samples::search(scene, surface),
+
             Self::TreeNumbers => tree::numbers(scene, surface),
             Self::Step => step::draw(scene, surface),
             Self::Selection => selection::draw(scene, surface),

@@ -114,6 +114,7 @@ pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
             dot(Vec2::ZERO, 6.0, palette.sample.gamma_multiply(0.12)),
             ring(6.0, thin(palette.sample.gamma_multiply(0.8))),
         ],
+
         Layer::Pattern => {
             let [a, b, c, d] = rect(12.0, 12.0);
             vec![dashed([a, b, c, d, a], thin(palette.sample), [3.0, 2.0])]
@@ -134,6 +135,7 @@ pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
                 Stroke::new(1.6, palette.accent),
             ),
         ],
+
         Layer::Conflicts => {
             let stroke = Stroke::new(1.8, palette.conflict);
             vec![dashed(
@@ -154,6 +156,7 @@ pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
             let corners = [vec2(0.0, -6.0), vec2(5.2, 4.0), vec2(-5.2, 4.0)];
             vec![outline(corners, thin(palette.candidate))]
         }
+
         Layer::Delaunay => vec![outline(TRIANGLE, Stroke::new(1.3, palette.sample))],
         Layer::Voronoi => TRIANGLE
             .map(|end| line([Vec2::ZERO, end], Stroke::new(1.3, palette.detector)))

@@ -27,6 +27,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+    // Refused darts have no layer of their own, and share that of eliminated samples.
     if scene.has(Layer::Eliminated) {
         // Those of earlier levels are history.
         let index = scene.session.stage_index(scene.stage);
@@ -61,6 +62,7 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, level: u32) {
         let low = position(cell.min);
         let corners = [low, (low + side).min(end)].map(|at| scene.at(at));
         let square = Rect::from_two_pos(corners[0], corners[1]);
+        // The last cells hold one lattice point, which is far smaller than a pixel.
         let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
         let shown = square.union(least);
         if shown.intersects(scene.rect) {

@@ -99,6 +99,7 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
 
         let [low, high] = [-reach, reach].map(|by| triangle.center + by);
         net.shifts(low, high, |net, shift| {
+            // More circles than that would hide each other.
             if drawn < MAX_CIRCLES {
                 drawn += 1;
                 let center = scene.at(triangle.center + shift);

@@ -137,6 +137,7 @@ fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
     );
 
     let positions = scene.session.run().pattern.samples();
+    // Of a larger pattern only the samples of the window are drawn, by `copied`.
     if positions.len() <= MAX_DRAWN {
         let color = palette.sample.gamma_multiply(0.4);
         for point in positions {
@@ -184,6 +185,7 @@ fn fly(
     color: Color32,
 ) {
     let share = scene.subject.drawn_in;
+    // At rest the clip has arrived in the block.
     if share >= 1.0 {
         return;
     }

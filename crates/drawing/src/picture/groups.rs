@@ -144,6 +144,7 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let style = Style::filled(color(ground));
     let mut disks = Vec::new();
     let index = &scene.session.index;
+    // The disk of a sample reaches one radius into the part that is drawn.
     let beyond = drawn_around(scene.session) + 1.0;
     index.visit_around(scene.low, scene.high, 1.0, beyond, |seen| {
         if scene.shown.covers(seen.id) {
