@@ -111,6 +111,7 @@ fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Bloc
     let rows: Vec<_> = rows.collect();
 
     let heads = ["claim", "place", "the paper", "here", "verdict"];
+    // Without claims there is no heading either.
     (!rows.is_empty()).then(|| Block::Table {
         title: title.to_owned(),
         numbers: false,
@@ -127,6 +128,7 @@ fn section(one: &Finished) -> Vec<Block> {
         ("Machine", Span::Plain(one.machine.line())),
         ("Program", Span::Plain(format!("tilescope {}", one.version))),
     ];
+    // Small sets are weaker evidence, which the reader has to know.
     if one.quick {
         facts.push(("Quick", plain("small sets, few of them")));
     }

@@ -26,6 +26,7 @@ impl Rule {
         };
 
         let (holds, contradicted) = match self {
+            // The whole interval has to lie within the limits, or outside them.
             Self::Within([least, most]) => {
                 (low >= least && high <= most, high < least || low > most)
             }

@@ -78,6 +78,7 @@ impl<'a> Study<'a> {
         make: impl FnOnce(&Control<'_>) -> Result<T>,
     ) -> Result<T> {
         let control = self.control(what);
+        // A cancelled run stops between two units.
         control.go_on()?;
 
         let result = if let Some(kept) = self.parts.load(key) {
@@ -89,6 +90,7 @@ impl<'a> Study<'a> {
             made
         };
 
+        // A kept unit counts as done as well.
         self.done.set(self.done.get() + 1);
         Ok(result)
     }

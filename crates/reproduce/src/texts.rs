@@ -167,6 +167,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
     };
 
     for column in &text.columns {
+        // A question mark at the end says that the column may be missing.
         let key = column.key.trim_end_matches('?');
         let named = |number: &str| Column {
             key: key.replace("{n}", number),

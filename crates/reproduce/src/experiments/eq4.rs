@@ -157,6 +157,7 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
 }
 
 fn below(found: &[LeafShares]) -> Claim {
+    // The paper's bound is for these leaves alone.
     let large = || found.iter().filter(|one| one.leaf >= FROM);
     let most = |share: fn(&LeafShares) -> f64| largest(large().map(share));
 
@@ -220,6 +221,7 @@ impl LeafShares {
     /// Returns the sum over sets of one leaf.
     fn sum(sets: &[Self]) -> Self {
         let sum = |mut all: Self, one: &Self| {
+            // Counts are added up, so that every sample weighs the same in the shares.
             all.leaf = one.leaf;
             all.count += one.count;
             all.inserted += one.inserted;

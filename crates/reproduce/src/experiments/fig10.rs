@@ -91,6 +91,7 @@ fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
     Ok(SamplerResults {
         sampler,
         spectrum,
+        // A sampler without chance has a single set.
         plates: (0..sampler.sets(sets)).map(plate).collect::<Result<_>>()?,
         horizons: per_pixel.map(horizon).collect::<Result<_>>()?,
     })

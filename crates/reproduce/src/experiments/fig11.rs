@@ -34,6 +34,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let passes = rows::passes(&rounds);
 
     let mut tables = vec![shown::stages(&rows), shown::counts(&rounds)];
+    // Without a GPU there are no passes.
     if !passes.is_empty() {
         tables.push(shown::passes(&passes));
     }

@@ -137,6 +137,7 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> 
     // A sample in the margin around its rectangle is no loss: the place belongs to another set.
     let lost = combined.eliminated.iter().filter(|lost| lost.own);
     let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
+    // Without losses the depth is 0.
     let deepest = lost.clone().map(depth).max().unwrap_or(0);
 
     let summary = combined.summary();

@@ -34,6 +34,7 @@ fn groups(settings: &Settings) -> Vec<SetGroup> {
 
 /// The control stands with the smallest radius alone: what it shows does not depend on it.
 fn methods(last: bool) -> Vec<Method> {
+    // Two groups of reference sets: what tells them apart is chance.
     let mut methods = vec![Method::Reference, Method::Again];
     for leaf in LEAVES {
         let default = Method::Kdrt {

@@ -50,6 +50,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found = Vec::new();
     for case in cases() {
+        // Each set is a unit, so that an interrupted run loses one of them at most.
         for index in 0..SETS {
             let key = format!("{}-{index}", case.key());
             let what = format!("set {} of {SETS}, {}", index + 1, case.name());
@@ -137,6 +138,7 @@ fn rare(how: &str, sets: &[Summary]) -> Claim {
     };
 
     let (late, inserted) = (after(PAPER), after(0));
+    // Where nothing was inserted, the share is 0.
     let share = |count: f64| count / inserted.max(1) as f64;
     let [low, high] = poisson_interval(late, MISSED).map(share);
     // Known if the interval lies on one side of the limit.

@@ -47,6 +47,7 @@ impl TimingPlan {
         let mut opened = None;
 
         let one = |number: u64| {
+            // The rounds have different seeds, and all engines of a round the same.
             let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);

@@ -40,6 +40,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let parameters = square(samples, LEAF);
     let mut seeds: Vec<SeedCounts> = Vec::new();
 
+    // Each batch is a unit, so that an interrupted run loses one of them at most.
     for batch in 0..batches {
         let (key, what) = (
             format!("batch-{batch}"),

@@ -23,6 +23,7 @@ dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem 1rem}dd{margin:0
 /// Returns the page; pictures are read from `figures`.
 pub fn page(blocks: &[Block], figures: &Path) -> String {
     let title = escape(TITLE);
+    // The style is within the page, which needs no other file.
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\

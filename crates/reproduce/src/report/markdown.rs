@@ -9,6 +9,7 @@ pub fn page(blocks: &[Block]) -> String {
     for block in blocks {
         // Writing to a String cannot fail.
         let _ = match block {
+            // Claims link to the section by this id.
             Block::Section(one) => write!(out, "\n<a id=\"{one}\"></a>\n\n## {}\n", one.title()),
             Block::Text(spans) => {
                 let text: String = spans.iter().map(span).collect();

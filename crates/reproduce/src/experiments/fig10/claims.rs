@@ -75,6 +75,7 @@ fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
         return String::new();
     }
 
+    // An interval without a verdict holds a limit; without an interval there was a single set.
     let known = ratios.iter().all(known);
     text(
         if known {

@@ -34,6 +34,7 @@ pub fn gaussian(
     side: usize,
 ) -> Filtered {
     let bins = bins(samples, side);
+    // The bands have one height on any number of threads, and so every sum has one order.
     let bands: Vec<Filtered> = (0..side.div_ceil(BAND))
         .into_par_iter()
         .map(|band| band_of(band, &bins, &function, side))

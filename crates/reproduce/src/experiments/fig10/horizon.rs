@@ -102,6 +102,7 @@ impl Horizon {
         let pairs = image.values[board.clone()].iter().zip(&exact[board]);
         let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();
 
+        // Shades are kept only of the set that is shown.
         let shown = index == 0 && per_pixel == SHOWN;
         HorizonErrors {
             index,
@@ -169,6 +170,7 @@ pub fn errors(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<Vec<HorizonErrors>> {
+    // One exact image serves all sets.
     let exact = horizon.exact();
     let one = |index| {
         let count = per_pixel * horizon.side * horizon.side;

@@ -46,6 +46,7 @@ pub fn spectrum(
     control: &Control<'_>,
 ) -> Result<MeanSpectrum> {
     let region = Region::UNIT_SQUARE;
+    // One window for all sets, so that their periodograms can be averaged.
     let (sets, window) = (sampler.sets(wanted), window(count));
     let mut periodograms = MeanPeriodogram::default();
 

@@ -75,6 +75,7 @@ impl Sampler {
         control.go_on()?;
 
         let seed = settings.seed_of(index);
+        // The cells of a square are a square number, so that there are only about `count` of them.
         let along = (count as f64).sqrt().round().max(1.0) as u32;
 
         match self {

@@ -41,6 +41,7 @@ fn plates(all: &[SamplerResults]) -> Table {
 
 fn horizons(all: &[SamplerResults]) -> Table {
     let rendered = || all.iter().filter(|one| !one.horizons.is_empty());
+    // The columns are those of the sampler with the most images; the others leave some cells empty.
     let longest = rendered().max_by_key(|one| one.horizons.len());
     // Quick runs have too few numbers of samples for exponents.
     let exponents = rendered().any(|one| one.slope().is_some());

@@ -81,6 +81,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
         printed: first.printed,
         procedures: procedures.into_iter().filter_map(of).collect(),
         whole: Summary::of(times.iter().map(|one| whole(one)))?,
+        // The algorithm as printed has no parallel time.
         parallel: Summary::of(times.iter().filter_map(|one| one.parallel)),
         count: first.summary.count,
     })

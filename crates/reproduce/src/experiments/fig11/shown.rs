@@ -92,6 +92,7 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
 
 /// Returns how many samples the procedures of the first round worked on.
 pub fn counts(rounds: &[StageRound]) -> Table {
+    // A set may need fewer iterations than there are columns.
     let at = |values: &[usize], index: usize| values.get(index).copied();
     let rows = rounds.iter().take(1).flat_map(|round| &round.timed);
     table("fig11/counts", rows, |one| {

@@ -169,6 +169,7 @@ fn verified(
 
     let run = engine.run();
     let points = run.points();
+    // Verified only now, so that it counts for no stage.
     let name = format!("leaf {} r", parameters.leaf);
     Set::of(&run.domain, &points).verified(&name, control)?;
 

@@ -48,6 +48,7 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
         of_kdrt.filter(|one| one.method.fits() == holds).collect()
     };
 
+    // A block that does not fit into its pattern repeats a part of it.
     let [holding, close] = [true, false].map(kdrt);
     let control = each.iter().find(|one| one.method == Method::Copies);
 

@@ -42,6 +42,7 @@ impl Method {
 
     fn words(self) -> [String; 2] {
         let words = |name: &str, key: &str| [name.to_owned(), key.to_owned()];
+
         match self {
             Self::Reference => words("reference", "reference"),
             Self::Again => words("reference, other seeds", "again"),
@@ -121,6 +122,7 @@ impl SetGroup {
 
     /// Returns the set of a method by its number.
     pub fn set(&self, method: Method, number: u64, control: &Control<'_>) -> Result<Set> {
+        // The sets of a group have consecutive seeds; groups whose own seeds are consecutive lie a thousand apart.
         let seed = self.seed.wrapping_mul(1000).wrapping_add(number);
         let base = Parameters {
             radius: self.radius,

@@ -58,6 +58,7 @@ pub fn spectra(
     columns: &[MethodColumn<'_>],
     sets: &[Set],
 ) -> Result<Picture> {
+    // The caption takes its numbers from the reference.
     let Some((reference, _)) = columns.first() else {
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
@@ -214,6 +215,7 @@ fn noise(one: &MethodSpectra) -> Series {
 pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
     let heading = |row: &EngineRate| {
         let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
+        // Only tiling has a leaf size.
         leaf.unwrap_or_else(|| "From scratch".to_owned())
     };
 

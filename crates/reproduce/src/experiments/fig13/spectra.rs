@@ -137,6 +137,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
 
 fn curves(spectrum: &Spectrum) -> Curves {
     let (profile, sets) = (&spectrum.profile, spectrum.profile.sets);
+    // Annuli of few frequencies, whose anisotropy is noise, have none.
     let anisotropy = |annulus: &Annulus| annulus.has_anisotropy().then_some(annulus.anisotropy_db);
     let noise = |annulus: &Annulus| {
         annulus

@@ -74,6 +74,7 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
 
         let samples = total(&|set| set.count) as f64;
         let inserted = total(&|set| set.inserted.iter().sum()) as f64;
+        // All cases have the columns of the one with the most iterations.
         let in_each = (0..most(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
         let iterations = || sets.iter().map(|one| one.iterations());
 

@@ -95,6 +95,7 @@ impl GapCounts {
             ..VerifyOptions::default()
         };
         let report = set.judged(&options, control)?;
+        // Gaps are counted here, but conflicts are faults.
         if report.conflicts > 0 {
             return Err(ReproduceError::invalid("a set with gaps", &report));
         }
@@ -105,6 +106,7 @@ impl GapCounts {
             covering_radius: report.covering_radius / set.radius,
             ..Self::default()
         };
+        // A set without gaps need not be triangulated.
         if report.gaps > 0 {
             found.take_apart(set, &report, control)?;
         }

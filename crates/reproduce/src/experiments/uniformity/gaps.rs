@@ -100,6 +100,7 @@ impl<'a> Gaps<'a> {
             }
         }
 
+        // Earlier samples have left too little of the gap to find places in.
         None
     }
 
@@ -122,6 +123,7 @@ impl Gap {
         let corners = region.fill.as_flattened().iter();
         let reach = largest(corners.map(|corner| corner.distance(deepest)));
 
+        // Sums so far, so that a draw finds a triangle with a chance of its area.
         let mut total = 0.0;
         let area = |[a, b, c]: &[DVec2; 3]| {
             total += 0.5 * (b - a).perp_dot(c - a).abs();

@@ -117,6 +117,7 @@ impl UniformityResults {
 
 impl SamplerUniformity {
     fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
+        // Cells and ranks have equal shares, and distances those of the area.
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
         let own = |seed: &SeedCounts| seed.sets[way].clone();
 
@@ -256,6 +257,7 @@ pub struct PairedBias {
 impl PairedBias {
     pub fn of(seeds: &[SeedCounts]) -> Self {
         let sets = seeds.len() as f64;
+        // The classes within 1 r of a block's border.
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
         let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
         let count = |seed: &SeedCounts| seed.sets[0].count as f64;

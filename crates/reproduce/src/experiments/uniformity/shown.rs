@@ -220,6 +220,7 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
     let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
 
+    // The moved set, whose bias is known, comes last.
     for one in [reference].into_iter().chain(others).chain([moved]) {
         // Rows of the grid go upwards, those of a bitmap downwards.
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
