@@ -123,6 +123,7 @@ fn measured() -> Result<Vec<MotionRow>> {
 
         for motion in Motion::ALL {
             for analysis in [false, true] {
+                // A row takes a while, and Ctrl-C need not wait for the others.
                 interrupt::check("the bench ended")?;
                 rows.push(row(&recording, &course, motion, analysis)?);
                 bar.inc(1);

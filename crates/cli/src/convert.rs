@@ -47,6 +47,7 @@ Examples:
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
     let path = &arguments.output;
+    // The paths are checked before the input is read, which may take long.
     check_target(path, arguments.to, "--to")?;
     check_inputs_stay(path, [arguments.input.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.input);
@@ -179,6 +180,7 @@ fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
         distance.is_finite(),
         "a single sample has no radius; give --radius"
     );
+    // With the smallest distance as its radius every disk would be empty.
     if let (true, Some(pair)) = (distance <= 0.0, report.worst_conflicts.first()) {
         let (first, second) = (pair.first, pair.second);
         bail!(

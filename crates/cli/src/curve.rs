@@ -83,6 +83,7 @@ fn options_of_runs() -> Vec<&'static str> {
 pub fn run(arguments: &CurveArguments) -> Result<u8> {
     interrupt::listen();
     if let Some(path) = &arguments.out {
+        // A table in the place of an input would destroy it.
         let inputs = [&arguments.session, &arguments.run.pattern];
         check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
         check_file(path).context("--out")?;

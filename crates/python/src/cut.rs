@@ -24,6 +24,8 @@ pub fn verify_window(
         ask_to_judge(points.len())?;
         let (window, control) = ([[left, bottom], [right, top]], watch.control("verify"));
         let report = verify_cut(points, asked, window, &options, &control)?;
+        // Two samples are too near wherever they lie, but places beyond the window may be uncovered because the set is
+        // cut.
         Ok((report.whole.conflicts, report.gaps))
     })
 }

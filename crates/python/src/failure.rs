@@ -172,6 +172,7 @@ impl From<FormatError> for Failure {
                     text: without_number(&source.to_string()).to_owned(),
                     path,
                 },
+                // A failed allocation in Rust has no number of the system.
                 None if source.kind() == ErrorKind::OutOfMemory => {
                     Self::Memory(format!("{path}: {source}"))
                 }

@@ -28,6 +28,7 @@ pub fn verify(
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
     let (options, claims) = (verify_options(judge)?, claims(&set.levels));
     let report = run(py, progress, |watch| {
+        // Asked for first, as a failed allocation would end the interpreter.
         ask_to_judge(points.len())?;
         let control = watch.control("verify");
         let whole = tilescope_analysis::verify(points, region, radius, &options, &control)?;

@@ -26,6 +26,7 @@ pub fn analyze<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
     let measured = run(py, progress, |watch| {
+        // Asked for first, as a failed allocation would end the interpreter.
         ask_to_measure(points.len())?;
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
         let any = || (region.area() / points.len().max(1) as f64).sqrt();

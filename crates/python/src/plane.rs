@@ -43,6 +43,7 @@ impl PythonPlane {
                 let (parameters, levels) = (&request.recipe.parameters, nested.levels);
                 let plane = NestedPlane::new(parameters, levels, &mut watch.observer())?;
                 return Ok(Self {
+                    // Levels are numbered from 0.
                     windows: Windows::Nested(plane, levels - 1),
                     stated: request.stated(parameters.radius),
                 });

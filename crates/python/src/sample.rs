@@ -102,6 +102,7 @@ pub fn sample<'py>(
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
 
+    // Only now, so that an argument that the method does not take is named first.
     let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
