@@ -30,6 +30,7 @@ pub fn texts_of(output: &FullOutput) -> BTreeSet<String> {
     }
 
     let update = output.platform_output.accesskit_update.iter();
+    // A text that only screen readers tell may give an answer away as well.
     for (_, node) in update.flat_map(|update| &update.nodes) {
         let told = [
             node.label(),

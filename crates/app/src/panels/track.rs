@@ -172,6 +172,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 
     let nested = session.nested.as_ref().zip(prefix);
     let current = nested.map_or(context.run.stage, |(nested, count)| {
+        // The last sample that is shown tells the level.
         nested.level_of(count - 1)
     });
     for segment in &segments {
@@ -348,6 +349,7 @@ fn marks(
         }
     }
 
+    // Scenes and hits are places among events, which only a recorded run has.
     let Some(debugger) = &context.run.debugger else {
         return;
     };

@@ -24,6 +24,7 @@ use tilescope_workbench::state::Verification;
 
 /// Shows the chip; a click goes to the conflict or gap that decides the verdict.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    // Without a session there is no verdict to show.
     if matches!(context.run.verification, Verification::Nothing) {
         return;
     }

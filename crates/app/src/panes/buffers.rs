@@ -53,6 +53,7 @@ pub fn show(
         let view = InView::of(&row_painter, &rows);
         left_out = view.left_out;
         row_painter.draw(&view, sprites);
+        // The selected row comes last, so that it lies over the one under the pointer.
         for (row, width) in [(rows.shown.pointed(), 2.0), (rows.shown.picked(), 3.0)] {
             if let Some(row) = row {
                 row_painter.single_out(rows.places.of(row as usize), width);
@@ -90,6 +91,7 @@ impl InView {
     fn of(row_painter: &RowPainter<'_>, rows: &Rows<'_>) -> Self {
         let mut view = Self::default();
         let mut rest = MAX_MARKS;
+        // Unchanged rows are the first to be left out.
         for changed in [true, false] {
             let list = if changed {
                 &mut view.changed

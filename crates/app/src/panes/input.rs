@@ -34,6 +34,7 @@ pub fn handle(
     commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
     let touch = Touch::follow(ui, response);
+    // A cancelled touch moves and selects nothing.
     if touch.hand == Hand::Cancelled {
         return None;
     }
@@ -102,6 +103,7 @@ fn move_view(
 ) {
     let is_dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
+    // On another page one finger scrolls that page: a hint says that two fingers move the picture.
     if is_embedded && is_dragged && touch.hand == Hand::Finger {
         hint::give(ui, Hint::Fingers);
         return;
@@ -130,6 +132,7 @@ fn move_view(
         } else {
             scroll
         };
+        // Equal turns of the wheel change the scale by equal factors.
         let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
@@ -171,6 +174,7 @@ fn pick(
         commands.push(ViewCommand::Hover(hovered));
     }
 
+    // Two fingers move the picture and select nothing.
     if touch.hand == Hand::Gesture {
         return false;
     }

@@ -437,6 +437,7 @@ fn ticks([low, high]: [f64; 2], most: f32) -> Vec<(f64, String)> {
     // Rounding must not pass over a step that is just large enough.
     let times = steps.into_iter().find(|step| step * power >= rough * 0.999);
     let step = times.unwrap_or(10.0) * power;
+    // Steps of one and more need no decimals.
     let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
 
     // Ends of the range that are round have a number, whatever rounding makes of them.
