@@ -38,15 +38,18 @@ pub fn handle(
     if touch.hand == Hand::Cancelled {
         return None;
     }
+
     move_view(ui, response, &touch, context.is_embedded, commands);
     let is_picked = pick(response, subject, &touch, commands);
     keys(ui, response, commands);
+
     // Two fingers that are lifted one after the other make no double tap.
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
     if flies && let Some(pos) = response.interact_pointer_pos() {
         let position = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(ViewCommand::FlyToBlock(position));
     }
+
     inspect_later(ui, response, is_picked, flies, context, commands);
     // A finger that was lifted hovers nowhere.
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
