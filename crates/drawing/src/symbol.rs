@@ -2,7 +2,7 @@
 
 use ecolor::Color32;
 use emath::{Vec2, vec2};
-use tilescope_session::layers::Layer;
+use tilescope_session::layers::{Layer, SessionKind};
 
 use crate::palette::Palette;
 use crate::surface::Stroke;
@@ -105,10 +105,18 @@ pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
     [vec2(-x, -y), vec2(x, -y), vec2(x, y), vec2(-x, y)]
 }
 
-/// Returns the symbol of a layer as on the canvas, within 7 points of its middle.
+/// Returns the symbol of a layer as on the canvas of a kind of session, within 7 points of its middle.
 #[must_use]
-pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
+pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolShape> {
     match layer {
+        // Active cells stand in the place of detectors.
+        Layer::Detectors if kind == SessionKind::Exact => {
+            let (corners, color) = (rect(10.0, 10.0), palette.detector);
+            vec![
+                filled(corners, color.gamma_multiply(0.3)),
+                outline(corners, thin(color)),
+            ]
+        }
         Layer::Samples => vec![dot(Vec2::ZERO, 3.0, palette.sample)],
         Layer::Disks => vec![
             dot(Vec2::ZERO, 6.0, palette.sample.gamma_multiply(0.12)),

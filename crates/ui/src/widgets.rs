@@ -11,7 +11,7 @@ use tilescope_drawing::figure::FIGURE_SIZE;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::surface::Stroke as SymbolStroke;
 use tilescope_drawing::symbol::SymbolShape;
-use tilescope_session::layers::Layer;
+use tilescope_session::layers::{Layer, SessionKind};
 
 use crate::language::Worded;
 use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
@@ -99,17 +99,19 @@ pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
     ui.spacing_mut().interact_size.y = height;
 }
 
-/// Draws the symbol of a layer around `at`.
-pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
-    draw(
-        painter,
-        tilescope_drawing::symbol::symbol(layer, palette),
-        at,
-    );
+/// Draws the symbol of a layer in a kind of session around `at`.
+pub fn symbol(painter: &Painter, layer: Layer, kind: SessionKind, at: Pos2, palette: &Palette) {
+    let shapes = tilescope_drawing::symbol::symbol(layer, kind, palette);
+    draw(painter, shapes, at);
 }
 
 /// Explains a layer by a small figure, if there is one, and a sentence or two.
-pub fn explain(ui: &mut Ui, layer: Layer, palette: &Palette) {
+pub fn explain(ui: &mut Ui, layer: Layer, kind: SessionKind, palette: &Palette) {
+    // Figures and sentences are about runs; what stands in the place of a layer elsewhere would be explained falsely.
+    if layer.name_in(kind) != layer.name() {
+        ui.label(ui.words(layer.meaning(kind)));
+        return;
+    }
     figure(ui, layer, palette);
     ui.label(ui.words(layer.explanation()));
 }
@@ -170,13 +172,17 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
 }
 
 /// Returns a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
-pub fn chip((layer, name): (Option<Layer>, &str), on: bool, palette: &Palette) -> impl Widget {
+pub fn chip(
+    (layer, name): (Option<(Layer, SessionKind)>, &str),
+    on: bool,
+    palette: &Palette,
+) -> impl Widget {
     move |ui: &mut Ui| show_chip(ui, layer, name, on, palette)
 }
 
 fn show_chip(
     ui: &mut Ui,
-    layer: Option<Layer>,
+    layer: Option<(Layer, SessionKind)>,
     name: &str,
     on: bool,
     palette: &Palette,
@@ -220,14 +226,14 @@ fn show_chip(
     );
 
     let mut text = rect.left_center() + vec2(10.0, -galley.size().y / 2.0);
-    if let Some(layer) = layer {
+    if let Some((layer, kind)) = layer {
         // The symbol of a layer that is off is faint, and keeps its colours.
         let mut shaded = painter.clone();
         if !on {
             shaded.set_opacity(0.45);
         }
         let at = rect.left_center() + vec2(14.0, 0.0);
-        symbol(&shaded, layer, at, palette);
+        symbol(&shaded, layer, kind, at, palette);
         text.x += 14.0;
     }
 

@@ -34,14 +34,14 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let kind = context.run.kind();
         let offered = |layer: &Layer| layer.is_of(kind);
         for layer in Layer::ALL.into_iter().filter(offered) {
-            let named = (Some(layer), layer.name_in(kind));
+            let named = (Some((layer, kind)), layer.name_in(kind));
             let is_on = shown.has(layer);
             // It may show the answer to the open question of a lesson.
             let is_free = !context.hidden_layers.has(layer);
             let chip = ui
                 .add_enabled(is_free, chip(named, is_on, context.palette))
                 .on_disabled_hover_text(ui.words(HIDDEN_LAYER))
-                .on_hover_ui(|ui| explain(ui, layer, context.palette));
+                .on_hover_ui(|ui| explain(ui, layer, kind, context.palette));
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));

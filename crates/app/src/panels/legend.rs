@@ -43,17 +43,11 @@ pub fn show(
     let is_listed =
         |layer: &Layer| layer.is_of(kind) && (!Layer::NETS.contains(layer) || shown.has(*layer));
     for layer in Layer::ALL.into_iter().filter(is_listed) {
-        // Active cells stand in the place of detectors, and are squares.
-        let is_cell = (layer, kind) == (Layer::Detectors, SessionKind::Exact);
         let draw = |painter: &Painter, rect: Rect| {
-            if is_cell {
-                let square = Rect::from_center_size(rect.center(), vec2(9.0, 9.0));
-                painter.rect_filled(square, 0.0, palette.detector.gamma_multiply(0.5));
-            } else {
-                symbol(painter, layer, rect.center(), palette);
-            }
+            symbol(painter, layer, kind, rect.center(), palette);
         };
-        entry(ui, layer.meaning(kind), palette, draw).on_hover_ui(|ui| explain(ui, layer, palette));
+        let shown = entry(ui, layer.meaning(kind), palette, draw);
+        shown.on_hover_ui(|ui| explain(ui, layer, kind, palette));
     }
 
     if context.is_compared {

@@ -44,6 +44,7 @@ pub(super) struct Below {
 
 struct LegendEntry {
     layer: Layer,
+    kind: SessionKind,
     meaning: &'static str,
     /// The left edge, and the middle of the line.
     at: DVec2,
@@ -67,7 +68,12 @@ impl Below {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }
                 let at = DVec2::new(x, height + 0.5 * LINE_HEIGHT * size);
-                entries.push(LegendEntry { layer, meaning, at });
+                entries.push(LegendEntry {
+                    layer,
+                    kind,
+                    meaning,
+                    at,
+                });
                 x += wide;
             }
             height += LINE_HEIGHT * size;
@@ -101,12 +107,13 @@ impl Below {
 
         let mut legend = Group::new("legend");
         let size = LEGEND_SIZE * width;
-        for LegendEntry { layer, meaning, at } in &self.entries {
+        for entry in &self.entries {
+            let LegendEntry { meaning, at, .. } = entry;
             let (at, width) = (start + *at, SYMBOL_WIDTH * size * DVec2::X);
             let middle = at + 0.5 * width;
             // Symbols are made for the size of the window's letters.
             let scale = size / FONT_OF_SYMBOLS;
-            let shapes = symbol(*layer, palette).into_iter();
+            let shapes = symbol(entry.layer, entry.kind, palette).into_iter();
             legend
                 .shapes
                 .extend(shapes.map(|shape| placed(shape, middle, scale)));
