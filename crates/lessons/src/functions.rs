@@ -12,7 +12,7 @@ use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::stages::order::Ranking;
 use tilescope_core::{
-    Fate, Key as DrawKey, Origin, Parameter, R, RunEvent, Sweep, Unobserved, sample,
+    Fate, Key as DrawKey, Origin, Parameter, Point, R, RunEvent, Sweep, Unobserved, sample,
 };
 use tilescope_debugger::{
     DEFAULT_BUDGET, Divergence, Event, EventKind, NONE, Query, Recording, Status, first_divergence,
@@ -383,12 +383,16 @@ impl Now {
     fn density(&self, distance: f64, is_near: bool) -> Found<f64> {
         // All samples are looked at, which the budget of a question counts.
         self.spend(SET)?;
-        let set = PointSet::of_run(self.recording.run());
-        let is_counted = |&&at: &&[f64; 2]| (self.seam(at.into()).1 < distance) == is_near;
-        let count = set.points.iter().filter(is_counted).count() as f64;
+        let run = self.recording.run();
+        let leaves = &run.blocks.leaves;
 
         // Every place has the nearest edge on its own block, so the area is that of the blocks' frames or of their insides.
-        let leaves = &self.recording.run().blocks.leaves;
+        let is_counted = |at: &Point| {
+            let own = leaves.iter().find(|leaf| leaf.rect.contains(*at));
+            own.is_some_and(|leaf| (radii(leaf.rect.depth(*at)) < distance) == is_near)
+        };
+        let count = run.points().iter().filter(|at| is_counted(at)).count() as f64;
+
         let areas = leaves.iter().map(|leaf| {
             let [width, height] = [leaf.rect.width(), leaf.rect.height()].map(radii);
             let inside = (width - 2.0 * distance).max(0.0) * (height - 2.0 * distance).max(0.0);
@@ -547,11 +551,16 @@ impl Now {
         found.map(sample_or_unit)
     }
 
-    /// Returns the event at which elimination takes a sample.
+    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling.
     fn turn_of(&self, s: u32) -> usize {
+        let is_exact = self.recording.is_exact();
         let takes = |event: &usize| {
             let event = self.recording.event(*event);
-            event.is_some_and(|e| matches!(e.kind(), EventKind::Take | EventKind::Keep))
+            event.is_some_and(|event| {
+                // Exact tiling takes no sample: one that arrives is kept, or lost, or was a dart until then.
+                matches!(event.kind(), EventKind::Take | EventKind::Keep)
+                    || is_exact && matches!(event.kind(), EventKind::Eliminate | EventKind::Insert)
+            })
         };
         let mut events = self
             .recording

@@ -49,6 +49,7 @@ pub fn lessons() -> Vec<Shipped> {
         "rounds",
         "reach",
         "tiling",
+        "exact",
         "parallel",
         "gluing",
     ]

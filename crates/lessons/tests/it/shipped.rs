@@ -75,7 +75,7 @@ mod every_lesson_is_sound {
 
     sound![
         welcome, maximal, spectrum, cuts, clips, survivors, losses, gaps, rounds, reach, tiling,
-        parallel, gluing,
+        exact, parallel, gluing,
     ];
 
     #[test]
