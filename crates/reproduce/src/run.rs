@@ -149,8 +149,8 @@ fn made_by(machine: &Machine) -> String {
 
 /// Returns the stamp that kept numbers must have to be used: program, machine and settings.
 fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
-    let (quick, seed) = (settings.quick, settings.seed);
-    format!("{experiment} quick {quick} seed {seed} {made_by}")
+    let Settings { quick, seed, many } = settings;
+    format!("{experiment} quick {quick} seed {seed} many {many} {made_by}")
 }
 
 /// Writes what an experiment found.

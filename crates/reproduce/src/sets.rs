@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
-    reference_sample,
+    Domain, MAXIMAL_DENSITY, Parameters, Pattern, PatternHistory, PatternSpec, Point, Run,
+    Sequential, Summary, Sweep, exact_sample, reference_sample,
 };
 use tilescope_sets::region;
 
@@ -101,6 +101,22 @@ pub fn fitting(leaf: f64) -> PatternSpec {
 pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run> {
     let engine = Sequential::new(parameters, pattern(&parameters.pattern, control)?)?;
     Ok(engine.finish(&mut control.observer())?)
+}
+
+/// Carries out an exact tiling, on one thread, with a pattern of its own that is as large as the method chooses.
+pub fn exact(parameters: &Parameters, control: &Control<'_>) -> Result<Run> {
+    let samples = MAXIMAL_DENSITY * parameters.validate()?.area_radii();
+    let own = Parameters {
+        pattern: PatternSpec::for_exact(samples, parameters.seed),
+        ..*parameters
+    };
+    exact_of(&own, control)
+}
+
+/// Carries out an exact tiling, on one thread, with the pattern that its parameters describe.
+pub fn exact_of(parameters: &Parameters, control: &Control<'_>) -> Result<Run> {
+    let history = PatternHistory::of_spec(&parameters.pattern, &mut control.observer())?;
+    Ok(exact_sample(parameters, &history, &mut control.observer())?)
 }
 
 pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>> {

@@ -19,6 +19,8 @@ pub struct Settings {
     pub quick: bool,
     /// Seed of the first set; every set of an experiment has its own.
     pub seed: u64,
+    /// As many sets as tell a bias of uniformity that is half as large, for the whole sizes alone.
+    pub many: bool,
 }
 
 impl Default for Settings {
@@ -26,6 +28,7 @@ impl Default for Settings {
         Self {
             quick: true,
             seed: 1,
+            many: false,
         }
     }
 }

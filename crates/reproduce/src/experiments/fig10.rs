@@ -121,7 +121,10 @@ mod tests {
 
     #[test]
     fn a_whole_run_is_more_work_than_a_quick_one() {
-        let [quick, whole] = [true, false].map(|quick| Settings { quick, seed: 1 });
+        let [quick, whole] = [true, false].map(|quick| Settings {
+            quick,
+            ..Settings::default()
+        });
         assert!(plate::amounts(&whole).1 > 3 * plate::amounts(&quick).1);
         assert!(horizon::per_pixel(&whole).len() > horizon::per_pixel(&quick).len());
         assert!(units(&whole) > units(&quick));

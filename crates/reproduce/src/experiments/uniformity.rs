@@ -1,7 +1,9 @@
 //! Equation 1 and section 5.1: whether every place is as likely to hold a sample as any other. The samples of many
 //! small sets are counted by place: on a grid of the domain, by distance from borders, and within gaps. One control
-//! has no bias, another one has a known bias.
+//! has no bias, another one has a known bias. Mean curves of many sets say whether pairs and spectra are those of the
+//! reference sampler.
 
+mod averages;
 mod claims;
 mod counted;
 mod gaps;
@@ -15,6 +17,7 @@ use crate::experiments::common::square;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 use crate::texts::text;
+use averages::AveragedWay;
 use counted::SeedCounts;
 use offsets::UniformityResults;
 
@@ -27,12 +30,13 @@ pub const CELL: f64 = 3.74;
 /// Batches of seeds, samples of a set, cells along a side of the grid.
 fn amounts(settings: &Settings) -> (usize, f64, usize) {
     let (batches, samples) = settings.pick((16, 10_000.0), (2, 3_000.0));
+    let batches = if settings.many { 5 * batches } else { batches };
     let cells = (square(samples, LEAF).width / CELL).round();
     (batches, samples, cells as usize)
 }
 
 pub fn units(settings: &Settings) -> usize {
-    amounts(settings).0
+    amounts(settings).0 + AveragedWay::ALL.len()
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
@@ -52,11 +56,19 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         })?);
     }
     let found = UniformityResults::of(&seeds)?;
+    let against = averages::averages(study)?;
+
+    let mut claims = claims::claims(&found);
+    claims.extend(claims::mean_curves(&against));
+    let mut pictures = shown::pictures(&found, cells)?;
+    pictures.push(shown::mean_curves(&against)?);
+    let mut tables = shown::tables(&found);
+    tables.push(shown::averages(&against));
 
     Ok(Outcome {
-        claims: claims::claims(&found),
-        pictures: shown::pictures(&found, cells)?,
-        tables: shown::tables(&found),
+        claims,
+        pictures,
+        tables,
         notes: vec![text("uniformity/how", &json!({}))],
     })
 }

@@ -6,7 +6,7 @@ use tilescope_core::{Domain, Parameters, Point, Rect};
 use crate::control::Control;
 use crate::error::Result;
 use crate::experiments::common::DENSITY;
-use crate::sets::{Set, pattern_side};
+use crate::sets::{Set, exact, pattern_side};
 
 /// Side in radii of the default pattern.
 pub const PATTERN: f64 = 100.0;
@@ -26,6 +26,8 @@ pub enum Method {
     Kdrt { leaf: f64, side: f64 },
     /// By randomized tiling, all sets from one pattern.
     OnePattern { leaf: f64 },
+    /// By exact tiling, every set from a pattern of its own that is as large as the method chooses.
+    Exact { leaf: f64 },
     /// Copies of a small periodic set side by side: a control whose regularity the measures must detect.
     Copies,
 }
@@ -63,6 +65,10 @@ impl Method {
                 &format!("KDRT, leaf {leaf} r, one pattern"),
                 &format!("one-pattern-{leaf}"),
             ),
+            Self::Exact { leaf } => words(
+                &format!("exact tiling, leaf {leaf} r"),
+                &format!("exact-{leaf}"),
+            ),
             Self::Copies => words(&format!("{COPIES} x {COPIES} copies (control)"), "copies"),
         }
     }
@@ -86,7 +92,9 @@ impl Method {
     /// can be as long as the leaf.
     pub fn tiles(self, radius: f64) -> bool {
         match self {
-            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => 2.0 * leaf * radius <= 1.0,
+            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } | Self::Exact { leaf } => {
+                2.0 * leaf * radius <= 1.0
+            }
             Self::Copies => true,
             Self::Reference | Self::Again => false,
         }
@@ -100,7 +108,9 @@ impl Method {
 
     pub const fn leaf(self) -> Option<f64> {
         match self {
-            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => Some(leaf),
+            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } | Self::Exact { leaf } => {
+                Some(leaf)
+            }
             _ => None,
         }
     }
@@ -142,6 +152,10 @@ impl SetGroup {
             Method::Kdrt { leaf, side } => tiled(leaf, side, seed),
             // The seed of the group, so that all sets have one pattern.
             Method::OnePattern { leaf } => tiled(leaf, PATTERN, self.seed),
+            Method::Exact { leaf } => {
+                let run = exact(&Parameters { leaf, seed, ..base }, control)?;
+                Ok(Set::of_run(&run))
+            }
             Method::Copies => copies(&domain, seed, control),
         }
     }

@@ -36,7 +36,11 @@ pub fn columns(leaves: &[f64]) -> Vec<(Method, Method)> {
         .iter()
         .map(|leaf| (Method::kdrt(*leaf), Method::Reference));
     let first = (Method::Reference, Method::Again);
-    [first].into_iter().chain(kdrt).collect()
+    // With the smallest blocks: those have the most seams.
+    let exact = leaves
+        .first()
+        .map(|&leaf| (Method::Exact { leaf }, Method::Reference));
+    [first].into_iter().chain(kdrt).chain(exact).collect()
 }
 
 /// Tilings whose regularity shows, beside one whose blocks fit its patterns; each over the reference.
@@ -73,7 +77,7 @@ pub fn spectra(
     let samples = (columns.iter().zip(sets)).map(|((one, _), set)| samples_tile(one.method, set));
     let rows = vec![
         samples.chain([power_scale(BLACK)]).collect(),
-        row(&image),
+        row(&|one, _| image(one, columns.len())),
         row(&power),
         row(&|one, below| anisotropy(one, below, range)),
     ];
@@ -105,18 +109,18 @@ fn samples_tile(method: Method, set: &Set) -> Panel {
     Panel::Tile(tile(None, &method.name(), String::new(), dots))
 }
 
-/// Returns how many of so many cells, an odd number, fill a quarter of the width with cells of half pixels: what they
-/// leave out is the rim.
-fn cells(columns: usize) -> usize {
-    let width = 0.25 * (WIDTH - 2.0 * MARGIN) - LEFT - RIGHT;
+/// Returns how many of so many cells, an odd number, fill one of the plots beside each other with cells of half pixels: what
+/// they leave out is the rim.
+fn cells(columns: usize, plots: usize) -> usize {
+    let width = (WIDTH - 2.0 * MARGIN) / plots as f64 - LEFT - RIGHT;
     let cell = 0.5 * (2.0 * width / columns as f64).ceil();
     let fit = (width / cell) as usize;
     fit.min(columns) - usize::from(fit < columns && fit.is_multiple_of(2))
 }
 
-fn image(one: &MethodSpectra, _: &MethodSpectra) -> Panel {
+fn image(one: &MethodSpectra, plots: usize) -> Panel {
     let grid = &one.picture;
-    let shown = cells(grid.columns);
+    let shown = cells(grid.columns, plots);
     // The rim is left out on both sides alike, so that the zero frequency stays in the middle.
     let cut = (grid.columns - shown) / 2;
     let reach = grid.reach * shown as f64 / grid.columns as f64;
@@ -152,6 +156,7 @@ fn look(method: Method) -> Look {
         Method::Kdrt { .. } if method.fits() => Look::Numbered(2),
         Method::Kdrt { .. } => Look::Numbered(4),
         Method::OnePattern { .. } => Look::Numbered(5),
+        Method::Exact { .. } => Look::Numbered(7),
         Method::Copies => Look::Numbered(6),
     }
 }
@@ -312,15 +317,17 @@ mod tests {
 
     #[test]
     fn cells_fill_the_plot_and_zero_stays_in_the_middle() {
-        for columns in (9..=121).step_by(2) {
-            let shown = cells(columns);
-            assert!(shown % 2 == 1 && shown <= columns, "{columns}: {shown}");
-            let cell = 0.5 * (2.0 * 206.0 / columns as f64).ceil();
-            let width = cell * shown as f64;
-            assert!(
-                width <= 206.0 && width > 206.0 - 2.0 * cell,
-                "{columns}: {width}"
-            );
+        for (plots, room) in [(4, 206.0), (5, 148.0)] {
+            for columns in (9..=121).step_by(2) {
+                let shown = cells(columns, plots);
+                assert!(shown % 2 == 1 && shown <= columns, "{columns}: {shown}");
+                let cell = 0.5 * (2.0 * room / columns as f64).ceil();
+                let width = cell * shown as f64;
+                assert!(
+                    width <= room && width > room - 2.0 * cell,
+                    "{columns}: {width}"
+                );
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use super::gaps::Gaps;
 use crate::control::Control;
 use crate::error::Result;
 use crate::experiments::common::seeded;
-use crate::sets::{Set, sequential};
+use crate::sets::{Set, exact, sequential};
 
 /// Where classes of distances from a border begin, in radii.
 pub const EDGES: [f64; 14] = [
@@ -42,7 +42,7 @@ pub struct SetCounts {
 /// Counts of the sets of one seed, in the sequence of `offsets::NAMES`, and each class's share of the area.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SeedCounts {
-    pub sets: [SetCounts; 5],
+    pub sets: [SetCounts; 6],
     pub block_shares: Vec<f64>,
     pub domain_shares: Vec<f64>,
     pub side_shares: Vec<f64>,
@@ -68,6 +68,8 @@ impl SeedCounts {
         let circumcentre = run(Insertion::Circumcentre, base.order)?;
         let uniform = run(Insertion::Uniform, base.order)?;
         let random = run(Insertion::Circumcentre, Order::Random)?;
+        // Blocks follow from the seed alone, so that these are the same as those of the runs above.
+        let exact = exact(&base, control)?;
 
         let domain = circumcentre.domain;
         // A seed of its own: the reference set shares no draw with the runs.
@@ -96,6 +98,7 @@ impl SeedCounts {
                 counter.run(&circumcentre, &gaps, control)?,
                 counter.run(&uniform, &gaps, control)?,
                 counter.verified(&random.points(), "random order", control)?,
+                counter.verified(&exact.points(), "exact tiling", control)?,
             ],
             block_shares: shares(&counter.rects),
             domain_shares: shares(&[domain.rect()]),

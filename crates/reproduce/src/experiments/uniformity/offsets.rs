@@ -30,19 +30,21 @@ pub const JUDGED: usize = 1 + PLACES.len();
 
 pub struct UniformityResults {
     /// The sets of each way to make them, in the sequence of [`NAMES`].
-    pub all: [SamplerUniformity; 5],
+    pub all: [SamplerUniformity; 6],
     /// Insertion at circumcentres against uniform insertion.
     pub paired: PairedBias,
 }
 
 /// The ways to make sets: by the reference sampler; the control, reference sets with a known bias; by KDRT with
-/// insertion at circumcentres, with uniform insertion, and at circumcentres with samples eliminated in random order.
-pub const NAMES: [&str; 5] = [
+/// insertion at circumcentres, with uniform insertion, and at circumcentres with samples eliminated in random order; and by
+/// exact tiling.
+pub const NAMES: [&str; 6] = [
     "reference sampler",
     "reference, moved",
     "circumcentres",
     "uniform insertion",
     "circumcentres, random order",
+    "exact tiling",
 ];
 
 /// Sets that were made in one way.
@@ -109,7 +111,7 @@ impl UniformityResults {
     pub fn of(seeds: &[SeedCounts]) -> Result<Self> {
         let of = |way| SamplerUniformity::of(seeds, way);
         Ok(Self {
-            all: [of(0)?, of(1)?, of(2)?, of(3)?, of(4)?],
+            all: [of(0)?, of(1)?, of(2)?, of(3)?, of(4)?, of(5)?],
             paired: PairedBias::of(seeds),
         })
     }
@@ -264,7 +266,7 @@ impl PairedBias {
         let mean = seeds.iter().map(count).sum::<f64>() / sets;
         let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
         let pair = |seed: &SeedCounts| {
-            let [_, _, circumcentre, uniform, _] =
+            let [_, _, circumcentre, uniform, ..] =
                 seed.sets.each_ref().map(|set| near(&set.blocks));
             let excess = circumcentre - mean * share(seed);
             ((circumcentre - uniform) / expected, excess / expected)

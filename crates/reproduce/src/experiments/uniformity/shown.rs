@@ -1,10 +1,11 @@
 //! Charts, maps and tables of the counts.
 
 use serde_json::json;
-use tilescope_analysis::measures::Uniformity;
+use tilescope_analysis::measures::{DifferenceCurve, Uniformity};
 use tilescope_figures::Bitmap;
 use tilescope_figures::chart::{ColorScale, Level, LineChart, Panel, Series, TileContent};
 
+use super::averages::{AgainstReference, AveragedWay};
 use super::counted::EDGES;
 use super::gaps::CLASSES;
 use super::offsets::{SamplerUniformity, UniformityResults};
@@ -21,14 +22,20 @@ const FAR: f64 = 10.0;
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
 pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
-    let [reference, _, circumcentre, uniform, random] = &found.all;
-    let four = [(1, reference), (0, circumcentre), (2, uniform), (3, random)];
+    let [reference, _, circumcentre, uniform, random, exact] = &found.all;
+    let five = [
+        (1, reference),
+        (0, circumcentre),
+        (2, uniform),
+        (3, random),
+        (4, exact),
+    ];
     let two = [(0, circumcentre), (2, uniform)];
 
     let borders = [
         [
-            density("uniformity/blocks", &four, |one| &one.blocks),
-            density("uniformity/domain", &four, |one| &one.domain),
+            density("uniformity/blocks", &five, |one| &one.blocks),
+            density("uniformity/domain", &five, |one| &one.domain),
         ],
         [ranks(&two), inserted(&two)],
     ];
@@ -118,6 +125,49 @@ fn inserted(subjects: &[Subject<'_>]) -> LineChart {
     chart.x.range = Some([0.0, 5.0]);
     chart.y.range = Some([0.0, 105.0]);
     chart
+}
+
+/// Returns the picture of mean curves less those of the reference sets.
+pub fn mean_curves(against: &[AgainstReference]) -> Result<Picture> {
+    let panel = |id: &str, pick: fn(&AgainstReference) -> &DifferenceCurve| {
+        let series = against.iter().map(|one| {
+            let of = pick(one);
+            let [name, _] = one.way.words();
+            let (number, band) = match one.way {
+                // The band of chance about zero serves all, as their numbers of sets are the same.
+                AveragedWay::Reference | AveragedWay::Again => (1, of.bands.clone()),
+                AveragedWay::Kdrt => (0, None),
+                AveragedWay::Exact => (4, None),
+            };
+            Series {
+                band,
+                ..curve(name, number, of.points.clone())
+            }
+        });
+        Panel::Lines(chart(id, series.collect()))
+    };
+
+    let rows = vec![vec![
+        panel("uniformity/pairs", |one| &one.pairs),
+        panel("uniformity/powers", |one| &one.powers),
+    ]];
+    let sets = against.first().map_or(0, |one| one.sets);
+    picture("uniformity/curves", &json!({ "sets": sets }), rows)
+}
+
+/// Returns how far the mean curves of each way are from the reference's.
+pub fn averages(against: &[AgainstReference]) -> Table {
+    table("uniformity/averages", against, |one| {
+        let [name, _] = one.way.words();
+        let [annuli, bins] = one.outside().map(|share| 100.0 * share);
+        let [density, density_error] = one.density.map(|share| 100.0 * share);
+        let [anisotropy, reach] = one.anisotropy;
+        json!({
+            "sets_by": name, "sets": one.sets, "density_percent": density,
+            "error_percent": density_error, "annuli_outside_percent": annuli,
+            "bins_outside_percent": bins, "anisotropy_db": anisotropy, "chance_db": reach,
+        })
+    })
 }
 
 pub fn tables(found: &UniformityResults) -> Vec<Table> {

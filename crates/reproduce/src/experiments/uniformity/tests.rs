@@ -1,6 +1,9 @@
 //! Verdicts on counts with known deviations, and a quick run.
 
-use super::claims::claims;
+use tilescope_analysis::measures::DifferenceCurve;
+
+use super::averages::{AgainstReference, AveragedWay};
+use super::claims::{claims, mean_curves};
 use super::counted::{EDGES, SetCounts};
 use super::*;
 use crate::experiment::Experiment;
@@ -69,10 +72,10 @@ fn counted(made: Made, stream: u32, index: usize) -> SetCounts {
 
 /// Returns the verdicts on sets with known deviations; `moved` is the biased control.
 fn verdicts(reference: Made, moved: Made, circumcentre: Made, uniform: Made) -> Vec<Verdict> {
-    with_random([reference, moved, circumcentre, uniform, Made::default()])
+    of_all([reference, moved, circumcentre, uniform, NONE, NONE])
 }
 
-fn with_random([reference, moved, circumcentre, uniform, random]: [Made; 5]) -> Vec<Verdict> {
+fn of_all([reference, moved, circumcentre, uniform, random, exact]: [Made; 6]) -> Vec<Verdict> {
     let even = vec![1.0 / EDGES.len() as f64; EDGES.len()];
     let seed = |index: usize| SeedCounts {
         sets: [
@@ -81,6 +84,7 @@ fn with_random([reference, moved, circumcentre, uniform, random]: [Made; 5]) -> 
             counted(circumcentre, 3, index),
             counted(uniform, 4, index),
             counted(random, 5, index),
+            counted(exact, 7, index),
         ],
         block_shares: even.clone(),
         domain_shares: even.clone(),
@@ -113,7 +117,7 @@ const FLAT: Made = Made { near: 0.02, ..NONE };
 #[test]
 fn verdicts_follow_from_the_numbers() {
     use Verdict::{NotReproduced, Reproduced};
-    let mut expected = [Reproduced; 12];
+    let mut expected = [Reproduced; 14];
     // The bias near block borders refutes evenness, and uniform insertion leaves most of that bias.
     expected[..2].fill(NotReproduced);
     expected[6] = NotReproduced;
@@ -135,8 +139,66 @@ fn verdicts_follow_from_the_numbers() {
     let framed = verdicts(NONE, MOVED, framed, USUAL);
     assert_eq!(framed[7..10], [Reproduced, NotReproduced, NotReproduced]);
     let leaning = Made { side: 0.1, ..NONE };
-    let leaning = with_random([NONE, MOVED, USUAL, FLAT, leaning]);
-    assert_eq!(leaning[10..], [Reproduced, NotReproduced]);
+    let leaning = of_all([NONE, MOVED, USUAL, FLAT, leaning, NONE]);
+    assert_eq!(leaning[10..12], [Reproduced, NotReproduced]);
+}
+
+#[test]
+fn exact_tiling_is_judged_where_the_bias_of_kdrt_is_seen() {
+    use Verdict::{NotComparable, NotReproduced, Reproduced};
+    let seams = |[reference, kdrt, exact]: [Made; 3]| {
+        of_all([reference, MOVED, kdrt, FLAT, NONE, exact])[12]
+    };
+    assert_eq!(seams([NONE, USUAL, NONE]), Reproduced);
+    assert_eq!(seams([NONE, USUAL, FLAT]), NotReproduced);
+    // The controls: no bias of KDRT is seen, or the reference has one.
+    assert_eq!(seams([NONE, NONE, NONE]), NotComparable);
+    assert_eq!(seams([FLAT, USUAL, FLAT]), NotComparable);
+
+    let framed = Made {
+        frame: 0.05,
+        ..NONE
+    };
+    let framed = of_all([NONE, MOVED, USUAL, FLAT, NONE, framed]);
+    assert_eq!(framed[12..], [Reproduced, NotReproduced]);
+}
+
+/// Differences of curves of which these shares lie outside their bands.
+fn apart(way: AveragedWay, [annuli, bins]: [usize; 2]) -> AgainstReference {
+    let curve = |outside: usize| DifferenceCurve {
+        points: (0..100)
+            .map(|at| [at as f64, if at < outside { 2.0 } else { 0.0 }])
+            .collect(),
+        bands: Some(vec![[-1.0, 1.0]; 100]),
+    };
+    AgainstReference {
+        way,
+        sets: 100,
+        density: [0.0, 1e-4],
+        powers: curve(annuli),
+        pairs: curve(bins),
+        anisotropy: [0.0, 0.1],
+    }
+}
+
+#[test]
+fn mean_curves_are_judged_where_those_of_kdrt_differ_and_those_of_the_reference_do_not() {
+    use Verdict::{NotComparable, NotReproduced, Reproduced};
+    let verdict = |again, kdrt, exact| {
+        let all = [
+            apart(AveragedWay::Again, again),
+            apart(AveragedWay::Kdrt, kdrt),
+            apart(AveragedWay::Exact, exact),
+        ];
+        mean_curves(&all).unwrap().verdict
+    };
+    let (chance, seen) = ([6, 4], [33, 12]);
+    assert_eq!(verdict(chance, seen, [5, 7]), Reproduced);
+    assert_eq!(verdict(chance, seen, [9, 5]), NotReproduced);
+    assert_eq!(verdict(chance, seen, [5, 9]), NotReproduced);
+    // The controls: KDRT passes one of the limits, or the reference sampler fails one.
+    assert_eq!(verdict(chance, [33, 8], [5, 5]), NotComparable);
+    assert_eq!(verdict([9, 4], seen, [5, 5]), NotComparable);
 }
 
 #[test]
@@ -198,11 +260,11 @@ fn a_control_that_fails_says_nothing_about_places() {
 #[test]
 fn a_quick_run_has_the_units_it_said() {
     let outcome = quick_run(Experiment::Uniformity, &Settings::default());
-    assert_eq!(outcome.claims.len(), 12);
-    assert_eq!(outcome.pictures.len(), 2);
+    assert_eq!(outcome.claims.len(), 15);
+    assert_eq!(outcome.pictures.len(), 3);
     // Where gaps are filled is far from chance at circumcentres, and chance otherwise.
     assert_eq!(outcome.claims[7].verdict, Verdict::Reproduced);
     assert_eq!(outcome.claims[8].verdict, Verdict::Reproduced);
     let beyond = |claim: &&crate::outcome::Claim| claim.place == "beyond the paper";
-    assert_eq!(outcome.claims.iter().filter(beyond).count(), 6);
+    assert_eq!(outcome.claims.iter().filter(beyond).count(), 9);
 }
