@@ -1,4 +1,4 @@
-//! Writes a picture of every question of lessons, open and closed, with all texts of its frame, for people who read them:
+//! Writes a picture of every step of lessons, of a question open and closed, with all texts of its frame, for people who read them:
 //! `cargo run -p tilescope-app --example gates -- FOLDER [WIDTHxHEIGHT] [LANGUAGE] [LESSON ...]`.
 
 use std::path::PathBuf;
@@ -40,11 +40,14 @@ fn main() -> Result<(), Fault> {
         send(&mut harness, LessonCommand::Language(language.clone()));
         let open = harness.state().state.lessons().open.as_ref();
         let lesson = open.ok_or("no lesson is open")?.learner.lesson().clone();
-        for (number, (step, _)) in lesson.gates().enumerate() {
+        for (number, step) in lesson.steps.iter().enumerate() {
             send(&mut harness, LessonCommand::Go(step.name.clone()));
             let file = folder.join(format!("{name}-{:02}", number + 1));
             keep(&mut harness, &file.with_extension("open"))?;
 
+            if step.gate.is_none() {
+                continue;
+            }
             // The second click shows the answer; a trace has one for each event.
             while harness.state().state.lessons().open_question().is_some() {
                 send(&mut harness, LessonCommand::GiveUp);
