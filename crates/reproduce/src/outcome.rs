@@ -187,6 +187,9 @@ pub struct Finished {
     pub experiment: Experiment,
     /// Whether its sets were small.
     pub quick: bool,
+    /// Whether there were so many of them that half the bias is told. Reports of earlier versions do not say so.
+    #[serde(default)]
+    pub many: bool,
     /// Seed of the first set.
     pub seed: u64,
     /// The machine that carried it out.
@@ -215,13 +218,14 @@ impl Finished {
     #[must_use]
     pub fn command(&self) -> String {
         let quick = if self.quick { " --quick" } else { "" };
+        let many = if self.many { " --many" } else { "" };
         let threads = if self.machine.threads == self.machine.cores {
             String::new()
         } else {
             format!(" --threads {}", self.machine.threads)
         };
         format!(
-            "tilescope reproduce {}{quick} --seed {}{threads} --out DIR",
+            "tilescope reproduce {}{quick}{many} --seed {}{threads} --out DIR",
             self.experiment, self.seed
         )
     }

@@ -178,6 +178,7 @@ fn keep(
     let finished = Finished {
         experiment,
         quick: settings.quick,
+        many: settings.many,
         seed: settings.seed,
         machine: machine.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),

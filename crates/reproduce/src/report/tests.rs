@@ -16,6 +16,7 @@ fn finished() -> Finished {
     Finished {
         experiment: Experiment::Fig12,
         quick: true,
+        many: false,
         seed: 3,
         machine: Machine::this(),
         version: "1.2.3".to_owned(),
