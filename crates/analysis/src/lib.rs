@@ -7,6 +7,7 @@
 //! [`measures`] has spectra by a fast transform, distances, order and uniformity;
 //! [`live`] keeps measures while samples come and go;
 //! [`SquaresJudge`] judges sets whose radius depends on the place, in domains of any shape;
+//! [`verify_thinned`] judges sets that were chosen from others;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
@@ -53,6 +54,7 @@ mod report;
 mod squares;
 mod stream;
 pub mod tessellation;
+mod thinned;
 mod verify;
 mod witness;
 mod words;
@@ -74,6 +76,7 @@ pub use squares::{
 };
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
+pub use thinned::{ThinnedRadii, ThinnedReport, ThinnedSet, verify_thinned};
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};
 pub use witness::{Conflict, Gap, GapKind};
 pub use words::{BYTE_ORDER_MARK, cell, lossy, shown, shown_in_line};

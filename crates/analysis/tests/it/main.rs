@@ -20,5 +20,6 @@ mod squares;
 mod streams;
 mod support;
 mod tessellation;
+mod thinned;
 mod uniformity;
 mod verdicts;
