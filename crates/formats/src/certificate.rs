@@ -110,8 +110,8 @@ impl CertifiedLevel {
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
-/// Of these, this version judges sets with an origin, a shape and a radius that varies, and refuses certificates with any of
-/// the others.
+/// Of these, this version judges sets with an origin, a shape, a radius that varies and thinned sets, and refuses certificates
+/// with any of the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
@@ -311,16 +311,25 @@ impl Certificate {
         self.shape.is_some() || self.radius.is_field()
     }
 
-    /// Refuses such a certificate for a reader that knows of one radius and of rectangles only.
+    /// Whether its judge only counts faults, and measures neither the smallest distance nor the covering radius.
+    pub(crate) const fn is_counted(&self) -> bool {
+        self.is_varying() || self.thinned.is_some()
+    }
+
+    /// Refuses such a certificate for a reader that knows of one radius and of rectangles only, which are to be covered.
     pub(crate) fn refuse_varying(&self, name: &str) -> Result<(), FormatError> {
-        if !self.is_varying() {
+        let what = if self.thinned.is_some() {
+            "its points were chosen from another set"
+        } else if self.is_varying() {
+            "its radius varies or it has a shape"
+        } else {
             return Ok(());
-        }
+        };
         Err(FormatError::Certificate {
             name: name.to_owned(),
-            reason: "its radius varies or it has a shape, which is not taken into account here; \
-                `tilescope verify` and `tilescope draw` do"
-                .to_owned(),
+            reason: format!(
+                "{what}, which is not taken into account here; `tilescope verify` and `tilescope draw` do"
+            ),
         })
     }
 
@@ -360,8 +369,9 @@ impl Certificate {
             (None, _) if version >= WITH_PARTS => {
                 format!("version {version} needs an origin, or another part that version 1 lacks")
             }
-            _ if self.covering_radius.is_none() && !self.is_varying() => {
-                "`covering_radius` is null, which it may be only where the radius varies or there is a shape"
+            _ if self.covering_radius.is_none() && !self.is_counted() => {
+                "`covering_radius` is null, which it may be only where the radius varies, where there is a shape or in a \
+                 thinned set"
                     .to_owned()
             }
             // Passed over, the part would be lost from the next certificate of these points.

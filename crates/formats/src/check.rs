@@ -188,6 +188,12 @@ pub enum CheckError {
     /// The certificate states a radius that varies or a shape, and the caller did not give it.
     #[error("its radius varies or it covers a shape: these must be given to judge it")]
     NoField,
+    /// The points were chosen from another set.
+    #[error(
+        "its points were chosen from another set: `tilescope verify` judges it, with --source against that set; \
+         --no-certificate takes it for a set of unknown origin"
+    )]
+    Thinned,
     /// There is no certificate, the format implies no region, and the caller gave none.
     #[error("there is no certificate and {0} implies no region, so the region must be given")]
     NoRegion(Format),
@@ -305,6 +311,9 @@ impl Judged {
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
+        if certificate.is_some_and(|stated| stated.thinned.is_some()) {
+            return Err(CheckError::Thinned);
+        }
         let varying = overrides.varying.clone();
         if varying.is_none() && certificate.is_some_and(Certificate::is_varying) {
             return Err(CheckError::NoField);
@@ -390,7 +399,7 @@ impl Judged {
 
 /// Collects the statements that do not hold.
 #[derive(Default)]
-struct Differences(Vec<CertificateDifference>);
+pub(crate) struct Differences(pub Vec<CertificateDifference>);
 
 impl Differences {
     fn unless(&mut self, same: bool, field: &'static str, stated: String, found: String) {
@@ -403,7 +412,12 @@ impl Differences {
         }
     }
 
-    fn exact<T: PartialEq + fmt::Display>(&mut self, field: &'static str, stated: &T, found: &T) {
+    pub fn exact<T: PartialEq + fmt::Display>(
+        &mut self,
+        field: &'static str,
+        stated: &T,
+        found: &T,
+    ) {
         self.unless(
             stated == found,
             field,
@@ -412,7 +426,7 @@ impl Differences {
         );
     }
 
-    fn measure(&mut self, field: &'static str, stated: Option<f64>, found: Option<f64>) {
+    pub fn measure(&mut self, field: &'static str, stated: Option<f64>, found: Option<f64>) {
         let same = match (stated, found) {
             (Some(a), Some(b)) => (a - b).abs() <= MEASURE_TOLERANCE * a.abs().max(b.abs()),
             (a, b) => a.is_none() && b.is_none(),
@@ -441,11 +455,18 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     contents(&mut list, stated, found);
 
     let mapping = Mapping::new(found.format, Some(stated.region), found.precision);
-    list.exact("scale", &stated.scale, &mapping.scale());
+    // Points are chosen in the units of their file, to the bit.
+    let is_thinned = stated.thinned.is_some();
+    let scale = if is_thinned { 1.0 } else { mapping.scale() };
+    list.exact("scale", &stated.scale, &scale);
     parameters(&mut list, stated);
 
     // A certificate could hide any gap by stating a large tolerance, so that only the judges' own is true.
-    let tolerance = VerifyOptions::default().covering_tolerance;
+    let tolerance = if is_thinned {
+        0.0
+    } else {
+        VerifyOptions::default().covering_tolerance
+    };
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     let density = found.count as f64 * stated.radius.least().powi(2) / stated.region.area();
     list.measure("density", Some(stated.density), Some(density));
@@ -459,7 +480,7 @@ fn implied_verdict(stated: &Certificate) -> bool {
     let radius = stated.radius.least();
     let limit = (1.0 + stated.covering_tolerance) * radius;
     // Subdivision only counts.
-    let is_counted = stated.is_varying();
+    let is_counted = stated.is_counted();
     stated.conflicts == 0
         && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)
         && stated.gaps == 0

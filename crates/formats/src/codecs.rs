@@ -6,9 +6,11 @@
 mod csv;
 mod geojson;
 mod json;
+mod kept;
 mod npy;
 mod ply;
 mod ply_header;
+mod ply_outline;
 mod psa;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod rows;
@@ -31,6 +33,7 @@ use crate::point_set::PointSet;
 use crate::text::as_utf8;
 
 pub use self::geojson::may_be_degrees;
+pub use self::kept::{KeptRows, keep_rows, read_column};
 
 /// What the caller knows about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,6 +54,8 @@ pub struct Hint<'a> {
     /// Whether the caller takes a radius that varies, and a shape, into account. Otherwise a certificate with one is refused
     /// when it is checked.
     pub varying: bool,
+    /// Whether points may have any third coordinate, which is not read. Otherwise it must be 0.
+    pub any_z: bool,
 }
 
 /// What a reader does with the certificate of a file.
@@ -184,14 +189,14 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let detection = detected(bytes, hint)?;
     let format = detection.format;
     let mut raw = match format {
-        Format::Csv | Format::Xyz => table::read(bytes, format, hint.columns),
+        Format::Csv | Format::Xyz => table::read(bytes, format, hint.columns, hint.any_z),
         Format::PsaText => psa::read_text(bytes),
         Format::PsaRps => psa::read_rps(bytes),
         Format::UtkText => utk::read_text(bytes, hint.set),
         Format::UtkBinary => utk::read_binary(bytes, hint.set),
-        Format::Npy => npy::read(bytes),
-        Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format),
-        Format::Json => json::read(bytes, hint.certificate),
+        Format::Npy => npy::read(bytes, hint.any_z),
+        Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format, hint.any_z),
+        Format::Json => json::read(bytes, hint.certificate, hint.any_z),
         Format::Svg => svg::read(bytes),
     }?;
 

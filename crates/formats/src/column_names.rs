@@ -100,25 +100,10 @@ pub(crate) fn chosen(
     names: &[String],
     count: usize,
 ) -> Result<[usize; 2], String> {
-    let find = |wanted: &String| {
-        // Of `x` and `X` each is chosen by its own name; only another spelling may be either.
-        let named = match only(names, wanted, |name| name == wanted)? {
-            None => only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?,
-            exact => exact,
-        };
-        let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
-        // A column may be called `2`: names are looked for before numbers.
-        let column = named.or_else(number);
-        column.filter(|&column| column < count).ok_or_else(|| {
-            let named = match names {
-                [] => String::new(),
-                names => format!("{}, or by number ", list(names)),
-            };
-            format!("there is no column \"{wanted}\"; the columns are {named}1 to {count}")
-        })
-    };
-
-    let places = [find(&choice[0])?, find(&choice[1])?];
+    let places = [
+        one(&choice[0], names, count)?,
+        one(&choice[1], names, count)?,
+    ];
     if places[0] == places[1] {
         return Err(format!(
             "\"{}\" and \"{}\" are the same column; choose two",
@@ -126,6 +111,25 @@ pub(crate) fn chosen(
         ));
     }
     Ok(places)
+}
+
+/// The column that the caller chose, as one of [`chosen`].
+pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize, String> {
+    // Of `x` and `X` each is chosen by its own name; only another spelling may be either.
+    let named = match only(names, wanted, |name| name == wanted)? {
+        None => only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?,
+        exact => exact,
+    };
+    let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
+    // A column may be called `2`: names are looked for before numbers.
+    let column = named.or_else(number);
+    column.filter(|&column| column < count).ok_or_else(|| {
+        let named = match names {
+            [] => String::new(),
+            names => format!("{}, or by number ", list(names)),
+        };
+        format!("there is no column \"{wanted}\"; the columns are {named}1 to {count}")
+    })
 }
 
 /// The column of an axis: the one of its name, else the only one with a name near it.

@@ -244,6 +244,14 @@ pub enum FormatError {
         /// The format being read.
         format: Format,
     },
+    /// Points cannot be chosen from a file of this format, or not in the way asked for.
+    #[error("{format}: points cannot be chosen from it: {reason}")]
+    NotChosen {
+        /// The format of the file.
+        format: Format,
+        /// Why, and what would do.
+        reason: &'static str,
+    },
     /// A third coordinate is not zero, so the set is not planar.
     #[error("{format}: {place}: z is {z}, and only planar sets (z = 0) are read")]
     NotPlanar {

@@ -164,6 +164,31 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     temporary.put(None)
 }
 
+/// Like [`write_whole`], with a certificate beside the file, whose path is returned. What was written is read back and compared.
+///
+/// # Errors
+///
+/// As [`write_whole`], and [`ExportError::ReadBack`].
+pub fn write_certified(
+    path: &Path,
+    bytes: &[u8],
+    certificate: &Certificate,
+) -> Result<PathBuf, ExportError> {
+    let data = Temporary::of(path)?;
+    data.place.takes_certificate()?;
+    data.write(bytes).map_err(|e| io_error(path, e))?;
+
+    // The certificate is about the bytes in memory.
+    if read_file(&data.path)? != bytes {
+        return Err(ExportError::ReadBack {
+            written: format!("{} bytes", bytes.len()),
+            found: "others".to_owned(),
+        });
+    }
+    data.put(Some(&certificate.to_bytes()?))?;
+    Ok(data.place.certificate.clone())
+}
+
 /// Like [`write_whole`], for data that is produced piece by piece: `write` gets the temporary file.
 ///
 /// # Errors

@@ -37,6 +37,7 @@ mod read;
 #[cfg(not(target_arch = "wasm32"))]
 mod stream;
 mod text;
+mod thinned;
 mod varying;
 
 pub use certificate::{
@@ -48,7 +49,8 @@ pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
 pub use codecs::{
-    CertificateUse, Hint, ReadSet, Target, decode, encode, may_be_degrees, refuse_degrees,
+    CertificateUse, Hint, KeptRows, ReadSet, Target, decode, encode, keep_rows, may_be_degrees,
+    read_column, refuse_degrees,
 };
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};
@@ -58,8 +60,8 @@ pub use error::{FilePlace, FormatError};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use files::{
-    Exported, MAX_IN_MEMORY, check, export, export_unverified, read, read_whole, write_through,
-    write_whole,
+    Exported, MAX_IN_MEMORY, check, export, export_unverified, read, read_whole, write_certified,
+    write_through, write_whole,
 };
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
@@ -70,4 +72,5 @@ pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,
     checkpoint_token, finish_interrupted, partial_path, resume_path,
 };
+pub use thinned::{ThinnedFacts, implied_kept};
 pub use varying::VaryingDomain;

@@ -182,13 +182,15 @@ impl Part for CertifiedPrefix {
     }
 }
 
-/// The points were chosen from another set so that they keep their distance.
+/// The points were chosen from another set: each, in the order of the priority, that was near none chosen before it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Thinned {
     /// [`positions_digest`](crate::positions_digest) of that set.
     pub source: String,
-    /// By what the points were taken, the first one first: the name of an order or of a column.
+    /// How many points it has.
+    pub given: u64,
+    /// In which order its points were taken: a word, and what belongs to it. This crate knows no more of it.
     pub priority: String,
 }
 
@@ -196,6 +198,9 @@ impl Part for Thinned {
     const NAME: &'static str = "thinned";
 
     fn broken_limit(&self) -> Option<&'static str> {
+        if self.given == 0 {
+            return Some("at least one point is given");
+        }
         if self.priority.is_empty() {
             return Some("the priority has no name");
         }
@@ -223,7 +228,7 @@ fn broken_raster(digest: &str, pitch: f64) -> Option<&'static str> {
 }
 
 /// The parts that judges take into account.
-pub(super) const JUDGED: [&str; 3] = [<[f64; 2]>::NAME, CertifiedShape::NAME, FIELD];
+pub(super) const JUDGED: [&str; 4] = [<[f64; 2]>::NAME, CertifiedShape::NAME, FIELD, Thinned::NAME];
 
 /// What a field is called beside other parts: the radius itself is none.
 pub(super) const FIELD: &str = "radius that varies";

@@ -212,7 +212,7 @@ mod tests {
     use crate::error::FormatError;
 
     fn read_json(bytes: &[u8]) -> Result<Raw, FormatError> {
-        json::read(bytes, CertificateUse::Checked)
+        json::read(bytes, CertificateUse::Checked, false)
     }
 
     fn points(text: &str) -> Vec<[f64; 2]> {

@@ -8,7 +8,7 @@ use std::fmt::{self, Debug};
 use serde::de::{DeserializeOwned, Error, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{CertificateUse, Raw, geojson};
+use super::{CertificateUse, Raw, geojson, kept};
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::format::Precision;
@@ -25,7 +25,16 @@ struct Document<C> {
     certificate: Option<C>,
 }
 
-pub(super) fn read(bytes: &[u8], certificate: CertificateUse) -> Result<Raw, FormatError> {
+pub(super) fn read(
+    bytes: &[u8],
+    certificate: CertificateUse,
+    any_z: bool,
+) -> Result<Raw, FormatError> {
+    // A page reads no such points, and would load what cuts them for nothing.
+    if any_z && !cfg!(target_arch = "wasm32") {
+        let flat = kept::flat(bytes)?;
+        return read(&flat, certificate, false);
+    }
     // A certificate that is left out need not be readable.
     if certificate == CertificateUse::LeftOut {
         return Ok(document::<IgnoredAny>(bytes)?.0);
@@ -152,7 +161,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
-        super::read(bytes, CertificateUse::Checked)
+        super::read(bytes, CertificateUse::Checked, false)
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub(super) struct NpyHeader {
     pub columns: usize,
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+pub(super) fn read(bytes: &[u8], any_z: bool) -> Result<Raw, FormatError> {
     let (header, offset) = read_head(bytes)?;
     let width = header.columns * header.precision.bytes();
     let mut cursor = Cursor::new(bytes, offset as usize, FORMAT);
@@ -35,7 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     cursor.finish()?;
 
     let points = if header.fortran || header.columns == 3 {
-        scattered(data, &header)?
+        scattered(data, &header, any_z)?
     } else {
         binary::pairs(data, 0, header.precision, header.endian, FORMAT)?
     };
@@ -72,7 +72,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
 }
 
 /// Points of data that are not rows of two coordinates: of columns, or of rows with a z.
-fn scattered(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatError> {
+fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2]>, FormatError> {
     let (size, columns) = (header.precision.bytes(), header.columns);
     // The cursor has compared the count with the bytes that are there.
     let count = data.len() / (size * columns);
@@ -91,7 +91,7 @@ fn scattered(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatErr
     };
 
     let point = |row| {
-        if columns == 3 {
+        if columns == 3 && !any_z {
             planar(read(row, 2)?, FORMAT, FilePlace::Point(row as u64))?;
         }
         Ok([read(row, 0)?, read(row, 1)?])
@@ -190,13 +190,50 @@ pub(super) fn write(points: &[[f64; 2]], precision: Precision) -> Vec<u8> {
 
 /// The head of a file of `count` points. The alignment makes it 128 bytes, whatever the count.
 pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
-    let kind = match precision {
-        Precision::Single => "<f4",
-        Precision::Double => "<f8",
-    };
+    head_of(&NpyHeader {
+        precision,
+        endian: Endian::Little,
+        fortran: false,
+        count,
+        columns: 2,
+    })
+}
 
-    let mut dictionary =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count}, 2), }}");
+/// Returns the array with only those of its rows that are kept, in the same number type and order.
+pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
+    let (header, offset) = read_head(bytes)?;
+    let size = header.precision.bytes();
+    let data = bytes.get(offset as usize..).unwrap_or_default();
+    let count = kept.iter().filter(|kept| **kept).count() as u64;
+
+    // The head says all else as it did.
+    let mut out = head_of(&NpyHeader { count, ..header });
+    // In Fortran order each column is an array by itself.
+    let (width, arrays) = if header.fortran {
+        (size, header.columns)
+    } else {
+        (size * header.columns, 1)
+    };
+    for array in data.chunks_exact(width * kept.len().max(1)).take(arrays) {
+        let rows = array.chunks_exact(width).zip(kept);
+        for (row, _) in rows.filter(|(_, kept)| **kept) {
+            out.extend_from_slice(row);
+        }
+    }
+    Ok(out)
+}
+
+fn head_of(header: &NpyHeader) -> Vec<u8> {
+    let order = match header.endian {
+        Endian::Little => '<',
+        Endian::Big => '>',
+    };
+    let size = header.precision.bytes();
+    let fortran = if header.fortran { "True" } else { "False" };
+    let (count, columns) = (header.count, header.columns);
+    let mut dictionary = format!(
+        "{{'descr': '{order}f{size}', 'fortran_order': {fortran}, 'shape': ({count}, {columns}), }}"
+    );
     // The version and the length of the dictionary stand between the magic number and the dictionary, two bytes each.
     let prefix = NPY_MAGIC.len() + 4;
     // The line end counts, too.
@@ -216,6 +253,10 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+        super::read(bytes, false)
+    }
 
     /// A file of header `version`, with `dictionary` and the values as given bytes.
     fn file(version: u8, dictionary: &str, data: &[u8]) -> Vec<u8> {

@@ -4,13 +4,14 @@
 //! A vertex with z other than 0 is refused.
 
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
+use super::ply_outline::{OutlinedElement, elements};
 use super::xyz::planar;
 use super::{Columns, Raw};
 use crate::binary::{self, Cursor, Endian};
-use crate::error::{FilePlace, FormatError};
+use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
-use crate::text::{lines, number, push, words};
+use crate::text::{lines, number, push, split_line, words};
 
 /// Names of the provenance properties, of type uint.
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
@@ -30,7 +31,8 @@ struct PlyColumns {
 }
 
 impl PlyColumns {
-    fn find(vertex: &Element, format: Format, line: u64) -> Result<Self, FormatError> {
+    /// Finds the columns of the vertices. Of `any_z`, z is not read.
+    fn find(vertex: &Element, format: Format, line: u64, any_z: bool) -> Result<Self, FormatError> {
         let axis = |name: &str| {
             vertex.column(name).ok_or_else(|| FormatError::Header {
                 format,
@@ -48,7 +50,7 @@ impl PlyColumns {
 
         Ok(Self {
             position: [axis("x")?, axis("y")?],
-            z: vertex.column("z"),
+            z: vertex.column("z").filter(|_| !any_z),
             provenance: block
                 .zip(index)
                 .zip(iteration)
@@ -109,9 +111,9 @@ impl PlyColumns {
     }
 }
 
-pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
+pub(super) fn read(bytes: &[u8], format: Format, any_z: bool) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
-    let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1)?;
+    let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1, any_z)?;
     let (set, precision) = match header.encoding {
         // Text has no number type of its own: numbers are read as f64 whatever the header declares.
         Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
@@ -271,7 +273,7 @@ pub(super) struct PlyHead {
 pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
     let header = parse(bytes, FORMAT)?;
-    let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1)?;
+    let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1, false)?;
     let Encoding::Binary(endian) = header.encoding else {
         return Ok(None);
     };
@@ -292,6 +294,152 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
             endian,
         },
     }))
+}
+
+/// Returns the file with only those of its vertices that are kept, to the byte, and what is left out: elements with numbers of
+/// vertices, which would be those of others.
+pub(super) fn keep(
+    bytes: &[u8],
+    format: Format,
+    kept: &[bool],
+) -> Result<(Vec<u8>, Vec<String>), FormatError> {
+    let header = parse(bytes, format)?;
+    let elements = elements(&bytes[..header.data_offset], format)?;
+    let mut out = Vec::with_capacity(bytes.len() / 2);
+    keep_header(&bytes[..header.data_offset], &elements, kept, &mut out);
+
+    // In the order of the header, as the rows follow each other.
+    let mut rest = &bytes[header.data_offset..];
+    for element in &elements {
+        let length = element.length(rest, header.encoding)?;
+        let stays = |row: usize| {
+            !element.numbers_vertices
+                && (!element.is_vertex() || kept.get(row).is_none_or(|kept| *kept))
+        };
+        rest = match header.encoding {
+            Encoding::Ascii => keep_lines(rest, length, stays, &mut out),
+            Encoding::Binary(_) => {
+                let (rows, after) = rest.split_at(length);
+                // Only rows of vertices, which have no lists, are chosen from.
+                let width = if element.is_vertex() {
+                    header.vertex.width.max(1)
+                } else {
+                    length.max(1)
+                };
+                for (at, row) in rows.chunks_exact(width).enumerate() {
+                    if stays(at) {
+                        out.extend_from_slice(row);
+                    }
+                }
+                after
+            }
+        };
+    }
+    out.extend_from_slice(rest);
+    let left_out = elements.iter().filter(|element| element.numbers_vertices);
+    let left_out = left_out.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
+    Ok((out, left_out.collect()))
+}
+
+/// Appends the header, with the number of vertices that are kept and without elements that are left out.
+fn keep_header(header: &[u8], elements: &[OutlinedElement], kept: &[bool], out: &mut Vec<u8>) {
+    let mut from = 0;
+    for element in elements {
+        let changed = if element.numbers_vertices {
+            &element.lines[..]
+        } else {
+            &element.lines[..usize::from(element.is_vertex())]
+        };
+        // What stands between the lines that change is copied as it is, with remarks and line ends.
+        for line in changed {
+            out.extend_from_slice(&header[from..line.start]);
+            from = line.end;
+            if element.is_vertex() {
+                let (text, _) = split_line(&header[line.clone()]);
+                let count = kept.iter().filter(|kept| **kept).count();
+                push(out, format_args!("element vertex {count}"));
+                out.extend_from_slice(&header[line.start + text.len()..line.end]);
+            }
+        }
+    }
+    out.extend_from_slice(&header[from..]);
+}
+
+/// Appends those of the next rows that stay, and returns what follows them. A row is a line that is not blank.
+fn keep_lines<'a>(
+    text: &'a [u8],
+    rows: usize,
+    stays: impl Fn(usize) -> bool,
+    out: &mut Vec<u8>,
+) -> &'a [u8] {
+    let (mut rest, mut row) = (text, 0);
+    while row < rows && !rest.is_empty() {
+        let (line, after) = split_line(rest);
+        let is_blank = line.trim_ascii().is_empty();
+        if is_blank || stays(row) {
+            out.extend_from_slice(&rest[..rest.len() - after.len()]);
+        }
+        row += usize::from(!is_blank);
+        rest = after;
+    }
+    rest
+}
+
+/// Returns the numbers of a scalar property of the vertices.
+pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f64>, FormatError> {
+    let header = parse(bytes, format)?;
+    let vertex = &header.vertex;
+    let column = vertex.column(wanted).ok_or_else(|| {
+        let names = vertex.properties.iter().map(|it| quote(&it.name));
+        FormatError::Header {
+            format,
+            place: FilePlace::Line(header.data_line - 1),
+            reason: format!(
+                "vertices have no scalar property {wanted}; they have {}",
+                names.collect::<Vec<_>>().join(", ")
+            ),
+        }
+    })?;
+    // Other values than coordinates may be NaN or infinite, but nothing can be ordered by them.
+    let finite = |value: f64, place| {
+        let reason = format!("{wanted} is {value}, by which points cannot be ordered");
+        let fault = FormatError::Row {
+            format,
+            place,
+            reason,
+        };
+        Some(value).filter(|value| value.is_finite()).ok_or(fault)
+    };
+
+    let data = bytes.get(header.data_offset..).unwrap_or_default();
+    match header.encoding {
+        Encoding::Ascii => {
+            // Rows of text are lines; blank ones are none.
+            let before = header.before.iter().map(|element| element.count);
+            let before = before.fold(0, u64::saturating_add);
+            let rows = (lines(data).filter(|(_, row)| !row.is_empty()))
+                .skip(usize::try_from(before).unwrap_or(usize::MAX))
+                .take(usize::try_from(vertex.count).unwrap_or(usize::MAX));
+            rows.map(|(line, row)| {
+                let place = FilePlace::Line(line + header.data_line - 1);
+                let field = words(row).nth(column).unwrap_or_default();
+                finite(number(field, format, place)?, place)
+            })
+            .collect()
+        }
+        Encoding::Binary(endian) => {
+            let mut cursor = Cursor::new(data, 0, format);
+            for element in &header.before {
+                cursor.records(element.count, element.width as u64)?;
+            }
+            let rows = cursor.records(vertex.count, vertex.width as u64)?;
+            let property = &vertex.properties[column];
+            let value = |row: &[u8]| property.scalar.value(&row[property.offset..], endian);
+            let rows = rows.chunks_exact(vertex.width.max(1)).zip(0..);
+            rows.map(|(row, index)| finite(value(row), FilePlace::Point(index)))
+                .collect()
+        }
+    }
 }
 
 /// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
@@ -410,6 +558,10 @@ pub(super) fn push_rows(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
+        super::read(bytes, format, false)
+    }
 
     #[test]
     fn foreign_properties_and_elements_are_skipped() {

@@ -51,6 +51,20 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     Ok(Raw::new(points, Precision::Double))
 }
 
+/// Returns the text with only those of its pairs that are kept, each number as it was written.
+pub(super) fn keep_text(bytes: &[u8], kept: &[bool]) -> Vec<u8> {
+    let mut tokens = data_lines(bytes).flat_map(|(_, row)| words(row)).skip(1);
+    let mut out = Vec::with_capacity(bytes.len() / 2);
+    let count = kept.iter().filter(|kept| **kept).count();
+    push(&mut out, format_args!("{count}\n"));
+    for &is_kept in kept {
+        if let (true, Some(x), Some(y)) = (is_kept, tokens.next(), tokens.next()) {
+            out.extend_from_slice(&[x, b" ", y, b"\n"].concat());
+        }
+    }
+    out
+}
+
 fn count(token: &[u8], format: Format, place: FilePlace) -> Result<u64, FormatError> {
     let parsed = std::str::from_utf8(token).ok().and_then(|t| t.parse().ok());
     parsed.ok_or_else(|| FormatError::Header {

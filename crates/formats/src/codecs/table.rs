@@ -9,18 +9,98 @@ use crate::column_names as names;
 use crate::error::{FilePlace, FormatError, quote};
 use crate::fields::{QuotedRow, Separator, looks_numeric};
 use crate::format::{Format, Precision};
-use crate::text::{is_remark, number, split_line, without_bom, words};
+use crate::text::{is_remark, number, push, split_line, without_bom, words};
 
-/// Reads a whole table. `columns` are those that the caller chose.
+/// Reads a whole table. `columns` are those that the caller chose; of `any_z`, a column z is not read.
 pub(super) fn read(
     bytes: &[u8],
     format: Format,
     columns: Option<[&str; 2]>,
+    any_z: bool,
 ) -> Result<Raw, FormatError> {
     let (mut table, mut points) = (TextTable::new(format, columns), Vec::new());
+    table.any_z = any_z;
     table.take(bytes, &mut points)?;
     table.finish(points.len() as u64)?;
     Ok(Raw::new(points, Precision::Double))
+}
+
+/// Returns the table with only those of its rows that are kept. All other lines stay, and so does each row to the byte; a
+/// number of points that a line states is that of the new table.
+pub(super) fn keep(
+    bytes: &[u8],
+    format: Format,
+    columns: Option<[&str; 2]>,
+    kept: &[bool],
+) -> Result<Vec<u8>, FormatError> {
+    let mut table = TextTable::new(format, columns);
+    let mut rest = without_bom(bytes);
+    let mut out = bytes[..bytes.len() - rest.len()].to_vec();
+    while !rest.is_empty() {
+        let was_stated = table.stated.is_some();
+        let after = table.take_head(rest)?;
+        if table.rows.is_some() {
+            break;
+        }
+
+        // The line that stated the number of points states that of those kept.
+        let line = &rest[..rest.len() - after.len()];
+        if table.stated.is_some() && !was_stated {
+            let (text, _) = split_line(line);
+            let count = kept.iter().filter(|kept| **kept).count();
+            push(&mut out, format_args!("{count}"));
+            out.extend_from_slice(&line[text.len()..]);
+        } else {
+            out.extend_from_slice(line);
+        }
+        rest = after;
+    }
+
+    // The same lines are rows here as when points are read; all others stay where they are.
+    let mut kept = kept.iter();
+    while !rest.is_empty() {
+        let (row, after) = split_line(rest);
+        if !is_row(row) || kept.next().is_none_or(|kept| *kept) {
+            out.extend_from_slice(&rest[..rest.len() - after.len()]);
+        }
+        rest = after;
+    }
+    Ok(out)
+}
+
+/// Returns the numbers in a column, chosen by its name, or by its number from 1.
+pub(super) fn column(
+    bytes: &[u8],
+    format: Format,
+    columns: Option<[&str; 2]>,
+    wanted: &str,
+) -> Result<Vec<f64>, FormatError> {
+    let mut table = TextTable::new(format, columns);
+    let mut rest = without_bom(bytes);
+    while table.rows.is_none() && !rest.is_empty() {
+        rest = table.take_head(rest)?;
+    }
+
+    let mut values = Vec::new();
+    let Some(rows) = &mut table.rows else {
+        return Ok(values);
+    };
+    let place = FilePlace::Line(table.line + 1);
+    let column =
+        names::one(wanted, &rows.names, rows.count).map_err(|reason| FormatError::Header {
+            format,
+            place,
+            reason,
+        })?;
+    while !rest.is_empty() {
+        let row;
+        (row, rest) = split_line(rest);
+        table.line += 1;
+        if is_row(row) {
+            values.push(rows.value(row, column, FilePlace::Line(table.line))?);
+        }
+    }
+    Ok(values)
 }
 
 /// A table that is read line by line.
@@ -37,6 +117,8 @@ pub(crate) struct TextTable {
     remark: Header,
     /// The number of points, if a line states it.
     stated: Option<u64>,
+    /// Whether z may be anything.
+    any_z: bool,
     rows: Option<TableRows>,
 }
 
@@ -52,6 +134,8 @@ struct Header {
 struct TableRows {
     format: Format,
     separator: Separator,
+    /// The names of the columns, if they have names.
+    names: Vec<String>,
     /// Which columns are x and y.
     places: [usize; 2],
     /// Which column is z and must be 0.
@@ -72,6 +156,7 @@ impl TextTable {
             header: Header::default(),
             remark: Header::default(),
             stated: None,
+            any_z: false,
             rows: None,
         }
     }
@@ -239,6 +324,7 @@ impl TextTable {
         let mut rows = TableRows {
             format,
             separator,
+            names: names.clone(),
             places: [0, 1],
             z: None,
             count: found.max(names.len()),
@@ -267,6 +353,7 @@ impl TextTable {
         } else {
             rows.z = (found > 2).then_some(2);
         }
+        rows.z = rows.z.filter(|_| !self.any_z);
         Ok(rows)
     }
 }
@@ -293,6 +380,43 @@ impl TableRows {
                 self.point_of(row.split(|&b| b == by), place)
             }
         }
+    }
+
+    /// Returns the number in one column of a row.
+    fn value(&mut self, row: &[u8], column: usize, place: FilePlace) -> Result<f64, FormatError> {
+        let format = self.format;
+        let by = self.separator.byte();
+        // The same fields as those of the coordinates.
+        let field = if row.contains(&b'"') {
+            if !self.quoted.take(row) {
+                return Err(open_quote(format, place));
+            }
+            self.quoted.fields().nth(column)
+        } else if self.separator == Separator::Blank {
+            words(row).nth(column)
+        } else {
+            row.split(|&b| b == by).nth(column)
+        };
+
+        // NaN is a number to Rust, and to nobody who sorts.
+        let field = field.unwrap_or_default().trim_ascii();
+        let value = std::str::from_utf8(field)
+            .ok()
+            .and_then(|text| text.parse().ok());
+        value
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| {
+                let reason = format!(
+                    "\"{}\" in column {} is not a finite number, by which points could be ordered",
+                    quote(field),
+                    self.names.get(column).unwrap_or(&(column + 1).to_string())
+                );
+                FormatError::Row {
+                    format,
+                    place,
+                    reason,
+                }
+            })
     }
 
     fn point_of<'a>(

@@ -45,6 +45,41 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
     Ok(raw)
 }
 
+/// Returns the chosen set with only those of its lines that are kept.
+pub(super) fn keep_text(bytes: &[u8], chosen: Option<usize>, kept: &[bool]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(bytes.len() / 2);
+    // As they are read: a separator ends a set that is not empty.
+    let (mut set, mut is_begun, mut flags) = (0, false, kept.iter());
+    for (_, row) in lines(bytes).filter(|(_, row)| !row.is_empty()) {
+        // Remarks of other programs separate no sets.
+        if !is_remark(row) {
+            is_begun = true;
+            if set == chosen.unwrap_or(0) && flags.next().is_some_and(|kept| *kept) {
+                out.extend_from_slice(&[row, b"\n"].concat());
+            }
+        } else if row[0] == b'#' && is_begun {
+            (set, is_begun) = (set + 1, false);
+        }
+    }
+    out
+}
+
+/// Returns the chosen set with only those of its rows that are kept.
+pub(super) fn keep_binary(
+    bytes: &[u8],
+    chosen: Option<usize>,
+    kept: &[bool],
+) -> Result<Vec<u8>, FormatError> {
+    let UtkHead { precision, .. } = read_head(bytes)?;
+    let count = kept.iter().filter(|kept| **kept).count() as u64;
+    let width = 2 * precision.bytes();
+    let begin = HEADER_BYTES as usize + chosen.unwrap_or(0) * kept.len() * width;
+    let data = bytes.get(begin..).unwrap_or_default();
+    let mut out = head(count, precision)?;
+    out.extend(super::kept::rows(data, width, kept));
+    Ok(out)
+}
+
 fn choose(found: usize, chosen: Option<usize>, format: Format) -> Result<usize, FormatError> {
     match chosen {
         None if found == 1 => Ok(0),

@@ -28,7 +28,7 @@ mod tests {
 
     #[test]
     fn reads_coloured_planar_points_only() {
-        let read = |text: &[u8]| table::read(text, Format::Xyz, None);
+        let read = |text: &[u8]| table::read(text, Format::Xyz, None, false);
         let raw = read(b"0.5 0.25 0 255\r\n0.1\t0.2\t0.0 9").expect("planar");
         assert_eq!(raw.set.points, [[0.5, 0.25], [0.1, 0.2]]);
         let message = |text: &[u8]| read(text).err().expect("refused").to_string();

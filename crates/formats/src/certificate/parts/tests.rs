@@ -60,7 +60,7 @@ fn parts() -> [(&'static str, Value); 7] {
         ("prefix", json!({ "made": 20, "kept": 16, "factor": 1.008 })),
         (
             "thinned",
-            json!({ "source": digest(), "priority": "height" }),
+            json!({ "source": digest(), "given": 20, "priority": "random 7" }),
         ),
         ("radius", field()),
     ]
@@ -94,7 +94,7 @@ fn a_part_that_no_judge_takes_into_account_is_refused_by_name() {
         assert!(refusal(&older).contains(&format!("version 1 has no {name}")));
 
         // The control: parts that are judged.
-        if ["origin", "shape", "radius"].contains(&name) {
+        if ["origin", "shape", "radius", "thinned"].contains(&name) {
             let text = stated.to_string();
             Certificate::from_bytes(text.as_bytes(), "c").expect("a part that is judged");
             continue;
@@ -132,6 +132,7 @@ fn a_malformed_part_is_named_with_its_value_and_the_limit() {
         |digest: &str, pitch: f64| json!({ "kind": "mask", "digest": digest, "pitch": pitch });
     let prefix =
         |made: u32, kept: u32, factor: f64| json!({ "made": made, "kept": kept, "factor": factor });
+    let thinned = |source: &str, given: u32, priority: &str| json!({ "source": source, "given": given, "priority": priority });
     let capital = digest().to_uppercase();
     let cases = [
         ("origin", json!([1, 2, 3]), "invalid length 3"),
@@ -169,15 +170,12 @@ fn a_malformed_part_is_named_with_its_value_and_the_limit() {
             json!({ "made": 9, "kept": 4, "factor": 1, "seed": 3 }),
             "`seed`",
         ),
+        ("thinned", thinned(&digest(), 20, ""), "no name"),
+        ("thinned", thinned("", 20, "order"), "64 hexadecimal digits"),
         (
             "thinned",
-            json!({ "source": digest(), "priority": "" }),
-            "no name",
-        ),
-        (
-            "thinned",
-            json!({ "source": "", "priority": "z" }),
-            "64 hexadecimal digits",
+            thinned(&digest(), 0, "order"),
+            "at least one point",
         ),
     ];
     for (name, value, limit) in cases {
@@ -229,7 +227,11 @@ proptest! {
             depth: Some(Depth(depth)),
             shape: Some(shape),
             prefix: Some(CertifiedPrefix { made: u64::MAX, kept, factor }),
-            thinned: Some(Thinned { source: digest(), priority: kept.to_string() }),
+            thinned: Some(Thinned {
+                source: digest(),
+                given: kept,
+                priority: factor.to_string(),
+            }),
             ..serde_json::from_value(certificate()).expect("version 1")
         };
         let stated = stated.with_version();

@@ -3,7 +3,7 @@
 use super::*;
 
 fn points(text: &str) -> Result<Vec<[f64; 2]>, FormatError> {
-    read(text.as_bytes(), Format::Csv, None).map(|raw| raw.set.points)
+    super::read(text.as_bytes(), Format::Csv, None, false).map(|raw| raw.set.points)
 }
 
 fn message(text: &str) -> String {
@@ -142,7 +142,7 @@ fn other_faults_are_named_with_their_line() {
 #[test]
 fn chosen_columns_are_read_whatever_the_others_hold() {
     let read = |text: &str, a, b| {
-        read(text.as_bytes(), Format::Csv, Some([a, b])).map(|raw| raw.set.points)
+        super::read(text.as_bytes(), Format::Csv, Some([a, b]), false).map(|raw| raw.set.points)
     };
     let cloud = "x,y,z\n0.5,0.25,7\n";
     assert_eq!(read(cloud, "x", "z").expect("by name"), [[0.5, 7.0]]);

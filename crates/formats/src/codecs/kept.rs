@@ -1,0 +1,206 @@
+//! Files with only some of their points: what stands beside a point stays with it, to the byte where rows are copied.
+
+use serde_json::Value;
+
+use super::{Hint, detected, npy, ply, psa, table, utk};
+use crate::error::{FilePlace, FormatError};
+use crate::format::Format;
+use crate::text::{as_utf8, without_bom};
+
+/// A file with only those of its points that are kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct KeptRows {
+    /// The bytes of the file.
+    pub bytes: Vec<u8>,
+    /// What else is not in it, in words: the faces of a mesh, whose numbers of vertices would be those of others.
+    pub left_out: Vec<String>,
+}
+
+/// Returns a file with only those of its points that are kept, in the same format and order, with all of their columns.
+/// `kept` has a flag for each point that [`decode`](super::decode) returns, of the set that the hint chooses.
+///
+/// Rows are copied as they are, but text in UTF-16 becomes UTF-8, and members of JSON objects are sorted. A certificate inside
+/// the file, which is about all points, is left out.
+///
+/// # Errors
+///
+/// As [`decode`](super::decode), and [`FormatError::NotChosen`] for formats that cannot keep what belongs to a point.
+pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRows, FormatError> {
+    // As it was decoded, since flags go with the points that were read.
+    let bytes = &*as_utf8(bytes);
+    let format = detected(bytes, hint)?.format;
+    let mut left_out = Vec::new();
+    let bytes = match format {
+        Format::Csv | Format::Xyz => table::keep(bytes, format, hint.columns, kept),
+        Format::PsaText => Ok(psa::keep_text(bytes, kept)),
+        Format::PsaRps => Ok(rows(bytes, 8, kept)),
+        Format::UtkText => Ok(utk::keep_text(bytes, hint.set, kept)),
+        Format::UtkBinary => utk::keep_binary(bytes, hint.set, kept),
+        Format::Npy => npy::keep(bytes, kept),
+        Format::PlyAscii | Format::PlyBinary => {
+            let file;
+            (file, left_out) = ply::keep(bytes, format, kept)?;
+            Ok(file)
+        }
+        Format::Json => json(bytes, kept),
+        Format::Svg => Err(FormatError::NotChosen {
+            format,
+            reason: "a circle may have a style that other elements give it; convert the file to csv first",
+        }),
+    }?;
+
+    Ok(KeptRows { bytes, left_out })
+}
+
+/// Returns the numbers of a column, one for each point: of a text table, by its name or its number from 1; a scalar property of
+/// PLY vertices; a property of `GeoJSON` points.
+///
+/// # Errors
+///
+/// As [`decode`](super::decode), and when there is no such column or one of its values is no finite number.
+pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>, FormatError> {
+    let bytes = &*as_utf8(bytes);
+    let format = detected(bytes, hint)?.format;
+    match format {
+        Format::Csv | Format::Xyz => table::column(bytes, format, hint.columns, name),
+        Format::PlyAscii | Format::PlyBinary => ply::column(bytes, format, name),
+        Format::Json => json_column(bytes, name),
+        Format::PsaText
+        | Format::PsaRps
+        | Format::UtkText
+        | Format::UtkBinary
+        | Format::Npy
+        | Format::Svg => Err(FormatError::NotChosen {
+            format,
+            reason: "points have no column beside their coordinates to be ordered by",
+        }),
+    }
+}
+
+/// Returns the rows of so many bytes that are kept.
+pub(super) fn rows(data: &[u8], width: usize, kept: &[bool]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let rows = data.chunks_exact(width).zip(kept);
+    for (row, _) in rows.filter(|(_, kept)| **kept) {
+        out.extend_from_slice(row);
+    }
+    out
+}
+
+/// The member of an object that holds its points, and the member of a certificate.
+const POINTS: &str = "points";
+const CERTIFICATE: &str = "certificate";
+const COORDINATES: &str = "coordinates";
+
+fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
+    let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
+    let mut flags = kept.iter().copied();
+    match &mut document {
+        // A bare list of points.
+        Value::Array(points) => points.retain(|_| flags.next().unwrap_or(true)),
+        Value::Object(members) if members.contains_key(POINTS) => {
+            members.remove(CERTIFICATE);
+            // A list of as many entries as there are points has one for each of them, as the provenance does.
+            let lists = members.values_mut().filter_map(Value::as_array_mut);
+            for list in lists.filter(|list| list.len() == kept.len()) {
+                let mut flags = kept.iter();
+                list.retain(|_| flags.next().is_none_or(|kept| *kept));
+            }
+        }
+        object => {
+            keep_geo(object, &mut flags);
+        }
+    }
+    let mut out = serde_json::to_vec(&document)?;
+    out.push(b'\n');
+    Ok(out)
+}
+
+/// Takes the points that are not kept out of an object of `GeoJSON`, in the order in which they are read. Returns whether any
+/// is left.
+fn keep_geo(object: &mut Value, flags: &mut impl Iterator<Item = bool>) -> bool {
+    // In the order in which points are read, or flags would be those of others.
+    let mut is_left = false;
+    if let Some(features) = object.get_mut("features").and_then(Value::as_array_mut) {
+        features.retain_mut(|feature| keep_geo(feature, flags));
+        is_left |= !features.is_empty();
+    }
+    if let Some(geometry) = object.get_mut("geometry") {
+        is_left |= keep_geo(geometry, flags);
+    }
+    if let Some(coordinates) = object.get_mut(COORDINATES).and_then(Value::as_array_mut) {
+        // Several positions, or the numbers of one.
+        if coordinates.first().is_some_and(Value::is_array) {
+            coordinates.retain(|_| flags.next().unwrap_or(true));
+            is_left |= !coordinates.is_empty();
+        } else if !coordinates.is_empty() {
+            is_left |= flags.next().unwrap_or(true);
+        }
+    }
+    is_left
+}
+
+fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
+    let document: Value = serde_json::from_slice(without_bom(bytes))?;
+    let format = Format::Json;
+    let Some(features) = document.get("features").and_then(Value::as_array) else {
+        return Err(FormatError::NotChosen {
+            format,
+            reason: "only the features of a GeoJSON FeatureCollection have properties to be ordered by",
+        });
+    };
+
+    let mut values = Vec::new();
+    for feature in features {
+        let place = FilePlace::Point(values.len() as u64);
+        // Other types than numbers have no order that everybody would expect.
+        let property = &feature["properties"][name];
+        let value = property.as_f64().ok_or_else(|| FormatError::Row {
+            format,
+            place,
+            reason: format!("the property {name} is {property}, by which points cannot be ordered"),
+        })?;
+        // All points of a feature share its properties.
+        let coordinates = feature["geometry"][COORDINATES].as_array();
+        let points = coordinates.map_or(0, |all| {
+            let are_several = all.first().is_some_and(Value::is_array);
+            if are_several { all.len() } else { 1 }
+        });
+        values.extend(std::iter::repeat_n(value, points));
+    }
+    Ok(values)
+}
+
+/// Returns a JSON point set without third coordinates.
+pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+    let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
+    flatten(&mut document, true);
+    Ok(serde_json::to_vec(&document)?)
+}
+
+/// Cuts positions to two numbers: those among coordinates or points, which `is_place` says of this value.
+fn flatten(value: &mut Value, is_place: bool) {
+    match value {
+        Value::Array(list) if is_place => {
+            // What is no position is refused when it is read.
+            if list.len() == 3 && list.iter().all(Value::is_number) {
+                list.truncate(2);
+            }
+            list.iter_mut().for_each(|inner| flatten(inner, true));
+        }
+        Value::Array(list) => list.iter_mut().for_each(|inner| flatten(inner, false)),
+        Value::Object(members) => {
+            for (name, member) in members {
+                // Lists of three numbers elsewhere, as in properties, stay.
+                let is_place = name == POINTS || name == COORDINATES;
+                if is_place || name == "features" || name == "geometry" {
+                    flatten(member, is_place);
+                }
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests;

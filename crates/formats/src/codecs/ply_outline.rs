@@ -1,0 +1,118 @@
+//! All elements of a PLY file, with their lines in the header and their lists: what is needed to write the file again without
+//! some of its rows. Reading points needs less, which [`super::ply_header`] has.
+
+use std::ops::Range;
+
+use super::ply_header::{Encoding, Scalar};
+use crate::binary::Cursor;
+use crate::error::{FilePlace, FormatError, quote};
+use crate::format::Format;
+use crate::text::words;
+
+/// How a property stands in a row.
+#[derive(Clone, Copy, Debug)]
+enum Stored {
+    Scalar(Scalar),
+    /// A number of items, and so many of them.
+    List {
+        count: Scalar,
+        item: Scalar,
+    },
+}
+
+/// An element with all of its properties.
+#[derive(Clone, Debug)]
+pub(super) struct OutlinedElement {
+    pub name: Vec<u8>,
+    pub count: u64,
+    stored: Vec<Stored>,
+    /// Whether a property has numbers of vertices, as the faces and the edges of a mesh have.
+    pub numbers_vertices: bool,
+    /// Where its lines are in the header.
+    pub lines: Vec<Range<usize>>,
+}
+
+impl OutlinedElement {
+    pub fn is_vertex(&self) -> bool {
+        self.name == b"vertex"
+    }
+
+    /// Returns how many of some bytes are its rows, or, in text, how many lines.
+    pub fn length(&self, bytes: &[u8], encoding: Encoding) -> Result<usize, FormatError> {
+        let Encoding::Binary(endian) = encoding else {
+            return Ok(usize::try_from(self.count).unwrap_or(usize::MAX));
+        };
+        let mut cursor = Cursor::new(bytes, 0, Format::PlyBinary);
+        let width = |stored: &Stored| match stored {
+            Stored::Scalar(scalar) => Some(scalar.bytes() as u64),
+            Stored::List { .. } => None,
+        };
+        // Rows without lists have one width.
+        if let Some(width) = self.stored.iter().map(width).sum::<Option<u64>>() {
+            cursor.records(self.count, width)?;
+            return Ok(cursor.offset() as usize);
+        }
+
+        for _ in 0..self.count {
+            for stored in &self.stored {
+                match *stored {
+                    Stored::Scalar(scalar) => cursor.take(scalar.bytes() as u64)?,
+                    Stored::List { count, item } => {
+                        let items = count.value(cursor.take(count.bytes() as u64)?, endian);
+                        // A negative number of items becomes none.
+                        cursor.records(items as u64, item.bytes() as u64)?
+                    }
+                };
+            }
+        }
+        Ok(cursor.offset() as usize)
+    }
+}
+
+/// Returns the elements of a header, which was read without a fault.
+pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElement>, FormatError> {
+    let (mut elements, mut begin) = (Vec::<OutlinedElement>::new(), 0);
+    for (row, line) in header.split_inclusive(|&b| b == b'\n').zip(1..) {
+        let at = begin..begin + row.len();
+        begin = at.end;
+        // The names of types in lists were not looked at before.
+        let scalar = |name: &[u8]| {
+            Scalar::from_name(name).ok_or_else(|| FormatError::Header {
+                format,
+                place: FilePlace::Line(line),
+                reason: format!("\"{}\" is not a type", quote(name)),
+            })
+        };
+
+        let fields: Vec<&[u8]> = words(row).collect();
+        let (stored, name) = match fields[..] {
+            [b"element", name, count] => {
+                let count = std::str::from_utf8(count)
+                    .ok()
+                    .and_then(|it| it.parse().ok());
+                elements.push(OutlinedElement {
+                    name: name.to_vec(),
+                    count: count.unwrap_or(0),
+                    stored: Vec::new(),
+                    numbers_vertices: false,
+                    lines: vec![at],
+                });
+                continue;
+            }
+            // Before the scalars, whose pattern has fewer words.
+            [b"property", b"list", count, item, name] => {
+                let (count, item) = (scalar(count)?, scalar(item)?);
+                (Stored::List { count, item }, name)
+            }
+            [b"property", of, name] => (Stored::Scalar(scalar(of)?), name),
+            _ => continue,
+        };
+        // A property before any element was refused.
+        if let Some(element) = elements.last_mut() {
+            element.stored.push(stored);
+            element.lines.push(at);
+            element.numbers_vertices |= !element.is_vertex() && name.starts_with(b"vertex");
+        }
+    }
+    Ok(elements)
+}

@@ -1,0 +1,169 @@
+//! Certificates of thinned sets: what they state, and which points of the source a file has.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use tilescope_analysis::{Judge, Region, ThinnedReport};
+
+use crate::certificate::{Certificate, CertifiedRadius, NoOther, Thinned};
+use crate::check::{CertificateDifference, Contents, Differences, contradictions};
+use crate::codecs::ReadSet;
+use crate::digest::{bytes_digest, positions_digest};
+
+/// What a certificate of a thinned set is made from.
+#[derive(Clone, Debug)]
+pub struct ThinnedFacts<'a> {
+    /// The file's name.
+    pub name: &'a str,
+    /// The bytes of the file.
+    pub data: &'a [u8],
+    /// What was read from these bytes, as [`decode`](crate::decode) returns it.
+    pub read: &'a ReadSet,
+    /// A rectangle around all points given.
+    pub region: Region,
+    /// Where its lower corner lies.
+    pub origin: [f64; 2],
+    /// The radius, or the radii of points.
+    pub radius: CertifiedRadius,
+    /// How the points were chosen.
+    pub parameters: BTreeMap<String, Value>,
+    /// From what they were chosen.
+    pub thinned: Thinned,
+    /// What a judge found.
+    pub report: &'a ThinnedReport,
+}
+
+impl ThinnedFacts<'_> {
+    /// Returns the certificate.
+    #[must_use]
+    pub fn certificate(&self) -> Certificate {
+        let (report, read) = (self.report, self.read);
+        let count = read.set.len() as u64;
+
+        // What is measured of maximal sets alone stays null: it would say something of places without points.
+        let stated = Certificate {
+            format_version: 1,
+            program: "tilescope".to_owned(),
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: "thinned".to_owned(),
+            parameters: self.parameters.clone(),
+            region: self.region,
+            origin: Some(self.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
+            depth: None,
+            shape: None,
+            radius: self.radius.clone(),
+            // Points, and no places, are to be near a kept one, and that is decided exactly.
+            covering_tolerance: 0.0,
+            count,
+            min_distance: None,
+            covering_radius: None,
+            conflicts: report.conflicts,
+            gaps: report.uncovered,
+            density: count as f64 * self.radius.least().powi(2) / self.region.area(),
+            relative_radius: None,
+            valid: report.valid(),
+            judges: vec![Judge::Subdivision],
+            levels: Vec::new(),
+            prefix: None,
+            thinned: Some(self.thinned.clone()),
+            file: self.name.to_owned(),
+            file_format: read.detection.format,
+            precision: read.precision,
+            scale: 1.0,
+            shuffle_seed: None,
+            rounding: None,
+            positions_digest: positions_digest(&read.set.points),
+            digest: Some(bytes_digest(self.data)),
+            others: NoOther,
+        };
+        stated.with_version()
+    }
+}
+
+impl Certificate {
+    /// Returns the statements of this certificate of a thinned set that are not true, `found` being the one that was made anew
+    /// from the file and, where it was given, from the set from which the points were chosen.
+    #[must_use]
+    pub fn thinned_differences(&self, found: &Self) -> Vec<CertificateDifference> {
+        let contents = Contents {
+            format: found.file_format,
+            precision: found.precision,
+            digest: found.digest.clone(),
+            positions_digest: found.positions_digest.clone(),
+            count: found.count,
+        };
+        // Numbers that follow from others are compared as for every certificate.
+        let mut list = Differences(contradictions(self, &contents));
+        list.exact("radius", &self.radius, &found.radius);
+        list.exact("conflicts", &self.conflicts, &found.conflicts);
+        list.exact("gaps", &self.gaps, &found.gaps);
+        // A set that measures nothing states nothing.
+        list.measure("min_distance", self.min_distance, None);
+        list.measure("covering_radius", self.covering_radius, None);
+        list.measure("relative_radius", self.relative_radius, None);
+        if let (Some(stated), Some(found)) = (&self.thinned, &found.thinned) {
+            list.exact("thinned.source", &stated.source, &found.source);
+            list.exact("thinned.given", &stated.given, &found.given);
+        }
+        list.0
+    }
+}
+
+/// Returns which of the points given are those of a thinned file; of copies of a point, the one of the least rank. The error is
+/// the index of the first point of the file that is none of them, or that stands there a second time.
+///
+/// # Errors
+///
+/// See above.
+pub fn implied_kept(
+    given: &[[f64; 2]],
+    thinned: &[[f64; 2]],
+    ranks: Option<&[u32]>,
+) -> Result<Vec<bool>, usize> {
+    let bits = |point: &[f64; 2]| point.map(f64::to_bits);
+    let mut sorted: Vec<([u64; 2], usize)> = thinned.iter().map(bits).zip(0..).collect();
+    sorted.sort_unstable();
+    // Two copies are nearer than any radius.
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        return Err(pair[1].1);
+    }
+
+    // Of copies only the first by rank can have been kept: it is near all others.
+    let rank = |index: usize| ranks.map_or(index as u32, |ranks| ranks[index]);
+    let mut found: Vec<Option<usize>> = vec![None; sorted.len()];
+    for (index, point) in given.iter().enumerate() {
+        if let Ok(at) = sorted.binary_search_by_key(&bits(point), |&(bits, _)| bits) {
+            let earlier = found[at].is_none_or(|other| rank(index) < rank(other));
+            if earlier {
+                found[at] = Some(index);
+            }
+        }
+    }
+
+    let mut kept = vec![false; given.len()];
+    for (found, (_, place)) in found.iter().zip(&sorted) {
+        kept[found.ok_or(*place)?] = true;
+    }
+    Ok(kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_told_apart_by_rank() {
+        let given = [[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [0.0, 0.0], [-0.0, 0.0]];
+        let kept = |thinned: &[[f64; 2]], ranks| implied_kept(&given, thinned, ranks);
+        let first = [true, true, false, false, false];
+        assert_eq!(kept(&given[..2], None), Ok(first.to_vec()));
+        let last = [false, true, true, false, false];
+        assert_eq!(kept(&given[..2], Some(&[4, 3, 2, 1, 0])), Ok(last.to_vec()));
+        let zeros = [false, false, false, true, true];
+        assert_eq!(kept(&given[3..], None), Ok(zeros.to_vec()));
+
+        // One that is none of them, and one twice.
+        assert_eq!(kept(&[[3.0, 4.0], [3.0, 5.0]], None), Err(1));
+        assert_eq!(kept(&[[3.0, 4.0], [1.0, 2.0], [3.0, 4.0]], None), Err(2));
+    }
+}
