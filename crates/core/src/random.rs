@@ -34,6 +34,8 @@ pub enum Stream {
     Sequence = 13,
     /// Whether a dart stays where the radius is larger than the side of its base cell.
     Thin = 14,
+    /// The place of a point in the order in which a cloud is thinned.
+    Priority = 15,
 }
 
 /// A 64-bit key from which draws and further keys are derived.

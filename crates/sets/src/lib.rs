@@ -4,7 +4,8 @@
 //! set with its [`Facts`]: how it was made, and the domain and radius that a verdict on it is about. [`Facts::context`] is what
 //! an export certifies.
 //!
-//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`].
+//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`]. [`thinning`] chooses from points that
+//! are there.
 //!
 //! The sampler and the verifier share nothing, so that they cannot be wrong together. Their types meet here: [`region()`] is
 //! the sampler's domain as the verifier has it.
@@ -32,6 +33,7 @@ mod made;
 mod recipe;
 #[cfg(test)]
 mod tests;
+pub mod thinning;
 mod varying;
 
 pub use domain::{GivenDomain, KnownDomain, check_or_unit_square, region, region_in_radii};

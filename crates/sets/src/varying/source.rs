@@ -63,6 +63,17 @@ impl RadiusSource {
         scaled
     }
 
+    /// Returns the radius that is the same everywhere, if it is.
+    pub(crate) const fn constant(&self) -> Option<f64> {
+        match self {
+            Self::Constant(radius) => Some(*radius),
+            Self::Expression { .. }
+            | Self::Image { .. }
+            | Self::Density { .. }
+            | Self::Grid { .. } => None,
+        }
+    }
+
     /// Refuses sources that define no field.
     pub(super) fn check(&self) -> Result<(), VaryingError> {
         match self {
@@ -97,7 +108,7 @@ impl RadiusSource {
     }
 
     /// Returns the source that a certificate states, with the image or the expression that is given.
-    pub(super) fn of_certificate(
+    pub(crate) fn of_certificate(
         stated: &Certificate,
         given: GivenRadius,
     ) -> Result<Self, VaryingError> {
@@ -158,7 +169,7 @@ impl RadiusSource {
     }
 
     /// Returns the parameter that states this source.
-    pub(super) fn stated(&self) -> (&'static str, Value) {
+    pub(crate) fn stated(&self) -> (&'static str, Value) {
         match self {
             Self::Constant(radius) => ("radius", json!(radius)),
             Self::Expression { expression, scale } => {

@@ -1,0 +1,270 @@
+//! The points of one octave of radii in the cells of a grid, sorted by cell and, in a cell, by rank.
+//!
+//! Only cells with points exist, so that the memory follows the points and not the rectangle around them.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
+/// A cell is wider than the reach of its points by this share: positions in a grid of up to 2^31 cells are rounded by less.
+const MARGIN: f64 = 1.0 / (1 << 16) as f64;
+
+/// The most cells along a side of a grid, so that two numbers fit into a key.
+pub(super) const MAX_CELLS: f64 = (1_u64 << 31) as f64;
+
+/// The cells that a grid has along x and y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    low: [f64; 2],
+    /// Cells of a unit of length, along x and y.
+    inverse: [f64; 2],
+    /// How many cells there are along x and y.
+    cells: [u32; 2],
+    is_periodic: bool,
+}
+
+/// The place of a cell in its grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub column: u32,
+    pub row: u32,
+}
+
+impl Place {
+    fn of(key: u64) -> Self {
+        Self {
+            column: key as u32,
+            row: (key >> 32) as u32,
+        }
+    }
+
+    fn key(self) -> u64 {
+        u64::from(self.row) << 32 | u64::from(self.column)
+    }
+}
+
+/// A run of neighbouring numbers of rows or columns, both ends included.
+type Span = (u32, u32);
+
+impl Grid {
+    /// Returns a grid of a rectangle, with cells in which points that are nearer than `reach` lie at most one cell apart.
+    pub fn new(low: [f64; 2], size: [f64; 2], reach: f64, is_periodic: bool) -> Self {
+        let wished = reach * (1.0 + MARGIN);
+        let cells = size.map(|side| (side / wished).floor().clamp(1.0, MAX_CELLS));
+        // On a torus cells are of equal width, so that the last one ends where the first begins.
+        let inverse = [0, 1].map(|axis| {
+            if is_periodic {
+                cells[axis] / size[axis]
+            } else {
+                1.0 / wished
+            }
+        });
+        Self {
+            low,
+            inverse,
+            cells: cells.map(|count| count as u32),
+            is_periodic,
+        }
+    }
+
+    /// Returns the cell of a point of the rectangle.
+    pub fn place(&self, point: [f64; 2]) -> Place {
+        let [column, row] = [0, 1].map(|axis| {
+            let along = (point[axis] - self.low[axis]) * self.inverse[axis];
+            let last = self.cells[axis].saturating_sub(u32::from(self.is_periodic));
+            // The upper border belongs to a cell, too.
+            (along.max(0.0) as u32).min(last)
+        });
+        Place { column, row }
+    }
+
+    /// Returns the numbers along an axis that are at most `steps` from `at`: on a torus there may be two runs of them.
+    fn around(&self, axis: usize, at: u32, steps: u32) -> [Option<Span>; 2] {
+        let count = self.cells[axis];
+        let (low, high) = (at.checked_sub(steps), at + steps);
+        if !self.is_periodic {
+            return [Some((low.unwrap_or(0), high)), None];
+        }
+        if 2 * steps + 1 >= count {
+            return [Some((0, count - 1)), None];
+        }
+        match low {
+            None => [Some((0, high)), Some((at + count - steps, count - 1))],
+            Some(low) if high >= count => [Some((low, count - 1)), Some((0, high - count))],
+            Some(low) => [Some((low, high)), None],
+        }
+    }
+}
+
+/// The points of an octave, and what is decided of them.
+#[derive(Debug)]
+pub(super) struct Layer {
+    pub grid: Grid,
+    /// The cells that have points, in order.
+    keys: Vec<u64>,
+    /// Where the points of each cell begin; the last number is that of all points.
+    starts: Vec<u32>,
+    /// Where the cells of each row begin, if there are not many more rows than cells.
+    rows: Option<Vec<u32>>,
+    pub points: Vec<[f64; 2]>,
+    pub ranks: Vec<u32>,
+    /// The index of each point in the cloud.
+    pub indices: Vec<u32>,
+    /// The first point of each cell that is not decided.
+    heads: Vec<AtomicU32>,
+    /// How many points of each cell are kept.
+    counts: Vec<AtomicU32>,
+    /// The kept points of each cell, from its start on.
+    kept: Vec<AtomicU32>,
+    /// Cells that wait for the cells of other bands.
+    pub stuck: Vec<AtomicBool>,
+}
+
+/// A point in a grid, before it is sorted.
+type Entry = (u64, u32, u32);
+
+impl Layer {
+    /// Sorts the points of these indices into cells.
+    pub fn new(
+        grid: Grid,
+        indices: impl IndexedParallelIterator<Item = u32>,
+        points: &[[f64; 2]],
+        ranks: Option<&[u32]>,
+    ) -> Self {
+        let entry = |index: u32| {
+            let rank = ranks.map_or(index, |ranks| ranks[index as usize]);
+            (grid.place(points[index as usize]).key(), rank, index)
+        };
+        let mut entries: Vec<Entry> = indices.map(entry).collect();
+        // Ranks differ, so that the order is the only one, whatever the threads do.
+        entries.par_sort_unstable();
+
+        // From here on a cell is known by its number among those that have points.
+        let (mut keys, mut starts) = (Vec::new(), Vec::new());
+        for (at, (key, ..)) in entries.iter().enumerate() {
+            if keys.last() != Some(key) {
+                keys.push(*key);
+                starts.push(at as u32);
+            }
+        }
+        starts.push(entries.len() as u32);
+
+        let zeros = |count: usize| (0..count).map(|_| AtomicU32::new(0)).collect();
+        Self {
+            rows: rows(&keys, grid.cells[1]),
+            points: (entries.par_iter())
+                .map(|&(.., index)| points[index as usize])
+                .collect(),
+            ranks: entries.par_iter().map(|&(_, rank, _)| rank).collect(),
+            indices: entries.par_iter().map(|&(.., index)| index).collect(),
+            heads: starts.iter().map(|&start| AtomicU32::new(start)).collect(),
+            counts: zeros(keys.len()),
+            kept: zeros(entries.len()),
+            stuck: keys.iter().map(|_| AtomicBool::new(false)).collect(),
+            grid,
+            keys,
+            starts,
+        }
+    }
+
+    /// Returns how many cells there are.
+    pub fn cells(&self) -> u32 {
+        self.keys.len() as u32
+    }
+
+    pub fn place(&self, cell: u32) -> Place {
+        Place::of(self.keys[cell as usize])
+    }
+
+    /// Returns the first point of a cell that is not decided, if there is one.
+    ///
+    /// Of what another thread has kept, [`Self::kept`] then returns at least all that came before.
+    pub fn head(&self, cell: u32) -> Option<u32> {
+        let head = self.heads[cell as usize].load(Ordering::Acquire);
+        (head < self.starts[cell as usize + 1]).then_some(head)
+    }
+
+    /// Returns the kept points of a cell.
+    pub fn kept(&self, cell: u32) -> impl Iterator<Item = u32> {
+        let start = self.starts[cell as usize];
+        let count = self.counts[cell as usize].load(Ordering::Acquire);
+        (start..start + count).map(|slot| self.kept[slot as usize].load(Ordering::Relaxed))
+    }
+
+    /// Decides the first open point of a cell, which only one thread at a time may do.
+    pub fn decide(&self, cell: u32, is_kept: bool) {
+        let cell = cell as usize;
+        let head = self.heads[cell].load(Ordering::Relaxed);
+        if is_kept {
+            let count = self.counts[cell].load(Ordering::Relaxed);
+            self.kept[(self.starts[cell] + count) as usize].store(head, Ordering::Relaxed);
+            self.counts[cell].store(count + 1, Ordering::Release);
+        }
+        // Last, so that who sees the new head also sees what was kept.
+        self.heads[cell].store(head + 1, Ordering::Release);
+    }
+
+    /// Returns the band of a row, if there are so many bands from the lowest row to the highest.
+    pub fn band(&self, row: u32, bands: u32) -> u32 {
+        let rows = u64::from(self.grid.cells[1]) + 1;
+        (u64::from(row) * u64::from(bands) / rows) as u32
+    }
+
+    /// Returns the cells of a band, which follow each other.
+    pub fn cells_of_band(&self, band: u32, bands: u32) -> std::ops::Range<u32> {
+        let before = |band: u32| {
+            let is_before = |key: &u64| self.band(Place::of(*key).row, bands) < band;
+            self.keys.partition_point(is_before) as u32
+        };
+        before(band)..before(band + 1)
+    }
+
+    /// Appends the cells that are at most `steps` rows and columns from a place.
+    pub fn add_around(&self, at: Place, steps: u32, mut add: impl FnMut(u32)) {
+        let rows = self.grid.around(1, at.row, steps);
+        let columns = self.grid.around(0, at.column, steps);
+        // Cells of a row follow each other, so that one search finds all that are near.
+        for row in rows
+            .into_iter()
+            .flatten()
+            .flat_map(|(low, high)| low..=high)
+        {
+            for (low, high) in columns.into_iter().flatten() {
+                let [low, high] = [low, high].map(|column| Place { column, row }.key());
+                let (begin, end) = self.row(row);
+                let keys = &self.keys[begin..end];
+                let first = keys.partition_point(|&key| key < low);
+                let within = keys[first..].iter().take_while(|&&key| key <= high);
+                for (cell, _) in ((begin + first) as u32..).zip(within) {
+                    add(cell);
+                }
+            }
+        }
+    }
+
+    /// Returns where the cells of a row may be found.
+    fn row(&self, row: u32) -> (usize, usize) {
+        let all = self.keys.len();
+        let Some(rows) = &self.rows else {
+            return (0, all);
+        };
+        let begin = |row: usize| rows.get(row).map_or(all, |&begin| begin as usize);
+        (begin(row as usize), begin(row as usize + 1))
+    }
+}
+
+/// Returns where the cells of each row begin; nothing if most rows would be empty, as where a point lies far from all others.
+fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
+    let count = count as usize + 2;
+    if count > 4 * keys.len() + 1024 {
+        return None;
+    }
+    let mut rows = Vec::with_capacity(count);
+    for (cell, &key) in keys.iter().enumerate() {
+        let row = Place::of(key).row as usize;
+        while rows.len() <= row {
+            rows.push(cell as u32);
+        }
+    }
+    Some(rows)
+}

@@ -1,0 +1,431 @@
+//! Files of points, thinned: what they were chosen from, the choice, its verdict and its certificate.
+
+use rayon::prelude::*;
+use tilescope_analysis::{Control, Number, Region, ThinnedReport, VerifyError};
+use tilescope_core::Boundary;
+use tilescope_formats::{
+    Certificate, CertifiedRadius, Format, FormatError, Hint, KeptRows, ReadSet, Thinned,
+    ThinnedFacts, decode, detect, keep_rows, positions_digest, read_column,
+};
+
+use super::{
+    Cloud, CloudRadii, ThinError, ThinningPriority, Torus, UnknownPriority, bounds, judge, ranks,
+    thin,
+};
+use crate::facts::Stated;
+use crate::varying::{GivenRadius, RadiusSource, VaryingError, VaryingRecipe};
+
+/// Why a file of points cannot be thinned, or a thinned one not be judged.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ThinFileError {
+    /// The file cannot be read, or not be written with fewer points.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The points cannot be thinned.
+    #[error(transparent)]
+    Thin(#[from] ThinError),
+    /// The radii cannot be had.
+    #[error(transparent)]
+    Varying(#[from] VaryingError),
+    /// The order of the points is not known.
+    #[error("the certificate cannot be judged: {0}")]
+    Priority(#[from] UnknownPriority),
+    /// There is no verdict.
+    #[error("the thinned set has no verdict: {0}")]
+    Verify(#[from] VerifyError),
+    /// The points seem to be longitudes and latitudes.
+    #[error(
+        "all points lie within 180 and 90, as longitudes and latitudes do: distances in degrees are not those of a plane; \
+         project the points to a plane first, or let --planar take them as they are"
+    )]
+    Degrees,
+    /// A point lies outside the domain that was given.
+    #[error("point {index} at ({x}, {y}) lies outside the domain, {region} from its corner at {} {}", origin[0], origin[1])]
+    Outside {
+        /// The index of the first such point.
+        index: usize,
+        /// Its coordinates.
+        x: f64,
+        /// Its coordinates.
+        y: f64,
+        /// The domain.
+        region: Region,
+        /// Where its lower corner lies.
+        origin: [f64; 2],
+    },
+    /// The rectangle around the points is no region.
+    #[error("the points reach over {} x {}, which is no region that can be certified", Number(size[0]), Number(size[1]))]
+    Region {
+        /// Its sides.
+        size: [f64; 2],
+    },
+    /// The file would be read in another way under its new name.
+    #[error(
+        "called {name}, the file would be read as {found} and not as {format}; give it the extension of the input"
+    )]
+    Misnamed {
+        /// The new name.
+        name: String,
+        /// How it would be read.
+        found: Format,
+        /// How it is read now.
+        format: Format,
+    },
+    /// The points that were read back are not those that were kept.
+    #[error("reading back gave other points than were kept")]
+    ReadBack,
+}
+
+/// A file of points, read.
+#[derive(Debug)]
+pub struct PointFile<'a> {
+    /// The bytes of the file.
+    pub bytes: &'a [u8],
+    /// How they are read.
+    pub hint: Hint<'a>,
+    /// What was read, in the coordinates of the file.
+    pub read: ReadSet,
+}
+
+impl<'a> PointFile<'a> {
+    /// Reads the points of a file as they are, without a certificate.
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError::Format`].
+    pub fn new(bytes: &'a [u8], hint: Hint<'a>) -> Result<Self, ThinFileError> {
+        let read = decode(bytes, &hint)?;
+        Ok(Self { bytes, hint, read })
+    }
+
+    /// Returns the points, in the coordinates of the file.
+    #[must_use]
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.read.set.points
+    }
+
+    /// Returns how the points chosen from this file are read from a file of that name.
+    #[must_use]
+    pub fn hint_of_chosen<'b>(&self, name: &'b str) -> Hint<'b>
+    where
+        'a: 'b,
+    {
+        Hint {
+            name,
+            // Of several sets one is left.
+            set: None,
+            ..self.hint
+        }
+    }
+
+    /// Refuses a name under which the file would be read in another way.
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError::Misnamed`].
+    pub fn check_name(&self, name: &str) -> Result<(), ThinFileError> {
+        let (found, format) = (
+            detect(self.bytes, name.as_ref())?.format,
+            self.read.detection.format,
+        );
+        // Where columns are chosen, lines of numbers are a table.
+        let is_table = self.hint.columns.is_some() && found == Format::UtkText;
+        if found == format || is_table || self.hint.format.is_some() {
+            return Ok(());
+        }
+        Err(self.misnamed(name, found))
+    }
+
+    fn misnamed(&self, name: &str, found: Format) -> ThinFileError {
+        ThinFileError::Misnamed {
+            name: name.to_owned(),
+            found,
+            format: self.read.detection.format,
+        }
+    }
+
+    /// Returns the file with only those points that are kept, to be called `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError`] where the format cannot keep what belongs to a point, and as [`Self::check_name`].
+    pub fn keep<'b>(
+        &self,
+        kept: &[bool],
+        rows: &'b mut KeptRows,
+        name: &'b str,
+    ) -> Result<PointFile<'b>, ThinFileError>
+    where
+        'a: 'b,
+    {
+        *rows = keep_rows(self.bytes, &self.hint, kept)?;
+        let chosen = PointFile::new(&rows.bytes, self.hint_of_chosen(name))?;
+        let found = chosen.read.detection.format;
+        if found != self.read.detection.format {
+            return Err(self.misnamed(name, found));
+        }
+
+        // To the bit: 0 and -0 are the same place, but not the same digest.
+        let expected = (self.points().iter().zip(kept)).filter(|(_, kept)| **kept);
+        let expected = expected.map(|(point, _)| point.map(f64::to_bits));
+        let found = chosen.points().iter().map(|point| point.map(f64::to_bits));
+        if found.eq(expected) {
+            Ok(chosen)
+        } else {
+            Err(ThinFileError::ReadBack)
+        }
+    }
+}
+
+/// How the points of a file are thinned.
+#[derive(Clone, Debug)]
+pub struct ThinRecipe {
+    /// Where the radius comes from.
+    pub radius: RadiusSource,
+    /// In which order points are taken.
+    pub priority: ThinningPriority,
+    /// The domain and its lower corner; without it, the rectangle around the points.
+    pub domain: Option<(Region, [f64; 2])>,
+}
+
+/// What a file is thinned and judged by.
+#[derive(Clone, Debug)]
+pub struct Thinning {
+    /// A rectangle around all points.
+    pub region: Region,
+    /// Where its lower corner lies.
+    pub origin: [f64; 2],
+    /// The radius, as certificates state it.
+    pub radius: CertifiedRadius,
+    radii: Option<Vec<f64>>,
+    ranks: Option<Vec<u32>>,
+    priority: ThinningPriority,
+    parameters: Stated,
+}
+
+impl ThinRecipe {
+    /// Returns what is needed of a certificate's thinned set, with the radius that is given for it.
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError::Varying`] where the certificate does not say from what the radius follows, and
+    /// [`ThinFileError::Priority`].
+    pub fn of_certificate(
+        stated: &Certificate,
+        thinned: &Thinned,
+        given: GivenRadius,
+    ) -> Result<Self, ThinFileError> {
+        Ok(Self {
+            radius: RadiusSource::of_certificate(stated, given)?,
+            priority: thinned.priority.parse()?,
+            domain: Some((stated.region, stated.origin.unwrap_or_default())),
+        })
+    }
+
+    /// Returns by what a file is thinned. Without `with_ranks` no order is needed, and all points of the file are kept ones.
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError`] for points outside of the domain, for radii and for columns that cannot be used.
+    pub fn prepare(
+        &self,
+        file: &PointFile<'_>,
+        with_ranks: bool,
+    ) -> Result<Thinning, ThinFileError> {
+        // Around a domain that is not given, nothing is said of what lies beyond the points.
+        let points = file.points();
+        let (region, origin) = match self.domain {
+            Some(domain) => domain,
+            None => around(points, self.radius.constant())?,
+        };
+        refuse_outside(points, region, origin)?;
+
+        let (radius, radii) = match self.radius.constant() {
+            Some(radius) => (CertifiedRadius::Constant(radius), None),
+            None => self.radii(points, region, origin)?,
+        };
+        // Without ranks the file is a chosen one, whose columns were read from its source.
+        let column = match &self.priority {
+            ThinningPriority::Column { column, .. } if with_ranks => {
+                read_column(file.bytes, &file.hint, column)?
+            }
+            ThinningPriority::Column { .. }
+            | ThinningPriority::Order
+            | ThinningPriority::Random { .. } => Vec::new(),
+        };
+        let ranks = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
+
+        let (name, value) = self.radius.stated();
+        Ok(Thinning {
+            region,
+            origin,
+            radius,
+            radii,
+            ranks: ranks.flatten(),
+            priority: self.priority.clone(),
+            parameters: Stated::from([(name.to_owned(), value)]),
+        })
+    }
+
+    /// Returns the radius at each point, by the field that sets are made and judged with.
+    fn radii(
+        &self,
+        points: &[[f64; 2]],
+        region: Region,
+        origin: [f64; 2],
+    ) -> Result<(CertifiedRadius, Option<Vec<f64>>), ThinFileError> {
+        let recipe = VaryingRecipe {
+            radius: self.radius.clone(),
+            shape: None,
+            size: region.size().map(Some),
+            origin: Some(origin),
+            boundary: Boundary::of(region.is_periodic()),
+            seed: 0,
+            count: None,
+        };
+        let varying = recipe.ground()?.varying;
+        // Once for each point: the choice and its judge get the same numbers.
+        let radius = |point: &[f64; 2]| {
+            let place = [point[0] - origin[0], point[1] - origin[1]];
+            varying.judged.radius_at(place)
+        };
+        let radii = points.par_iter().map(radius).collect();
+        Ok((varying.radius.clone(), Some(radii)))
+    }
+}
+
+/// Returns the rectangle around some points. A side is at least a radius, so that points on a line have a region, too.
+fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2]), ThinFileError> {
+    let (origin, size) = bounds(points);
+    let longer = size[0].max(size[1]);
+    // Of a field nobody knows the radius yet.
+    let least = radius.unwrap_or(longer / 1024.0);
+    let region = Region::new(size.map(|side| side.max(least)), false);
+    if region.is_supported() {
+        return Ok((region, origin));
+    }
+    // Radii that are none have an error of their own.
+    match radius {
+        Some(radius) if !(radius > 0.0 && radius.is_finite()) => {
+            Err(ThinError::Radius { radius }.into())
+        }
+        _ => Err(ThinFileError::Region { size }),
+    }
+}
+
+fn refuse_outside(
+    points: &[[f64; 2]],
+    region: Region,
+    origin: [f64; 2],
+) -> Result<(), ThinFileError> {
+    let is_outside = |&[x, y]: &[f64; 2]| !region.contains([x - origin[0], y - origin[1]]);
+    let Some(index) = points.par_iter().position_first(is_outside) else {
+        return Ok(());
+    };
+    let [x, y] = points[index];
+    Err(ThinFileError::Outside {
+        index,
+        x,
+        y,
+        region,
+        origin,
+    })
+}
+
+impl Thinning {
+    fn cloud<'a>(&'a self, points: &'a [[f64; 2]]) -> Cloud<'a> {
+        let radii = self.radii.as_deref().map(CloudRadii::Each);
+        Cloud {
+            points,
+            radii: radii.unwrap_or(CloudRadii::Constant(self.radius.least())),
+            ranks: self.ranks.as_deref(),
+            torus: self.region.is_periodic().then_some(Torus {
+                origin: self.origin,
+                sides: self.region.size(),
+            }),
+        }
+    }
+
+    /// Returns in which order points are taken.
+    #[must_use]
+    pub fn priority(&self) -> &ThinningPriority {
+        &self.priority
+    }
+
+    /// Returns the order of the points, if it is not that of the file.
+    #[must_use]
+    pub fn ranks(&self) -> Option<&[u32]> {
+        self.ranks.as_deref()
+    }
+
+    /// Returns which points are kept, as [`thin`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`thin`].
+    pub fn choose(
+        &self,
+        points: &[[f64; 2]],
+        control: Control<'_>,
+    ) -> Result<Vec<bool>, ThinError> {
+        thin(&self.cloud(points), control)
+    }
+
+    /// Judges which points were kept, as [`judge`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`judge`].
+    pub fn judge(
+        &self,
+        points: &[[f64; 2]],
+        kept: &[bool],
+        control: Control<'_>,
+    ) -> Result<ThinnedReport, VerifyError> {
+        judge(&self.cloud(points), kept, control)
+    }
+
+    /// Returns the certificate of the points chosen from some.
+    #[must_use]
+    pub fn certificate(
+        &self,
+        given: &[[f64; 2]],
+        chosen: &PointFile<'_>,
+        report: &ThinnedReport,
+    ) -> Certificate {
+        self.certificate_of(chosen, report, positions_digest(given), given.len() as u64)
+    }
+
+    /// Returns the certificate of points that were chosen from a source of that digest and that many points.
+    #[must_use]
+    pub fn certificate_of(
+        &self,
+        chosen: &PointFile<'_>,
+        report: &ThinnedReport,
+        source: String,
+        given: u64,
+    ) -> Certificate {
+        let facts = ThinnedFacts {
+            name: chosen.hint.name,
+            data: chosen.bytes,
+            read: &chosen.read,
+            region: self.region,
+            origin: self.origin,
+            radius: self.radius.clone(),
+            parameters: self.parameters.clone(),
+            thinned: Thinned {
+                source,
+                given,
+                priority: self.priority.to_string(),
+            },
+            report,
+        };
+        facts.certificate()
+    }
+
+    /// Adds a parameter to those that the certificate states.
+    pub fn state(&mut self, name: &str, value: serde_json::Value) {
+        self.parameters.insert(name.to_owned(), value);
+    }
+}
