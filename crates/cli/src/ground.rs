@@ -97,7 +97,7 @@ impl GroundArguments {
     }
 
     /// Returns the field and the shape that the arguments give to judge a set.
-    fn given(&self, planar: bool) -> Result<GivenGround> {
+    pub fn given(&self, planar: bool) -> Result<GivenGround> {
         let radius = if let Some(path) = &self.radius_image {
             GivenRadius::Image(image(path, "--radius-image")?)
         } else if let Some(path) = &self.density_image {
@@ -173,7 +173,8 @@ impl GroundArguments {
     }
 }
 
-fn file_name(path: &Path) -> String {
+/// Returns the name of a file without its folders.
+pub fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default();
     tilescope_analysis::lossy(name).into_owned()
 }

@@ -39,6 +39,8 @@ mod sample_arguments;
 mod script;
 mod soak;
 mod stream;
+mod thin;
+mod thinned;
 mod varying;
 mod verify;
 mod web;
@@ -94,6 +96,8 @@ pub enum Command {
     Curve(Box<curve::CurveArguments>),
     /// Convert a point set to another format, verified
     Convert(convert::ConvertArguments),
+    /// Keep points of a cloud so that no two are closer than a radius, and every other is near a kept one
+    Thin(Box<thin::ThinArguments>),
     /// Glue maximal sets, placed side by side by a layout, into one
     Combine(combine::CombineArguments),
     /// Draw a point set as PNG or SVG
@@ -133,6 +137,7 @@ Examples:
   tilescope analyze set.csv --out report.html          spectra, distances and order, in one page
   tilescope curve --radius 0.01 --out run.csv          conflicts and gaps at every change of a run
   tilescope convert set.csv set.npy
+  tilescope thin cloud.ply --radius 0.5 --xy --out thinned.ply
   tilescope combine nine.json --out nine.csv           nine sets, glued along their seams
   tilescope draw set.csv set.svg
   tilescope bench --samples 1000000 --leaf 20 40 80
@@ -259,6 +264,7 @@ pub fn run(command: &Command, window: FromWindow) -> ExitCode {
         Command::Analyze(arguments) => analyze::run(arguments),
         Command::Curve(arguments) => curve::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
+        Command::Thin(arguments) => thin::run(arguments),
         Command::Combine(arguments) => combine::run(arguments),
         Command::Draw(arguments) => draw::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),

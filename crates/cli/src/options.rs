@@ -78,7 +78,7 @@ pub fn words(options: &[ParameterOption]) -> PossibleValuesParser {
 }
 
 /// Reads the names of boundaries.
-fn boundaries() -> impl TypedValueParser<Value = Boundary> + use<> {
+pub fn boundaries() -> impl TypedValueParser<Value = Boundary> + use<> {
     words(Parameter::Boundary.options())
         .try_map(|name| serde_json::from_value::<Boundary>(serde_json::Value::String(name)))
 }

@@ -103,13 +103,14 @@ impl FromArgMatches for RunArguments {
 
 /// A radius, or the radii of black and of white.
 #[derive(Clone, Copy, Debug, Default)]
-struct RadiusSpan {
-    least: f64,
-    greatest: Option<f64>,
+pub struct RadiusSpan {
+    pub least: f64,
+    pub greatest: Option<f64>,
 }
 
 impl RadiusSpan {
-    fn parse(text: &str) -> Result<Self, String> {
+    /// Reads `R` or `MIN..MAX`.
+    pub fn parse(text: &str) -> Result<Self, String> {
         let number = |text: &str| text.parse().map_err(|_| format!("{text:?} is no number"));
         let (least, greatest) = match text.split_once("..") {
             Some((least, greatest)) => (number(least)?, Some(number(greatest)?)),

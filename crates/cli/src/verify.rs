@@ -16,7 +16,7 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
-use crate::{interrupt, output, verdict_code};
+use crate::{interrupt, output, thinned, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -30,6 +30,9 @@ pub struct VerifyArguments {
     judge: JudgeArguments,
     #[command(flatten)]
     ground: GroundArguments,
+    /// The points from which a thinned set was chosen: judge the choice itself
+    #[arg(long, value_name = "FILE", conflicts_with = "prefix")]
+    source: Option<PathBuf>,
     /// Judge only the first N samples of a set with nested levels: whether they hold what its certificate states
     #[arg(long, value_name = "N", conflicts_with_all = ["radius"])]
     prefix: Option<usize>,
@@ -43,7 +46,8 @@ Without a certificate the radius must be given; sides and boundary that are not 
 the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
 always 2^-15. Of a set whose radius varies, or that covers a shape, the certificate states an expression
 and polygons; images must be given. A file does not show how its set was made: to check the fields listed as stated
-only, make the set again. A set of nested levels is verified level by level.
+only, make the set again. A set of nested levels is verified level by level. A thinned set is judged against
+the points from which it was chosen, which --source has; without them, that no two of its points are near.
 
 Examples:
   tilescope verify set.csv
@@ -52,6 +56,7 @@ Examples:
   tilescope verify levels.npy --prefix 1000
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify field.ply --radius-image grey.png
+  tilescope verify thinned.ply --source cloud.ply
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
@@ -60,7 +65,20 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     if let Some(count) = arguments.prefix {
         return prefix(arguments, count);
     }
-    let check = checked(arguments)?;
+    let (file, set) = (&arguments.file, &arguments.set);
+    let source = arguments.source.as_deref();
+    let thinned = || thinned::run(file, set, &arguments.ground, source, arguments.json);
+    if source.is_some() {
+        return thinned();
+    }
+
+    let check = match checked(arguments) {
+        // Only the certificate says that a set was thinned, and it is read with the points.
+        Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
+            return thinned();
+        }
+        outcome => outcome?,
+    };
     let origin = origin(arguments, &check);
     output::report(
         arguments.json,

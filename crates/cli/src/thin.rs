@@ -1,0 +1,409 @@
+//! `tilescope thin`: the points of a file that are kept so that no two are near each other.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary, Region, ThinnedReport};
+use tilescope_core::memory::ask;
+use tilescope_formats::{
+    Certificate, CertificateUse, Format, Hint, KeptRows, certificate_path, destination, read_whole,
+    write_certified,
+};
+use tilescope_sets::RadiusSource;
+use tilescope_sets::thinning::{
+    FirstValue, PointFile, ThinFileError, ThinRecipe, Thinning, ThinningPriority,
+};
+
+use crate::engine::ThreadArguments;
+use crate::ground::{file_name, formula, image};
+use crate::options::{boundaries, formats, pair};
+use crate::parameters::RadiusSpan;
+use crate::paths::{InFile, check_file, check_inputs_stay, named};
+use crate::progress::{verifying, watched};
+use crate::{interrupt, output, verdict_code};
+
+/// Arguments of `tilescope thin`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
+pub struct ThinArguments {
+    /// The points: a text table, PLY, NPY, JSON, GeoJSON or a file of psa or UTK
+    input: PathBuf,
+    /// Keep no two points that are closer than R; with --radius-image MIN..MAX, the radii of black and of white
+    #[arg(long, value_name = "R", value_parser = RadiusSpan::parse)]
+    radius: Option<RadiusSpan>,
+    /// The radius of each point as a function of its x and y, such as '0.5 + 0.01*x'; `tilescope sample --help` lists the
+    /// functions. Two points of radii a and b are kept if they are 2ab / (a + b) apart
+    #[arg(long, value_name = "FORMULA", conflicts_with_all = ["radius", "radius_image"])]
+    radius_expression: Option<String>,
+    /// The radius of each point from the grey of a PNG image, whose pixels fill the domain
+    #[arg(long, value_name = "PNG", requires = "radius")]
+    radius_image: Option<PathBuf>,
+    /// In which order points are taken: `order`, that of the file; `column NAME`, by the numbers in a column or a property, the
+    /// least first; `random`, as --seed draws it. Of equal ones the first in the file comes first
+    #[arg(long, num_args = 1..=2, value_names = ["ORDER", "NAME"], default_value = "order")]
+    priority: Vec<String>,
+    /// Take the greatest value of a column first
+    #[arg(long)]
+    greatest_first: bool,
+    /// The seed of --priority random; if not given, 1
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Thin by x and y alone, whatever z is. Without this, points with a z other than 0 are refused
+    #[arg(long)]
+    xy: bool,
+    /// Write the kept points, in the format of the input and with all of their columns, and a certificate beside the file
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Width of the domain; without it, that of the rectangle around the points
+    #[arg(long, value_name = "W", requires = "height")]
+    width: Option<f64>,
+    /// Height of the domain
+    #[arg(long, value_name = "H", requires = "width")]
+    height: Option<f64>,
+    /// How the domain ends: at a periodic border, points are near points at the other side
+    #[arg(long, value_parser = boundaries(), requires = "width")]
+    boundary: Option<Boundary>,
+    /// The lower corner of the domain; if not given, 0 0
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], requires = "width")]
+    origin: Option<Vec<f64>>,
+    /// Format of the input, if neither its extension nor its content names one
+    #[arg(long, value_name = "FORMAT", value_parser = formats())]
+    format: Option<Format>,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1. A column z may then be anything
+    #[arg(long, num_args = 2, value_names = ["A", "B"])]
+    columns: Option<Vec<String>>,
+    /// Which set of a file that holds several, from 0
+    #[arg(long, value_name = "I")]
+    set: Option<usize>,
+    /// Take the points of a .geojson file as positions in a plane, though they may be longitudes and latitudes
+    #[arg(long)]
+    planar: bool,
+    #[command(flatten)]
+    threads: ThreadArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Points are taken one by one, and each is kept unless a kept one is closer than the radius. Nothing is moved
+or made; rows are copied to the byte. The result is judged: no two kept points are near each other, and each
+point left out is near one that was kept earlier, which only one choice fulfils. It is the same on every
+machine and for any number of threads. Distances are compared exactly: the differences of coordinates are
+doubles, as subtraction rounds them, and from there nothing is rounded. Points exactly R apart both stay; of
+copies the first one stays. Faces and edges of a PLY mesh are left out, other elements stay. `tilescope
+verify` judges the file again, with --source against the points that it was chosen from.
+
+Examples:
+  tilescope thin cloud.ply --radius 0.5 --xy --out thinned.ply
+  tilescope thin survey.csv --radius 2 --priority column height --greatest-first --out peaks.csv
+  tilescope thin cloud.npy --radius 0.01 --priority random --seed 7 --out thinned.npy
+  tilescope thin stars.csv --radius-expression '0.5 + 0.01*hypot(x, y)' --out thinned.csv
+  tilescope thin tile.csv --radius 0.1 --width 4 --height 4 --boundary periodic --out thinned.csv
+  tilescope verify thinned.ply --source cloud.ply";
+
+/// The seed of a draw if none is given.
+const SEED: u64 = 1;
+
+pub fn run(arguments: &ThinArguments) -> Result<u8> {
+    interrupt::listen();
+    arguments.threads.set()?;
+    let thinned = make(arguments)?;
+    output::report(arguments.json, || thinned.json(), || thinned.text())?;
+    Ok(verdict_code(thinned.report.valid()))
+}
+
+/// Thins a file, has the choice judged, and writes it.
+fn make(arguments: &ThinArguments) -> Result<Outcome> {
+    if let Some(path) = &arguments.out {
+        destination(&certificate_path(&destination(path)?))?;
+        check_file(path)?;
+        let inputs = [Some(&arguments.input), arguments.radius_image.as_ref()];
+        check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
+    }
+    let recipe = arguments.recipe()?;
+    let mut clock = Clock::start();
+
+    let bytes = read_whole(&arguments.input)?;
+    // Positions take no more than the file does, but for rows of a few letters. What else is needed is asked for later.
+    ask(bytes.len() as u64).in_file(&arguments.input)?;
+    let name = file_name(&arguments.input);
+    let file = PointFile::new(&bytes, arguments.hint(&name)).in_file(&arguments.input)?;
+    // Whoever states a domain knows in which units it is.
+    if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
+        return Err(ThinFileError::Degrees).in_file(&arguments.input);
+    }
+    // Found out now, rather than after the work.
+    if let Some(path) = &arguments.out {
+        file.check_name(&file_name(path)).in_file(path)?;
+    }
+    let mut thinning = recipe.prepare(&file, true).in_file(&arguments.input)?;
+    arguments.state(&mut thinning, &name);
+    clock.lap("read");
+
+    let points = file.points();
+    let kept = watched("thin", |control| thinning.choose(points, control));
+    let kept = kept.in_file(&arguments.input)?;
+    clock.lap("thin");
+
+    let report = verifying(|control| thinning.judge(points, &kept, control))?;
+    clock.lap("verify");
+
+    let mut written = None;
+    if let Some(path) = &arguments.out {
+        interrupt::check("the file was written")?;
+        written = Some(write(&file, &thinning, &kept, &report, path)?);
+        clock.lap("write");
+    }
+    Ok(Outcome {
+        thinning,
+        report,
+        written,
+        clock,
+    })
+}
+
+/// Writes the kept points and their certificate.
+fn write(
+    file: &PointFile<'_>,
+    thinning: &Thinning,
+    kept: &[bool],
+    report: &ThinnedReport,
+    path: &Path,
+) -> Result<Written> {
+    let (name, mut rows) = (file_name(path), KeptRows::default());
+    // Only what is read back from the new bytes is certified.
+    let chosen = file.keep(kept, &mut rows, &name).in_file(path)?;
+    let certificate = thinning.certificate(file.points(), &chosen, report);
+    let certificate_path = write_certified(path, chosen.bytes, &certificate).in_file(path)?;
+    drop(chosen);
+    Ok(Written {
+        certificate,
+        certificate_path,
+        left_out: rows.left_out,
+    })
+}
+
+impl ThinArguments {
+    /// Returns how the input is read.
+    fn hint<'a>(&'a self, name: &'a str) -> Hint<'a> {
+        Hint {
+            name,
+            format: self.format,
+            set: self.set,
+            columns: columns(self.columns.as_deref()),
+            certificate: CertificateUse::LeftOut,
+            any_z: self.xy,
+            ..Hint::default()
+        }
+    }
+
+    fn recipe(&self) -> Result<ThinRecipe> {
+        Ok(ThinRecipe {
+            radius: self.radius()?,
+            priority: self.priority()?,
+            domain: self.width.zip(self.height).map(|(width, height)| {
+                let is_periodic = self.boundary == Some(Boundary::Periodic);
+                let region = Region::new([width, height], is_periodic);
+                (region, pair(self.origin.as_ref()).unwrap_or_default())
+            }),
+        })
+    }
+
+    fn radius(&self) -> Result<RadiusSource> {
+        if let Some(text) = &self.radius_expression {
+            return formula(text);
+        }
+        let span = self.radius.context(
+            "give --radius R, or --radius-expression or --radius-image for radii that vary",
+        )?;
+        match (&self.radius_image, span.greatest) {
+            (None, None) => Ok(RadiusSource::Constant(span.least)),
+            (None, Some(_)) => {
+                bail!("--radius takes two radii, MIN..MAX, with --radius-image only")
+            }
+            (Some(_), None) => {
+                bail!("--radius-image needs --radius MIN..MAX, the radii of black and of white")
+            }
+            (Some(path), Some(greatest)) => Ok(RadiusSource::Image {
+                image: image(path, "--radius-image")?,
+                radii: [span.least, greatest],
+            }),
+        }
+    }
+
+    fn priority(&self) -> Result<ThinningPriority> {
+        // Clap takes one word or two, and knows nothing of what they say.
+        let words: Vec<&str> = self.priority.iter().map(String::as_str).collect();
+        let priority = match words[..] {
+            ["order"] => ThinningPriority::Order,
+            ["random"] => ThinningPriority::Random {
+                seed: self.seed.unwrap_or(SEED),
+            },
+            ["column", column] => ThinningPriority::Column {
+                column: column.to_owned(),
+                first: if self.greatest_first {
+                    FirstValue::Greatest
+                } else {
+                    FirstValue::Least
+                },
+            },
+            _ => bail!(
+                "--priority {}: give order, random, or column with the name of a column",
+                words.join(" ")
+            ),
+        };
+
+        // An option without effect would be believed to have one.
+        let is_drawn = matches!(priority, ThinningPriority::Random { .. });
+        ensure!(
+            is_drawn || self.seed.is_none(),
+            "--seed is that of --priority random; leave it out"
+        );
+        let is_column = matches!(priority, ThinningPriority::Column { .. });
+        ensure!(
+            is_column || !self.greatest_first,
+            "--greatest-first is for --priority column NAME; leave it out"
+        );
+        Ok(priority)
+    }
+
+    /// States how the input was read, which is needed to read the result.
+    fn state(&self, thinning: &mut Thinning, name: &str) {
+        thinning.state("file", name.into());
+        if self.xy {
+            thinning.state(XY, true.into());
+        }
+        if let Some(columns) = &self.columns {
+            thinning.state(COLUMNS, json!(columns));
+        }
+        if let Some(set) = self.set {
+            thinning.state(SET, set.into());
+        }
+    }
+}
+
+/// The parameters of a certificate that say how its file is read.
+pub const XY: &str = "xy";
+pub const COLUMNS: &str = "columns";
+pub const SET: &str = "set";
+
+/// Returns the names of two columns as they are read by.
+pub fn columns(names: Option<&[String]>) -> Option<[&str; 2]> {
+    let names = <&[String; 2]>::try_from(names?).ok()?;
+    Some(names.each_ref().map(String::as_str))
+}
+
+/// The seconds of each part of the work.
+struct Clock {
+    last: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self {
+            last: Instant::now(),
+            laps: Vec::new(),
+        }
+    }
+
+    fn lap(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.laps.push((name, (now - self.last).as_secs_f64()));
+        self.last = now;
+    }
+}
+
+/// A file that was written.
+struct Written {
+    certificate: Certificate,
+    certificate_path: PathBuf,
+    left_out: Vec<String>,
+}
+
+/// What came of it.
+struct Outcome {
+    thinning: Thinning,
+    report: ThinnedReport,
+    written: Option<Written>,
+    clock: Clock,
+}
+
+impl Outcome {
+    fn json(&self) -> Value {
+        let (written, thinning) = (self.written.as_ref(), &self.thinning);
+        let seconds = self.clock.laps.iter();
+        let mut object = json!({
+            "radius": thinning.radius,
+            "region": thinning.region,
+            "origin": thinning.origin,
+            "priority": thinning.priority().to_string(),
+            "certificate": written.map(|file| file.certificate_path.display().to_string()),
+            "positions_digest": written.map(|file| &file.certificate.positions_digest),
+            "left_out": written.map(|file| &file.left_out),
+            "seconds": seconds.map(|(name, time)| json!({ "stage": name, "seconds": time })).collect::<Value>(),
+        });
+        output::add(&mut object, report_json(&self.report));
+        object
+    }
+
+    fn text(&self) -> String {
+        let radius = output::radius_text(&self.thinning.radius);
+        let priority = self.thinning.priority();
+        let laps = self.clock.laps.iter();
+        let stages = laps.map(|(name, time)| format!("  {name:<12} {:>9.1} ms\n", time * 1e3));
+        let mut out = format!(
+            "thinned to r = {radius}, taken by: {priority}\n\n{}\n{}",
+            stages.collect::<String>(),
+            report_text(&self.report)
+        );
+        if let Some(file) = &self.written {
+            for element in &file.left_out {
+                let warning = format!("{element} numbers vertices, and is left out");
+                out += &output::warning_line(&warning);
+            }
+            out += &format!("certificate    {}\n", named(&file.certificate_path));
+        }
+        out
+    }
+}
+
+/// Returns the fields of a verdict on a thinned set.
+pub fn report_json(report: &ThinnedReport) -> Value {
+    json!({
+        "given": report.given,
+        "count": report.kept,
+        "conflicts": report.conflicts,
+        "uncovered": report.uncovered,
+        "valid": report.valid(),
+    })
+}
+
+/// Returns the verdict on a thinned set in a few lines.
+pub fn report_text(report: &ThinnedReport) -> String {
+    let mut out = format!(
+        "given          {}\n\
+         kept           {}\n\
+         conflict-free  {}\n\
+         covering       {}\n",
+        report.given,
+        report.kept,
+        output::conflicts_answer(report.conflicts),
+        output::answer(report.uncovered == 0, report.uncovered),
+    );
+    for [first, second] in &report.conflicting {
+        out += &format!("  conflict: points {first} and {second} given are both kept\n");
+    }
+    for point in &report.uncovered_points {
+        out += &format!("  point {point} given is left out, and near no earlier kept one\n");
+    }
+    out += &format!("verdict        {}\n", output::validity(report.valid()));
+    out
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,250 @@
+//! Verifying a thinned set: alone, and against the points from which it was chosen.
+
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use serde_json::json;
+use tilescope_analysis::{ThinnedReport, shown_in_line};
+use tilescope_formats::{
+    Certificate, CertificateDifference, CertificateUse, Hint, Thinned, implied_kept, keep_rows,
+    read_whole,
+};
+use tilescope_sets::GivenRadius;
+use tilescope_sets::thinning::{PointFile, ThinFileError, ThinRecipe};
+
+use crate::ground::{GroundArguments, file_name};
+use crate::options::SetArguments;
+use crate::paths::InFile;
+use crate::progress::verifying;
+use crate::thin::{COLUMNS, SET, XY, columns, report_json, report_text};
+use crate::{output, verdict_code};
+
+/// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict.
+pub fn run(
+    path: &Path,
+    set: &SetArguments,
+    ground: &GroundArguments,
+    source: Option<&Path>,
+    as_json: bool,
+) -> Result<u8> {
+    let stated = set.certificate(path)?;
+    let Some((stated, thinned)) = stated
+        .as_ref()
+        .and_then(|stated| Some((stated, stated.thinned.as_ref()?)))
+    else {
+        bail!("--source is for sets whose certificate states that they were thinned");
+    };
+    refuse_others(set)?;
+
+    let verdict = verdict(
+        path,
+        set,
+        ground.given(set.planar)?.radius,
+        source,
+        stated,
+        thinned,
+    )?;
+    output::report(
+        as_json,
+        || verdict.json(thinned),
+        || verdict.text(stated, thinned),
+    )?;
+    Ok(verdict_code(verdict.passed()))
+}
+
+/// Refuses what would be another set than that of the certificate.
+fn refuse_others(set: &SetArguments) -> Result<()> {
+    let given = [
+        ("--radius", set.radius.is_some()),
+        ("--width", set.width.is_some()),
+        ("--height", set.height.is_some()),
+        ("--boundary", set.boundary.is_some()),
+        ("--origin", set.origin.is_some()),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => {
+            bail!(
+                "{name} is that of the certificate, by which the points were chosen; leave it out"
+            )
+        }
+        None => Ok(()),
+    }
+}
+
+/// What was found.
+struct Verdict {
+    report: ThinnedReport,
+    differences: Vec<CertificateDifference>,
+    has_source: bool,
+}
+
+fn verdict(
+    path: &Path,
+    set: &SetArguments,
+    radius: GivenRadius,
+    source: Option<&Path>,
+    stated: &Certificate,
+    thinned: &Thinned,
+) -> Result<Verdict> {
+    // The certificate says how the file is read, unless the arguments do.
+    let as_stated: Option<Vec<String>> = (stated.parameters.get(COLUMNS))
+        .and_then(|names| serde_json::from_value(names.clone()).ok());
+    let (bytes, name) = (read_whole(path)?, file_name(path));
+    let hint = Hint {
+        name: &name,
+        format: set.format,
+        columns: columns(set.columns.as_deref().or(as_stated.as_deref())),
+        certificate: CertificateUse::LeftOut,
+        any_z: stated.parameters.get(XY) == Some(&true.into()),
+        ..Hint::default()
+    };
+    let chosen = PointFile::new(&bytes, hint).in_file(path)?;
+    let recipe = ThinRecipe::of_certificate(stated, thinned, radius).in_file(path)?;
+
+    // Without the source all points of the file are kept ones, and none is left that could be uncovered.
+    let Some(source) = source else {
+        return alone(&chosen, &recipe, stated, thinned).in_file(path);
+    };
+    let (bytes, name) = (read_whole(source)?, file_name(source));
+    let of_set = stated
+        .parameters
+        .get(SET)
+        .and_then(serde_json::Value::as_u64);
+    let hint = Hint {
+        name: &name,
+        set: set.set.or(of_set.map(|set| set as usize)),
+        ..hint
+    };
+    let given = PointFile::new(&bytes, hint).in_file(source)?;
+    against(&chosen, &given, &recipe, stated).in_file(source)
+}
+
+/// Judges what can be judged without the points that were given: the file, and that no two of its points are near.
+fn alone(
+    chosen: &PointFile<'_>,
+    recipe: &ThinRecipe,
+    stated: &Certificate,
+    thinned: &Thinned,
+) -> Result<Verdict, ThinFileError> {
+    let thinning = recipe.prepare(chosen, false)?;
+    let all = vec![true; chosen.points().len()];
+    let found = verifying(|control| thinning.judge(chosen.points(), &all, control))?;
+    // What only the source could show is taken as stated, and the report says so.
+    let report = ThinnedReport {
+        given: thinned.given,
+        uncovered: stated.gaps,
+        ..found
+    };
+    let found = thinning.certificate_of(chosen, &report, thinned.source.clone(), thinned.given);
+    Ok(Verdict {
+        differences: stated.thinned_differences(&found),
+        report,
+        has_source: false,
+    })
+}
+
+/// Judges the choice from the points that were given.
+fn against(
+    chosen: &PointFile<'_>,
+    given: &PointFile<'_>,
+    recipe: &ThinRecipe,
+    stated: &Certificate,
+) -> Result<Verdict, ThinFileError> {
+    let thinning = recipe.prepare(given, true)?;
+    let points = given.points();
+    let mut differences = Vec::new();
+    let kept = implied_kept(points, chosen.points(), thinning.ranks());
+    let kept = kept.unwrap_or_else(|index| {
+        let [x, y] = chosen.points()[index];
+        differences.push(CertificateDifference {
+            field: "points",
+            stated: "points of the source, each once".to_owned(),
+            found: format!("point {index} at ({x}, {y}), which is none of those left"),
+        });
+        vec![false; points.len()]
+    });
+
+    // What stands beside the points is compared as a whole.
+    if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
+        differences.push(CertificateDifference {
+            field: "rows",
+            stated: "rows of the source, unchanged".to_owned(),
+            found: "other bytes".to_owned(),
+        });
+    }
+
+    // The certificate is made anew, and every number compared.
+    let report = verifying(|control| thinning.judge(points, &kept, control))?;
+    let found = thinning.certificate(points, chosen, &report);
+    differences.extend(stated.thinned_differences(&found));
+    Ok(Verdict {
+        report,
+        differences,
+        has_source: true,
+    })
+}
+
+impl Verdict {
+    fn passed(&self) -> bool {
+        self.report.valid() && self.differences.is_empty()
+    }
+
+    fn json(&self, thinned: &Thinned) -> serde_json::Value {
+        let mut object = json!({
+            "priority": thinned.priority,
+            "source": self.has_source,
+            "differences": self.differences,
+            "passed": self.passed(),
+        });
+        output::add(&mut object, report_json(&self.report));
+        // Without the source nobody has looked.
+        if !self.has_source {
+            object["uncovered"] = json!(null);
+        }
+        object
+    }
+
+    fn text(&self, stated: &Certificate, thinned: &Thinned) -> String {
+        let region = output::region_text(&stated.region);
+        let radius = output::radius_text(&stated.radius);
+        let priority = shown_in_line(&thinned.priority);
+        let mut out = format!("thinned to r = {radius} on {region}, taken by: {priority}\n\n");
+        out += &if self.has_source {
+            report_text(&self.report)
+        } else {
+            format!(
+                "given          {}, as stated\n\
+                 kept           {}\n\
+                 conflict-free  {}\n\
+                 covering       not judged: --source FILE has the points that were given\n\
+                 verdict        {}\n",
+                self.report.given,
+                self.report.kept,
+                output::conflicts_answer(self.report.conflicts),
+                if self.report.conflicts == 0 {
+                    "conflict-free"
+                } else {
+                    "NOT VALID"
+                },
+            )
+        };
+
+        if self.differences.is_empty() {
+            let unchecked = stated.unchecked();
+            let unchecked = shown_in_line(&unchecked.join(", ")).into_owned();
+            let of_source = if self.has_source {
+                ""
+            } else {
+                "thinned.source, thinned.given, gaps, "
+            };
+            out += &format!("certificate    true\n  stated only: {of_source}{unchecked}\n");
+        } else {
+            out += "certificate    NOT TRUE\n";
+            for it in &self.differences {
+                let [stated, found] = [&it.stated, &it.found].map(|value| shown_in_line(value));
+                out += &format!("  {}: stated {stated}, found {found}\n", it.field);
+            }
+        }
+        out
+    }
+}
