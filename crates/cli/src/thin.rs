@@ -29,7 +29,7 @@ use crate::{interrupt, output, verdict_code};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct ThinArguments {
-    /// The points: a text table, PLY, NPY, JSON, GeoJSON or a file of psa or UTK
+    /// The points: a text table, PLY, NPY, JSON, `GeoJSON` or a file of psa or UTK
     input: PathBuf,
     /// Keep no two points that are closer than R; with --radius-image MIN..MAX, the radii of black and of white
     #[arg(long, value_name = "R", value_parser = RadiusSpan::parse)]

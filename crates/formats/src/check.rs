@@ -241,18 +241,23 @@ pub fn check_bytes(
     overrides: &Overrides,
     control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
+    let beside = certificate.filter(|_| !overrides.without_certificate);
+    let beside = beside.map(|bytes| {
+        let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
+        Certificate::from_bytes(bytes, &name)
+    });
+    let beside = beside.transpose()?;
+    // Before the points, which may have a z that is read as the certificate says.
+    if beside
+        .as_ref()
+        .is_some_and(|stated| stated.thinned.is_some())
+    {
+        return Err(CheckError::Thinned);
+    }
+
     let mut read = decode(data, &overrides.hint(name))?;
     let (detection, precision) = (read.detection, read.precision);
-    let inside = read.certificate.take();
-
-    let beside = certificate.filter(|_| !overrides.without_certificate);
-    let certificate = match beside {
-        Some(bytes) => {
-            let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
-            Some(Certificate::from_bytes(bytes, &name)?)
-        }
-        None => inside,
-    };
+    let certificate = beside.or(read.certificate.take());
 
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
     if !overrides.planar {

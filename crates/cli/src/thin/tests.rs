@@ -30,9 +30,12 @@ fn words(folder: &TempDir, command: &str, words: &str) -> Vec<String> {
             .iter()
             .any(|end| word.ends_with(end))
     };
-    let word = |word: &str| match is_file(word) {
-        true => folder.path().join(word).display().to_string(),
-        false => word.to_owned(),
+    let word = |word: &str| {
+        if is_file(word) {
+            folder.path().join(word).display().to_string()
+        } else {
+            word.to_owned()
+        }
     };
     let all = ["tilescope", command].map(str::to_owned).into_iter();
     all.chain(words.split_whitespace().map(word)).collect()
