@@ -408,7 +408,7 @@ impl App {
         let lessons = self.state.lessons();
         let look = self.state.appearance().look;
         let arrangement = if self.state.window().layout.is_whole() {
-            if lessons.open.is_some() || lessons.lists {
+            if lessons.open.is_some() || lessons.shows_list {
                 Arrangement::beside_lesson(size, look)
             } else {
                 Arrangement::of(size, look)

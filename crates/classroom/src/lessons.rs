@@ -163,7 +163,7 @@ pub struct Lessons {
     /// The lesson that is open.
     pub open: Option<Box<OpenLesson>>,
     /// Whether the list of lessons is open.
-    pub lists: bool,
+    pub shows_list: bool,
     /// The language of texts; empty for that of the lessons.
     pub language: String,
     /// What the learner did. [`Lessons::mark_unstored`] follows each change.
@@ -184,7 +184,7 @@ impl Default for Lessons {
             on_page: false,
             last: None,
             open: None,
-            lists: false,
+            shows_list: false,
             language: String::new(),
             results: Results::default(),
             asks_to_clear: false,
@@ -265,7 +265,7 @@ impl Lessons {
     /// them, so that a lesson of another file needs them too.
     pub(crate) fn wants_shelf(&self) -> bool {
         let is_translated = self.open.is_some() && !matches!(self.language.as_str(), "" | "en");
-        self.shelf.is_empty() && (self.lists || self.wanted.is_some() || is_translated)
+        self.shelf.is_empty() && (self.shows_list || self.wanted.is_some() || is_translated)
     }
 
     /// Returns the lesson of a name that comes with the program. Capitals do not count, as people type links.
@@ -283,7 +283,7 @@ impl Lessons {
 
     /// Closes the list of lessons, and opens no lesson once the shelf is there.
     pub fn close_list(&mut self) {
-        (self.wanted, self.lists) = (None, false);
+        (self.wanted, self.shows_list) = (None, false);
     }
 
     /// Returns the language of the window: that of lessons while one is open, otherwise English, which is `None`.

@@ -541,11 +541,11 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
 
         let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
         let total: f32 = tiles.iter().map(|(_, share)| share).sum();
-        // All shares may be 0, which a layout from elsewhere is allowed to have.
-        let whole = if total == 0.0 { 1.0 } else { total };
+        // A layout from a link or a file may have shares of 0 only, and the sum is a divisor.
+        let divisor = if total == 0.0 { 1.0 } else { total };
         let lengths: Vec<f32> = tiles
             .iter()
-            .map(|(_, share)| room * share / whole)
+            .map(|(_, share)| room * share / divisor)
             .collect();
         let least: Vec<f32> = tiles.iter().map(|(tile, _)| self.of(tile)[axis]).collect();
 
@@ -586,9 +586,12 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     // In each turn one more tile gets its least length, so that the turns come to an end.
     let mut is_small = vec![false; lengths.len()];
     loop {
-        let sum = |of: &[f32], small: bool| -> f32 {
-            let parts = of.iter().zip(&is_small).filter(|(_, is)| **is == small);
-            parts.map(|(part, _)| *part).sum()
+        let sum = |lengths: &[f32], of_small: bool| -> f32 {
+            let summed = lengths
+                .iter()
+                .zip(&is_small)
+                .filter(|(_, is_small)| **is_small == of_small);
+            summed.map(|(length, _)| *length).sum()
         };
 
         let left = room - sum(least, true);

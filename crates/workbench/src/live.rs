@@ -107,7 +107,8 @@ impl Live {
             return;
         };
         let key = key_of(shown);
-        let moved = match moment.seek(key.1, wanted, steps) {
+        let (_, cursor) = key;
+        let moved = match moment.seek(cursor, wanted, steps) {
             Ok(moved) => moved,
             Err(error) => return self.refuse(sentence(&error.to_string())),
         };

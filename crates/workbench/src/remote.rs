@@ -181,13 +181,13 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         serde_json::from_str(text).map_err(|error| RequestError::NoObject(error.to_string()))?;
 
     let action = fields.get("do").cloned().unwrap_or(Value::Null);
-    let known = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
-    let Some((name, known)) = REQUESTS.iter().find(known) else {
+    let is_asked = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
+    let Some((name, known_fields)) = REQUESTS.iter().find(is_asked) else {
         return Err(RequestError::Unknown(shown(&action)));
     };
 
     // A misspelt field would otherwise do nothing, without a word.
-    only(name, &fields, known)?;
+    refuse_unknown(name, &fields, known_fields)?;
     match *name {
         "load" => load(&fields),
         "step" => step(&fields),
@@ -219,7 +219,7 @@ fn wrong(field: &str, value: &Value, wanted: impl Into<String>) -> RequestError 
     }
 }
 
-fn only(
+fn refuse_unknown(
     action: &'static str,
     fields: &Map<String, Value>,
     known: &[&str],

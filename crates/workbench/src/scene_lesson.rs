@@ -128,9 +128,12 @@ fn run(text: &mut String, parameters: &Parameters) {
 
 /// Writes the moment, the layers and the camera of a scene.
 fn moment(text: &mut String, scene: &SavedScene) {
-    let moment = match (&scene.ends, &scene.anchor) {
+    let ended_stage = &scene.ends;
+    let moment = match (ended_stage, &scene.anchor) {
+        // The pattern is made before the first event.
         (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
-        // Lessons record their runs. The stage of regions is one of the parallel engine, which has no events.
+        // The parallel engine alone has a stage of regions. A lesson's run is made by the other engine, which records events,
+        // so that no lesson can name the end of that stage.
         (Some(stage), _) if *stage != Stage::Regions => {
             format!("end of {}", stage.to_string().replace(' ', "-"))
         }
@@ -148,7 +151,12 @@ fn moment(text: &mut String, scene: &SavedScene) {
     let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
 
     let camera = SceneCamera::of(&scene.view);
-    let placed = camera.and_then(|camera| Some((camera.placed(camera.event, true)?, camera.radii)));
+    // The lesson makes the run of the scene again.
+    let is_same_run = true;
+    let placed = camera.and_then(|camera| {
+        let center = camera.placed(camera.event, is_same_run)?;
+        Some((center, camera.radii))
+    });
     if let Some((center, radii)) = placed {
         // A lesson's camera has these limits.
         let radii = radii.clamp(2.0, 1_000.0);

@@ -77,7 +77,7 @@ pub fn apply_all<E>(
     carry_out(commands, |state, _| after(state))
 }
 
-/// The same; `after` also receives why the command was refused, if it was.
+/// Does what [`apply_all`] does; `after` also receives why the command was refused, if it was.
 fn carry_out<E>(
     commands: Vec<Command>,
     mut after: impl FnMut(&State, Option<Refusal>) -> Result<(), E>,
@@ -95,6 +95,7 @@ fn carry_out<E>(
     let mut commands = commands.into_iter().enumerate().peekable();
     while let Some((index, command)) = commands.next() {
         let next = commands.peek().map(|(_, next)| next);
+        // Work that the command started may fail, too: `apply` waits for it.
         let why = refusal_before(&state, &command).or_else(|| apply(&mut state, &command, next));
         let refusal = why.map(|why| Refusal {
             number: index + 1,

@@ -186,7 +186,8 @@ impl State {
             self.messages.drop_brief();
         }
 
-        // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
+        // The outer `Some`: the camera may follow after this command. The inner one is the cursor before the command; without it
+        // the camera goes to the event wherever the cursor was.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),

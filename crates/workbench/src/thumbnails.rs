@@ -96,14 +96,14 @@ impl Thumbnails {
         self.0.retain(|(key, _)| is_there(key));
 
         for scene in scenes {
-            let mut drawn = self.0.iter();
+            let mut others = self.0.iter();
             // One at a time: a later frame starts the next one.
-            if drawn.any(|(_, drawn)| matches!(drawn, Drawn::Pending(_))) {
+            if others.any(|(_, drawn)| matches!(drawn, Drawn::Pending(_))) {
                 return;
             }
 
-            let mut drawn = self.0.iter();
-            if drawn.any(|(key, _)| key.is_of(session, scene, dark)) {
+            let mut others = self.0.iter();
+            if others.any(|(key, _)| key.is_of(session, scene, dark)) {
                 continue;
             }
 

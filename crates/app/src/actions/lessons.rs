@@ -30,7 +30,7 @@ fn own<'a>(list: &'a mut List, name: &str, command: LessonCommand) -> &'a mut Ac
 
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Help;
-    let name = if state.lessons().lists {
+    let name = if state.lessons().shows_list {
         "Close the list of lessons"
     } else {
         "Lessons\u{2026}"

@@ -397,7 +397,9 @@ fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
         let mut window = Window::first(size);
         let state = &window.app.state;
         assert!(
-            state.scenes().is_touring() && !state.lessons().lists && !state.window().shows_sides()
+            state.scenes().is_touring()
+                && !state.lessons().shows_list
+                && !state.window().shows_sides()
         );
         let share = window.canvas_share();
         assert!(share >= 0.6, "{size:?}: {share}");
@@ -412,7 +414,7 @@ fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
         let lessons = window.rect_of("caption-offer-1").center();
         window.frame(click(lessons).to_vec());
         window.rest();
-        assert!(window.app.state.lessons().lists && !window.app.state.scenes().is_touring());
+        assert!(window.app.state.lessons().shows_list && !window.app.state.scenes().is_touring());
         assert!(window.is_known("lesson-welcome"), "{size:?}");
     }
 }

@@ -55,7 +55,7 @@ const SIZES: [f32; 2] = [14.5, 17.0];
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let is_here = state.lessons().open.is_some() || state.lessons().lists;
+    let is_here = state.lessons().open.is_some() || state.lessons().shows_list;
     if !is_here || state.lessons().on_page {
         return;
     }
@@ -81,7 +81,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         scroll.show(ui, |ui| {
             ui.set_max_width(ui.available_width() - 10.0);
             match &state.lessons().open {
-                Some(open) if !state.lessons().lists => {
+                Some(open) if !state.lessons().shows_list => {
                     let mut panel = LessonPanel {
                         state,
                         open,
@@ -102,7 +102,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// Returns whether this frame is the first one that shows this step of this lesson, or the list.
 fn is_new_step(ui: &Ui, state: &State) -> bool {
     let lessons = state.lessons();
-    let open = lessons.open.as_ref().filter(|_| !lessons.lists);
+    let open = lessons.open.as_ref().filter(|_| !lessons.shows_list);
     let now = open.map(|open| (open.learner.lesson().name.clone(), open.learner.index()));
     let id = ui.scope_id().with("shown step");
     ui.data_mut(|data| {
@@ -116,7 +116,7 @@ fn is_new_step(ui: &Ui, state: &State) -> bool {
 fn height_below(ui: &Ui, state: &State) -> f32 {
     let room = ui.available_rect_before_wrap();
     let most = BELOW * room.height();
-    if state.lessons().lists {
+    if state.lessons().shows_list {
         return most;
     }
     let above = vec2(room.width(), room.height() - most);

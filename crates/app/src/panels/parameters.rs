@@ -95,7 +95,7 @@ impl<'a> FormContext<'a> {
                 _ => None,
             },
             engine: state.gpu().engine_text(&state.form().draft.parameters),
-            auto_is_gpu: state.gpu().takes(EngineChoice::Auto),
+            auto_is_gpu: state.gpu().gpu_samples(EngineChoice::Auto),
         }
     }
 }

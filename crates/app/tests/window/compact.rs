@@ -211,10 +211,10 @@ fn the_bar_leads_to_the_lessons() {
         let chip = node(&harness, "verdict").rect();
         assert!(!button.intersects(chip), "{button:?} and {chip:?}");
         click(&mut harness, "lessons-list");
-        assert!(harness.state().state.lessons().lists);
+        assert!(harness.state().state.lessons().shows_list);
         node(&harness, "lesson-welcome");
         click(&mut harness, "lessons-list");
-        assert!(!harness.state().state.lessons().lists);
+        assert!(!harness.state().state.lessons().shows_list);
     }
 }
 
@@ -228,7 +228,9 @@ fn the_list_of_lessons_ends_the_tour() {
     settle(&mut harness);
     node(&harness, "caption-title");
     click(&mut harness, "lessons-list");
-    assert!(harness.state().state.lessons().lists && !harness.state().state.scenes().is_touring());
+    assert!(
+        harness.state().state.lessons().shows_list && !harness.state().state.scenes().is_touring()
+    );
     assert!(find(&harness, "caption-title").is_none());
     // The tour, in turn, closes the list.
     harness
@@ -236,7 +238,7 @@ fn the_list_of_lessons_ends_the_tour() {
         .state
         .apply(Command::Scene(SceneCommand::Tour));
     settle(&mut harness);
-    assert!(!harness.state().state.lessons().lists);
+    assert!(!harness.state().state.lessons().shows_list);
 }
 
 #[test]

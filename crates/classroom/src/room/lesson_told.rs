@@ -19,7 +19,7 @@ impl Lessons {
     /// after the question's moment.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        if self.lists {
+        if self.shows_list {
             let labels = lesson_labels(&self.language);
             return json!({ "list": self.list_json(), "language": self.language, "labels": labels });
         }
@@ -259,7 +259,7 @@ impl Classroom {
         if self.lessons.shipped(&wanted.name).is_none() {
             let name = quoted(&wanted.name);
             let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
-            self.lessons.lists = true;
+            self.lessons.shows_list = true;
             context.ask(Effect::ShowSomeRun);
             // A run that begins removes earlier notices.
             context.tell(text, true);

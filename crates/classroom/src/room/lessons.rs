@@ -134,7 +134,7 @@ impl Classroom {
             LessonCommand::ToggleList => {
                 // One thing at a time: the list would leave the tour's card no room.
                 context.ask(Effect::EndTour);
-                self.lessons.lists = !self.lessons.lists;
+                self.lessons.shows_list = !self.lessons.shows_list;
             }
             LessonCommand::Open(name) => self.open_named(name, context),
             LessonCommand::Read(name, text) => {
@@ -237,7 +237,7 @@ impl Classroom {
         // one.
         context.ask(Effect::Begin);
 
-        self.lessons.lists = false;
+        self.lessons.shows_list = false;
         let learner = Learner::new(Arc::new(lesson), translation);
         self.lessons.open = Some(Box::new(OpenLesson {
             text: text.to_owned(),

@@ -162,7 +162,7 @@ impl Classroom {
         self.talks.open = Some(Box::new(Talk::new(parts, self.lessons.now)));
         self.begin_step();
         context.ask(Effect::CloseMenus);
-        self.lessons.lists = false;
+        self.lessons.shows_list = false;
     }
 
     /// Ends the talk; the lesson stays open, except for one that was made of scenes.

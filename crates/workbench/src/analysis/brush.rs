@@ -131,33 +131,37 @@ impl Marks {
     ) {
         self.poll();
 
-        let of = brush.map(|brush| (key_of(shown), brush));
+        let wanted = brush.map(|brush| (key_of(shown), brush));
         // While a brush is dragged or the run plays, each frame would start a search that the next one drops. Another frame has
         // to show that both stayed the same.
-        if self.asked != of {
-            (self.asked, self.work) = (of, None);
+        if self.asked != wanted {
+            (self.asked, self.work) = (wanted, None);
             wake();
             return;
         }
 
-        let Some(of) = of else {
+        let Some(wanted) = wanted else {
             self.found = None;
             return;
         };
 
-        let known = self.found.as_ref().is_some_and(|(found, _)| *found == of);
+        let known = self
+            .found
+            .as_ref()
+            .is_some_and(|(found, _)| *found == wanted);
         // A search that failed would fail again.
         let refused = self
             .failed
             .as_ref()
-            .is_some_and(|(failed, _)| *failed == of);
+            .is_some_and(|(failed, _)| *failed == wanted);
         if known || refused || self.work.is_some() {
             return;
         }
 
         let still = Still::of(session, shown.moment());
-        let causing = BrushTask { still, brush: of.1 };
-        self.work = Some((of, task::start(wake, causing)));
+        let (_, brush) = wanted;
+        let causing = BrushTask { still, brush };
+        self.work = Some((wanted, task::start(wake, causing)));
     }
 
     fn poll(&mut self) {

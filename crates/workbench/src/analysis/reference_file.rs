@@ -102,7 +102,7 @@ pub fn of(
     let set = Samples {
         points,
         region,
-        // The run's, even if the file states its own, so that r means the same for both.
+
         radius,
     };
     let measured = set

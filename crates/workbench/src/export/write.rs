@@ -340,6 +340,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
             add_analysis(job, shown.moment, &shown.view, &mut drawn, monitor)?;
         }
 
+        // An estimate: to encode a picture takes longer than to lay it out.
         monitor.set_fraction((index as f32 + 0.3) / count as f32);
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {

@@ -76,7 +76,7 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         )));
     }
 
-    let mut about: Vec<(String, u64)> = Vec::new();
+    let mut entries: Vec<(String, u64)> = Vec::new();
     let mut files = Vec::new();
     for k in 0..archive.len() {
         let entry = archive.by_index(k).map_err(|error| failed(&error))?;
@@ -87,8 +87,8 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
 
         // An archive may state anything, so that the limits are checked before an entry is unpacked, by the lengths of all
         // entries so far.
-        about.push((inner.clone(), length));
-        let lengths: Vec<(&str, u64)> = about.iter().map(|(name, n)| (&**name, *n)).collect();
+        entries.push((inner.clone(), length));
+        let lengths: Vec<(&str, u64)> = entries.iter().map(|(name, n)| (&**name, *n)).collect();
         if let Some(why) = refusals(&lengths).pop().flatten() {
             return Err(failed(&why));
         }

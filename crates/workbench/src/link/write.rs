@@ -205,7 +205,8 @@ impl Writer {
     }
 
     fn stops(&mut self, content: &LinkContent) {
-        // A condition or watch without its end would mean something else, and is left out whole. A caption can lose its end.
+        // A condition or watch without its end would mean something else: one that is too long is left out whole. A caption may
+        // lose its end.
         let fits = |text: &str| text.chars().count() <= MAX_TEXT;
 
         let breakpoint = |b: &SavedBreakpoint| {
@@ -218,26 +219,26 @@ impl Writer {
         };
 
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
-        let mark = |mark: &SavedScene| {
-            let note: String = mark.caption.chars().take(MAX_TEXT).collect();
-            let colon = if note.is_empty() { "" } else { ":" };
-            let run = match &mark.anchor {
-                _ if mark.run.is_empty() => String::new(),
-                Some(anchor) => format!("@{}@{anchor}", escaped(&item(&mark.run))),
-                None => format!("@{}", escaped(&item(&mark.run))),
+        let scene_text = |scene: &SavedScene| {
+            let caption: String = scene.caption.chars().take(MAX_TEXT).collect();
+            let colon = if caption.is_empty() { "" } else { ":" };
+            let run = match &scene.anchor {
+                _ if scene.run.is_empty() => String::new(),
+                Some(anchor) => format!("@{}@{anchor}", escaped(&item(&scene.run))),
+                None => format!("@{}", escaped(&item(&scene.run))),
             };
-            let note = escaped(&item(&note));
-            Some(format!("{}{run}{colon}{note}", mark.event))
+            let caption = escaped(&item(&caption));
+            Some(format!("{}{run}{colon}{caption}", scene.event))
         };
 
         let breakpoints = &content.breakpoints;
         self.list("break", "breakpoints", MAX_STOPS, breakpoints, breakpoint);
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
-        let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
+        let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, scene_text);
         // A view belongs to the scene at its position.
         self.views(&content.scenes[..written]);
 
-        let long = content.scenes.iter().filter(|mark| !fits(&mark.caption));
+        let long = content.scenes.iter().filter(|scene| !fits(&scene.caption));
         match long.count() {
             0 => {}
             count => self.left_out.push(format!(

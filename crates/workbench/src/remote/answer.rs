@@ -115,7 +115,7 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
         }
 
         LessonRequest::Tour => {
-            state.in_class(|class, _| class.lessons.lists = false);
+            state.in_class(|class, _| class.lessons.shows_list = false);
             state.apply(Command::Scene(SceneCommand::Tour));
         }
 
@@ -320,7 +320,7 @@ pub fn to_json(state: &State) -> Value {
         "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
         "engine": session.map(|session| session.engine.as_str()),
         "gpu": state.gpu().device.word(),
-        "chosen": state.gpu().chosen(&state.form().draft.parameters),
+        "chosen": state.gpu().engine_sentence(&state.form().draft.parameters),
         "notice": state.messages().notice.as_ref().map(|notice| notice.text.as_str()),
         "view": view_json(state),
         // While a talk is open, the page learns nothing about the lesson.

@@ -201,14 +201,16 @@ impl Runs {
         side.verify(context);
     }
 
-    /// Swaps the two runs; the form then shows the parameters of the new first run.
+    /// Swaps the two runs, if there are two. The form then shows the parameters of the first one.
     fn swap(&mut self, context: &mut Context) {
         if let Some((mut side, comparison)) = self.second.take() {
+            // A viewport is of the place in the window, not of the run.
             let viewports = (self.first.viewport, side.viewport);
-            // Breakpoints, watches and scenes stay with the first run, as the panels show them.
+            // Breakpoints, watches and scenes stay in the first place, whichever run is there, as the panels show them.
             let stops = self.first.take_stops();
             std::mem::swap(&mut self.first, &mut side);
             (self.first.viewport, side.viewport) = viewports;
+
             // A loop is of the run that the panels show.
             context.ask(Effect::EndLoop);
             self.first.put_stops(stops, context);

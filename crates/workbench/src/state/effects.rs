@@ -390,7 +390,8 @@ impl State {
             second: self.runs.second.take(),
         }));
 
-        self.time.rest(false);
+        let is_same_run = false;
+        self.time.rest(is_same_run);
         // A window in a frame has no panels; its layout is that of the whole app.
         if self.window.embedding.is_none() {
             self.window.hide_sides();
@@ -423,7 +424,8 @@ impl State {
         // Look and motion stay, as the user may have chosen them meanwhile.
         self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
         self.appearance.colouring = borrowed.appearance.colouring;
-        self.time.rest(false);
+        let is_same_run = false;
+        self.time.rest(is_same_run);
         self.time.playback = borrowed.playback;
         self.time.playback.stop();
         self.scenes.shown = borrowed.scene;
@@ -458,7 +460,7 @@ impl State {
     /// back when the tour ends.
     fn start_tour(&mut self) {
         self.give_back();
-        self.classroom.lessons.lists = false;
+        self.classroom.lessons.shows_list = false;
         self.borrow_window();
         self.form.take(Form::default());
 

@@ -272,7 +272,7 @@ impl FileState {
         }
 
         self.begin_reading(None, first.clone(), source, run, context);
-        // The notice at the end names them, too.
+        // The notice at the end also names the files that were refused.
         if let Some(filing) = &mut self.filing {
             filing.refused = refused.to_vec();
         }
@@ -371,7 +371,7 @@ impl FileState {
     )]
     fn start_saving(&mut self, task: SaveTask, at_hand: &RunView, context: &Context) {
         let path = task.name.clone();
-        // The sheet closes when the file of its name is written, and the name may have got its extension.
+        // The sheet closes when the file that it names is written: it gets the name with the extension that was added.
         if let Some(form) = &mut self.sheet {
             form.path.clone_from(&path);
         }
@@ -380,11 +380,11 @@ impl FileState {
             #[cfg(not(target_arch = "wasm32"))]
             Delivery::Disk => {
                 // The session's own file is replaced without a question.
-                let known = at_hand.session_path.as_deref() == Some(path.as_str());
-                let taken = Path::new(&path).exists() && !known;
+                let is_own = at_hand.session_path.as_deref() == Some(path.as_str());
+                let would_replace = Path::new(&path).exists() && !is_own;
 
                 if let Some(form) = &mut self.sheet
-                    && taken
+                    && would_replace
                     && !form.asked
                 {
                     form.asked = true;

@@ -110,7 +110,8 @@ impl GpuState {
         if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
             // The GPU may have been chosen since the test began.
             if self.engine == EngineChoice::Gpu {
-                self.test(true, context);
+                let even_software = true;
+                self.test(even_software, context);
             } else {
                 self.device = Device::Unknown;
                 self.failure = Some(ON_CPU.to_owned());
@@ -143,7 +144,7 @@ impl GpuState {
 
     /// Returns whether a ready device samples if `engine` is chosen.
     #[must_use]
-    pub fn takes(&self, engine: EngineChoice) -> bool {
+    pub fn gpu_samples(&self, engine: EngineChoice) -> bool {
         let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
         match engine {
             EngineChoice::Gpu => self.device.ready().is_some(),
@@ -158,7 +159,7 @@ impl GpuState {
         parameters: &Parameters,
         engine: EngineChoice,
     ) -> Option<Arc<Gpu>> {
-        let serves = self.takes(engine) && parameters.check_parallel().is_ok();
+        let serves = self.gpu_samples(engine) && parameters.check_parallel().is_ok();
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
@@ -219,22 +220,22 @@ impl GpuState {
         self.device.description().filter(|_| waits)
     }
 
-    /// Returns the engine of the next run, which is of `parameters`: in a line, and in full. `None` if the choice alone
-    /// is enough to know.
+    /// Describes the engine of the next run, which is of `parameters`: in a line, and in full. `None` if the name of the choice
+    /// says it already.
     #[must_use]
     pub fn engine_text(&self, parameters: &Parameters) -> Option<(String, String)> {
         let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
-        let takes = self.takes(self.engine);
+        let gpu_samples = self.gpu_samples(self.engine);
 
         let line: &str = match &self.device {
-            // Even a device that is ready cannot make the first two kinds of runs.
-            Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
+            // A device that is ready makes all runs but two kinds, named first.
+            Device::Ready(_) if gpu_samples && parameters.method == TilingMethod::Exact => {
                 "CPU: it alone makes exact tilings."
             }
-            Device::Ready(_) if takes && parameters.variant == Variant::AsPrinted => {
+            Device::Ready(_) if gpu_samples && parameters.variant == Variant::AsPrinted => {
                 "CPU: it alone runs Algorithm 4 as printed."
             }
-            Device::Ready(tried) if takes => {
+            Device::Ready(tried) if gpu_samples => {
                 &format!("GPU: self-test passed, on {}.", tried.gpu.report().name)
             }
             Device::Testing(_) if self.engine == EngineChoice::Gpu => "GPU: being tested.",
@@ -246,7 +247,7 @@ impl GpuState {
         };
 
         let device = self.device.description();
-        let all = match (self.chosen(parameters), device) {
+        let all = match (self.engine_sentence(parameters), device) {
             (Some(why), Some(test)) if self.device.ready().is_some() => format!("{why} {test}"),
             (Some(why), _) => why,
             (None, device) => device?,
@@ -255,12 +256,12 @@ impl GpuState {
         Some((line.to_owned(), all))
     }
 
-    /// Returns the engine of the next run, which is of `parameters`, with the reason, and the graphics that draw the window;
-    /// `None` except on a page.
+    /// Returns a sentence on a page, and `None` elsewhere: the engine of the next run, which is of `parameters`, why it is this
+    /// one, and the graphics that draw the window.
     #[must_use]
-    pub fn chosen(&self, parameters: &Parameters) -> Option<String> {
+    pub fn engine_sentence(&self, parameters: &Parameters) -> Option<String> {
         let display = self.display.as_ref()?;
-        let takes = self.takes(self.engine);
+        let gpu_samples = self.gpu_samples(self.engine);
 
         let why: &str = match &self.device {
             _ if self.engine == EngineChoice::Cpu => ", as chosen.",
@@ -269,13 +270,13 @@ impl GpuState {
                 None => ".",
             },
             Device::Testing(_) => " while the GPU is opened and tested.",
-            Device::Ready(_) if takes && parameters.method == TilingMethod::Exact => {
+            Device::Ready(_) if gpu_samples && parameters.method == TilingMethod::Exact => {
                 ": it alone makes exact tilings."
             }
-            Device::Ready(_) if takes && parameters.variant == Variant::AsPrinted => {
+            Device::Ready(_) if gpu_samples && parameters.variant == Variant::AsPrinted => {
                 ": it alone runs Algorithm 4 as printed."
             }
-            Device::Ready(_) if takes => {
+            Device::Ready(_) if gpu_samples => {
                 let engine = "The GPU samples: it passed its test against the CPU.";
                 return Some(format!("{engine} {display} draws."));
             }

@@ -28,7 +28,7 @@ impl Runs {
 }
 
 impl RunView {
-    /// Returns why there is no such thing, or `None` if there is.
+    /// Returns why there is no item of this number, or `None` if there is one.
     fn number_refusal(&self, item: Numbered) -> Option<String> {
         let session = self.session.as_ref();
         let debugger = self.debugger.as_ref();

@@ -107,7 +107,10 @@ impl LinkSource<'_> {
             let layout = json!(self.layout);
             let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
             let scenes = content.scenes.iter();
-            match scenes.filter(|mark| is_other(&mark.view["layout"])).count() {
+            match scenes
+                .filter(|scene| is_other(&scene.view["layout"]))
+                .count()
+            {
                 0 => {}
                 count => left_out.push(format!(
                     "the panel layout of {}",
@@ -115,15 +118,15 @@ impl LinkSource<'_> {
                 )),
             }
 
-            for mark in &mut content.scenes {
-                mark.ends = None;
+            for scene in &mut content.scenes {
+                scene.ends = None;
                 // Layouts of panels would make the link too long.
-                if let Some(view) = mark.view.as_object_mut() {
+                if let Some(view) = scene.view.as_object_mut() {
                     view.remove("layout");
                 }
                 // A scene of the link's own run does not name the run.
-                if mark.run == debugger.run_id() {
-                    (mark.run, mark.anchor) = (String::new(), None);
+                if scene.run == debugger.run_id() {
+                    (scene.run, scene.anchor) = (String::new(), None);
                 }
             }
         }
@@ -311,9 +314,9 @@ impl RunView {
 
         let len = debugger.recording().len();
         // A scene of another run is found by its anchor, wherever its event is.
-        let fits = |mark: &&SavedScene| !mark.run.is_empty() || mark.event <= len;
+        let fits = |scene: &&SavedScene| !scene.run.is_empty() || scene.event <= len;
         let scenes: Vec<SavedScene> = content.scenes.iter().filter(fits).cloned().collect();
-        let behind = content.scenes.len() - scenes.len();
+        let after_end = content.scenes.len() - scenes.len();
 
         let stops = Stops {
             breakpoints: content.breakpoints.clone(),
@@ -325,10 +328,10 @@ impl RunView {
             warnings.add(tilescope_session::words::sentence(&error.to_string()));
         }
 
-        if behind > 0 {
-            let marks = counted(behind, "scene", "scenes");
+        if after_end > 0 {
+            let lost = counted(after_end, "scene", "scenes");
             warnings.add(format!(
-                "The link has {marks} after the run's last event, {}, which were left out.",
+                "The link has {lost} after the run's last event, {}, which were left out.",
                 grouped(len)
             ));
         }

@@ -434,7 +434,10 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     };
     state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "unknown");
-    let why = state.gpu.chosen(&Parameters::default()).expect("why");
+    let why = state
+        .gpu
+        .engine_sentence(&Parameters::default())
+        .expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
     // The user chose it while the browser was looking for an adapter.
     state.gpu.engine = EngineChoice::Gpu;

@@ -192,7 +192,8 @@ impl Time {
         }
 
         if run.prefix().is_some() {
-            return run.step_prefix(self.playback.clock == Clock::Event, direction);
+            let by_sample = self.playback.clock == Clock::Event;
+            return run.step_prefix(by_sample, direction);
         }
 
         let Some(debugger) = &run.debugger else {

@@ -249,23 +249,23 @@ impl History {
         let mut before = now;
         let past = &mut self.past;
         let last = past.iter().rposition(Change::makes_run);
-        let since = last.map_or(0, |index| index + 1);
-        let mut later = past[since..].iter();
+        let first_since = last.map_or(0, |index| index + 1);
+        let mut later = past[first_since..].iter();
         if let Some(typed) = later.find(|change| change.part == UndoPart::Form) {
             before.form = typed.memento.form.clone();
         }
 
-        // The changes of the form since then are part of this step now.
+        // The changes of the form since the last run are part of this step now.
         let mut count = 0;
         past.retain(|change| {
             count += 1;
-            count <= since || change.part != UndoPart::Form
+            count <= first_since || change.part != UndoPart::Form
         });
 
         self.typing = None;
-        // A run that was cancelled is not a step.
-        let stopped = last.is_some_and(|index| self.past[index].memento.made == before.made);
-        if stopped && part == UndoPart::Run {
+        // The run that the last step started was cancelled if the run shown is still the one before it. That is no step.
+        let was_cancelled = last.is_some_and(|index| self.past[index].memento.made == before.made);
+        if was_cancelled && part == UndoPart::Run {
             self.future.clear();
         } else {
             self.push(part, before);

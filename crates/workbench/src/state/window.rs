@@ -77,7 +77,7 @@ impl WindowState {
 
     pub(super) fn apply(&mut self, command: WindowCommand) {
         match command {
-            WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,
+            // Panels and their layout.
             WindowCommand::OpenPanel(panel) => self.open_panel(panel),
             WindowCommand::Drawer(DrawerCommand::Arrange(arrangement)) => {
                 self.drawer.arrangement = arrangement;
@@ -91,6 +91,7 @@ impl WindowState {
                 self.layout = Layout::default();
                 self.put_away = PanelSet::default();
             }
+            // The list of actions, and help.
             WindowCommand::ToggleFinder => {
                 self.finder = match self.finder {
                     None => Some(Finder::default()),
@@ -98,9 +99,6 @@ impl WindowState {
                 }
             }
 
-            WindowCommand::Help(page) => self.help = Some(page),
-            WindowCommand::CloseHelp => self.help = None,
-            WindowCommand::Quit => self.quits = true,
             WindowCommand::CloseFinder => self.finder = None,
             // Another search begins at its first action.
             WindowCommand::FinderText(text) => self.finder = Some(Finder { text, choice: 0 }),
@@ -110,6 +108,12 @@ impl WindowState {
                     finder.choice = choice;
                 }
             }
+            WindowCommand::Help(page) => self.help = Some(page),
+            WindowCommand::CloseHelp => self.help = None,
+
+            // The window itself.
+            WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,
+            WindowCommand::Quit => self.quits = true,
         }
     }
 

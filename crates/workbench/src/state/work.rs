@@ -69,7 +69,7 @@ impl State {
 
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
         let cursor = self.runs.first.cursor();
-        let runs = self.with(|state, context| {
+        let plays = self.with(|state, context| {
             let run = &mut state.runs.first;
             state.time.advance(dt_secs, run, context)
         });
@@ -122,8 +122,8 @@ impl State {
         announcer.follow(&self.runs.first, is_playing, notice.as_ref(), lessons);
 
         let is_wanted = !is_fast && !self.appearance.reduced_motion;
-        let changes = self.runs.first.advance_transition(dt_secs, is_wanted);
-        self.runs.first.flight.is_some() || runs || flies || changes || awaits_rest == Some(true)
+        let fades = self.runs.first.advance_transition(dt_secs, is_wanted);
+        self.runs.first.flight.is_some() || plays || flies || fades || awaits_rest == Some(true)
     }
 
     fn poll(&mut self) {
@@ -264,8 +264,8 @@ impl State {
         let is_combination = session.combination.is_some();
 
         if which == Which::First {
-            let same_run = self.runs.first.is_same_run(&session);
-            self.time.rest(same_run);
+            let is_same_run = self.runs.first.is_same_run(&session);
+            self.time.rest(is_same_run);
         }
 
         self.on(which, |run, context| run.show(session, context));
@@ -441,10 +441,11 @@ impl State {
 
         let shown_before = warnings.clone();
         let notice = self.messages.notice.as_ref();
-        let shown = notice.map(|notice| notice.text == shown_before.text());
+        // `None` if no notice is shown: the user has dismissed it.
+        let shows_warnings = notice.map(|notice| notice.text == shown_before.text());
 
-        // Warnings that stand there already are shown below, together with those that come now.
-        if shown == Some(true) {
+        // The warnings of that notice are shown again below, together with those that come now.
+        if shows_warnings == Some(true) {
             self.messages.notice = None;
         }
 
@@ -464,7 +465,7 @@ impl State {
         }
         self.runs.follow_first();
         // Warnings that the user has dismissed are not repeated unless there are new ones.
-        if shown.is_some() || warnings != shown_before {
+        if shows_warnings.is_some() || warnings != shown_before {
             self.messages.warn(&warnings);
         }
     }

@@ -61,6 +61,7 @@ impl RunView {
                 self.pick(Selection::Sample(id), context);
                 if let Some(session) = &self.session {
                     let center = session.position(id);
+                    // A view of 12 radii shows a sample among all that can conflict with it, with their neighbours.
                     self.fly_to(center, 12.0, context);
                 }
             }
@@ -343,6 +344,7 @@ impl RunView {
         });
         if let Some(middle) = gap {
             self.pick(Selection::Place(place), context);
+            // Most gaps are smaller than a disk: a view of 5 radii shows one with the disks around it.
             self.fly_to(middle, 5.0, context);
             return;
         }
@@ -391,6 +393,7 @@ impl RunView {
         }
 
         self.witness_mark = Some(witness_mark);
+        // A view of 9 radii shows the witness with the samples around it.
         self.fly_to(center, 9.0, context);
     }
 

@@ -46,7 +46,7 @@ impl RunView {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // A session without events lacks the last iteration as a stage.
+            // A session without events lacks the last iteration as a stage: the last stage up to the one meant is shown.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let count = stages.take_while(|&&other| other <= stage).count();
             if count > 0 {

@@ -224,7 +224,8 @@ impl RunView {
             ..asked
         };
 
-        // The first round ends work that was started for another moment, and the second sees that the moment rests.
+        // The first round ends work that was started for another moment, the second sees that the moment rests and starts its
+        // work, and the third hands on the outcome: gaps take their borders from a cover.
         for _ in 0..3 {
             self.follow_moment(asked, context);
             self.live.settle();

@@ -110,7 +110,7 @@ fn an_unknown_lesson_shows_the_list_and_a_run() {
     let unknown = |state: &mut State| {
         state.open_link("lesson=no-such&step=chain&language=de");
         settle(state);
-        assert!(state.lessons().lists && state.lessons().open.is_none());
+        assert!(state.lessons().shows_list && state.lessons().open.is_none());
         assert!(state.runs().first.session.is_some());
         assert!(notice_text(state).contains("no lesson \"no-such\""));
         assert_eq!(state.lessons().language, "de");
