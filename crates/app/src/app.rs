@@ -191,7 +191,7 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // Keys of this frame have issued commands already.
+            // The keys of this frame have issued commands already, of which a frame on another page allows some.
             self.commands.retain(|command| command.rules().in_frame);
             panels::show_embedded(
                 ui,
@@ -200,7 +200,7 @@ impl App {
                 &mut self.canvas,
                 &mut self.commands,
             );
-            // A long press would otherwise open a panel.
+            // The canvas has issued commands, too: a long press would open a panel, which a frame does not have.
             self.commands.retain(|command| command.rules().in_frame);
         } else if self.state.window().drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
@@ -326,7 +326,7 @@ impl App {
             commands: &mut self.commands,
             edited: false,
             moved: false,
-            // With all panels open, tabs are close together.
+            // A whole layout has the tabs of all panels, which need the room.
             spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
@@ -397,16 +397,17 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Arranges the panels for the window's size. A layout that was arranged for less than a whole window is kept.
+    /// Arranges the panels for the window's size. A layout that lacks panels was made for a part of a window, and is shown as it is.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
-        // This look enlarges screen points, which leaves fewer of them; the window is as large as before.
+        // The projector mode enlarges points, so that the same window has fewer of them: here its size without that counts.
         if self.state.appearance().look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
 
         let lessons = self.state.lessons();
         let look = self.state.appearance().look;
+        // Whole: every panel occurs once, shown or hidden.
         let arrangement = if self.state.window().layout.is_whole() {
             if lessons.open.is_some() || lessons.shows_list {
                 Arrangement::beside_lesson(size, look)
@@ -443,7 +444,7 @@ impl App {
             zoom(look, is_compact),
         );
 
-        // If the window is enlarged otherwise, the layout is kept.
+        // Only a change of the look changes the zoom: one that was set otherwise stays.
         if before.to_bits() != after.to_bits() {
             ctx.set_zoom_factor(after);
         }
@@ -603,7 +604,7 @@ impl Behavior<Panel> for Shower<'_> {
         }
 
         let id = egui::Id::unique("seen tab").with(tile);
-        // Behind another tab it is not in view. Once it comes forward, it is scrolled to.
+        // A panel behind another tab forgets that its tab was seen, so that the tab is scrolled to once the panel comes forward.
         if !self.state.window().layout.shows(panel) {
             button.ctx.data_mut(|data| data.remove::<u8>(id));
             return button;

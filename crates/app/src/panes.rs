@@ -100,7 +100,7 @@ impl Canvas {
             return;
         };
 
-        // Seen in the gap between the two pictures, as a line.
+        // The two pictures leave a gap, in which this colour is seen as a line between them.
         ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
         let left = PaneSide {
@@ -112,7 +112,7 @@ impl Canvas {
         left.show(ui, context, &mut self.first, &mut self.marks, commands)
             .known_as("canvas-a");
 
-        // Its pipelines are created when a second run is shown for the first time.
+        // The pipelines of the second canvas are created when a second run is shown for the first time.
         if let Some(device) = self.device.take() {
             self.second.draw_with(&device);
         }
@@ -180,7 +180,7 @@ impl PaneSide<'_> {
         let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
-        // Its entries lead to panels, which a frame and a stage lack.
+        // The entries of the menu lead to panels, which a frame and a stage lack.
         if !context.is_embedded && !context.is_stage {
             menu::show(ui, &response, subject, self.which, commands);
         }

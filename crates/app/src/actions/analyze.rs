@@ -15,13 +15,14 @@ use tilescope_workbench::state::State;
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Analyze;
     let analysis = state.analysis();
-    // With tiles, tabs lead away from the analysis; the projector mode and small windows have no tabs.
+    // Where there are tiles, tabs lead away from the analysis. The projector mode and small windows have none, so that this action
+    // also hides it.
     let (name, command) = if !state.window().shows(Panel::Analysis) {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);
         ("Hide analysis", WindowCommand::Drawer(close))
-    // Its tab goes behind another one, and this mode shows no panel but the analysis.
+    // The projector mode shows no panel but the analysis: to open another one hides it.
     } else if state.appearance().look.is_projector() {
         ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {

@@ -81,7 +81,7 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
 /// whether there were any.
 pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let typing = ctx.text_edit_focused();
-    let pointed = ctx.memory(|memory| memory.focused().is_some());
+    let has_focus = ctx.memory(|memory| memory.focused().is_some());
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
 
@@ -96,17 +96,20 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 
     let mut any = false;
     for (key, pressed) in presses {
-        let free = !typing || pressed.command || is_function(key);
+        let is_text = typing && !pressed.command && !is_function(key);
         // Escape closes an open menu or list.
-        let is_meant_for_popup = key == Key::Escape && has_popup;
-        let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
-        let is_taken = pointed && !on_canvas;
-        // A focused button uses these itself.
-        let is_button = matches!(key, Key::Space) || (key == Key::Enter && pressed.is_none());
-        if !free || is_meant_for_popup || (is_button && is_taken) || (is_tick && on_canvas) {
+        let closes_popup = key == Key::Escape && has_popup;
+        // Space and Enter press a button that has the focus.
+        let presses_button = has_focus
+            && !on_canvas
+            && (key == Key::Space || (key == Key::Enter && pressed.is_none()));
+        // Arrows move the picture of a canvas that has the focus.
+        let moves_picture =
+            on_canvas && matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
+        if is_text || closes_popup || presses_button || moves_picture {
             continue;
         }
-        // The topmost surface comes first: Escape closes it, and letters go to it.
+        // An open sheet comes first: Escape closes it, and letters go to it.
         if has_sheet(state) && !pressed.command {
             continue;
         }
@@ -169,6 +172,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
     let typing = ctx.text_edit_focused();
     let open = state.window().finder.as_ref();
     ctx.input_mut(|input| {
+        // The index of the first event that is for the list of actions.
         let from = match open {
             // The field has the focus by now, and takes the text itself.
             Some(_) if typing => return None,
@@ -179,6 +183,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
                         key == Key::K && pressed.matches_exact(COMMAND)
                     })
                 };
+                // Behind the key that opens the list.
                 input.events.iter().position(opens)? + 1
             }
         };
@@ -192,7 +197,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 
         for event in &input.events[from..] {
             match event {
-                // Behind the key that ends the list, text is no longer for it.
+                // After the key that closes the list, text is no longer for it.
                 _ if asked.is_entered || asked.is_closed => {}
                 Event::Text(text) => asked.text.push_str(text),
                 event if press(event) == Some((Key::Enter, NONE)) => asked.is_entered = true,

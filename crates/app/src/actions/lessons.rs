@@ -64,7 +64,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         own(list, "Give up", LessonCommand::GiveUp);
         let controls = open.controls(&state.lessons().language);
         let count = controls.iter().flat_map(Control::items).count();
-        // Digits count through the items of all lists, as far as there are digits.
+        // Digits count through the items of all lists of the question; items beyond the last digit have no key.
         for (index, key) in DIGITS.into_iter().enumerate().take(count) {
             let choose = LessonCommand::Draft(DraftCommand::Choose(index));
             own(list, &format!("Choose answer {}", index + 1), choose).on_key(key);
@@ -82,7 +82,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         return;
     }
     let is_lesson = |command: &Command| matches!(command, Command::Lesson(_) | Command::Talk(_));
-    let mine: Vec<KeyboardShortcut> = list
+    let lesson_keys: Vec<KeyboardShortcut> = list
         .actions
         .iter()
         .filter(|action| is_lesson(&action.command))
@@ -99,7 +99,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .filter(|action| !is_lesson(&action.command))
     {
         for keys in [&mut action.shortcut, &mut action.also] {
-            if keys.is_some_and(|keys| mine.contains(&keys) || is_digit(keys)) {
+            if keys.is_some_and(|keys| lesson_keys.contains(&keys) || is_digit(keys)) {
                 *keys = None;
             }
         }

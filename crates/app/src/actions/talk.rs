@@ -31,11 +31,12 @@ fn begin(list: &mut List, state: &State) {
     // Without a lesson this key is the debugger's.
     let f5 = has_lesson.then_some(Key::F5);
 
-    let present = |from_start| TalkCommand::Lesson { from_start };
-    own(list, "Present the lesson", present(true))
+    let from_first = TalkCommand::Lesson { from_start: true };
+    own(list, "Present the lesson", from_first)
         .on_keys(NONE, f5)
         .refused(no_lesson);
-    own(list, "Present the lesson from this step", present(false))
+    let from_here = TalkCommand::Lesson { from_start: false };
+    own(list, "Present the lesson from this step", from_here)
         .on_keys(SHIFT, f5)
         .refused(no_lesson);
     own(
@@ -48,13 +49,13 @@ fn begin(list: &mut List, state: &State) {
         .then_some("There are no scenes: add some in the panel Scenes.");
     own(list, "Present the scenes", TalkCommand::Scenes).refused(no_scenes);
 
-    let handout = |answers| TalkCommand::Handout {
-        answers,
-        notes: answers,
+    let [plain, full] = [false, true].map(|is_full| TalkCommand::Handout {
+        answers: is_full,
+        notes: is_full,
         path: None,
-    };
-    own(list, "Handout of the lesson", handout(false)).refused(no_lesson);
-    own(list, "Handout with answers and notes", handout(true)).refused(no_lesson);
+    });
+    own(list, "Handout of the lesson", plain).refused(no_lesson);
+    own(list, "Handout with answers and notes", full).refused(no_lesson);
 }
 
 /// Adds the actions of the lecturer during the talk. To add one, begin with its `TalkCommand`.

@@ -174,7 +174,9 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             vec2(0.0, 0.0),
             Color32::TRANSPARENT,
             |ui| {
-                scrolled(ui, high, true, |ui, high| {
+                // The canvas, over which the wheel zooms, is not part of what scrolls.
+                let by_wheel = true;
+                scrolled(ui, high, by_wheel, |ui, high| {
                     let rects = PartRects::of(ui.ctx(), high, state);
                     shown.bar(ui, &rects);
                     shown.below(ui, &rects);
@@ -182,7 +184,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             },
         );
     } else {
-        // Over the canvas the wheel zooms.
+        // All of it scrolls, by the wheel where the pointer is not over the canvas: there the wheel zooms.
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let by_wheel = pointer.is_none_or(|pointer| !state.runs().first.viewport.contains(pointer));
         scrolled(ui, high, by_wheel, |ui, high| {

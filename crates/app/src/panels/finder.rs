@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
         // Only a new choice is brought into view: a user may scroll on from there.
-        let moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
+        let has_moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
         ui.data_mut(|data| data.insert_temp(seen, choice));
 
         let room = ui.ctx().content_rect().height() - 110.0;
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 for (index, action) in found.iter().enumerate() {
-                    if show_action(ui, state, action, field, index == choice, moved) {
+                    if show_action(ui, state, action, field, index == choice, has_moved) {
                         done = Some(index);
                     }
                 }
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let chosen = modal.inner.and_then(|index| found.get(index));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
         commands.push(Command::Window(WindowCommand::CloseFinder));
-        // After the list was closed, this would open it again.
+        // This action opens the list, and would do so now that it is closed.
         if action.command != Command::Window(WindowCommand::ToggleFinder) {
             commands.push(action.command.clone());
         }
@@ -115,14 +115,14 @@ fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bo
     })
 }
 
-/// Shows an action in the list; returns whether it was clicked.
+/// Shows an action in the list; returns whether it was clicked. If the choice `has_moved` to it, it is scrolled to.
 fn show_action(
     ui: &mut Ui,
     state: &State,
     action: &Action,
     field: egui::Id,
     chosen: bool,
-    moved: bool,
+    has_moved: bool,
 ) -> bool {
     let palette = Palette::of(state.appearance().look);
     // An action that is refused stays in the list, so that its tooltip can say why.
@@ -144,7 +144,7 @@ fn show_action(
         });
         ui.painter()
             .rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.22));
-        if moved {
+        if has_moved {
             ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
         }
     } else if response.hovered() {

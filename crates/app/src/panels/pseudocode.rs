@@ -174,7 +174,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out before, or the panel has another width: the next frame knows its place.
+        // The line was not laid out before, or the panel has another width. The next frame knows its place, and scrolls to it, as
+        // no moment counts as seen.
         let unseen = Now::default();
         remember(ui, id, unseen, placed);
         ui.ctx().request_repaint();
@@ -205,12 +206,12 @@ fn show_line(
 ) -> Rect {
     let palette = context.palette;
     let tag = now.tag(id);
-    let wide = if is_for_fingers(ui.ctx()) {
+    let gutter_width = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
     } else {
         GUTTER
     };
-    let indent = wide + 10.0 * line.indentation as f32;
+    let indent = gutter_width + 10.0 * line.indentation as f32;
     // Each line keeps the room for a remark, so that its text does not wrap anew when it has one.
     let width = (ui.available_width() - indent - 8.0 - TAG).max(40.0);
     let color = if tag.is_some() {
@@ -227,7 +228,7 @@ fn show_line(
     let size = vec2(ui.available_width() - 4.0, height);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let top = rect.center().y - galley.size().y / 2.0;
-    let gutter = Rect::from_min_size(rect.min, vec2(wide, rect.height()));
+    let gutter = Rect::from_min_size(rect.min, vec2(gutter_width, rect.height()));
     let body = Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
     let scope = ui.scope_id();
     let text = ui.interact(body, scope.with(("line", id.0)), Sense::click());

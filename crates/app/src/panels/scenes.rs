@@ -143,8 +143,8 @@ fn row(
             issue(SceneCommand::Replace(index));
         }
 
-        let up = (index == 0).then_some("It is the first.");
-        let down = (number == debugger.scenes.len()).then_some("It is the last.");
+        let no_up = (index == 0).then_some("It is the first.");
+        let no_down = (number == debugger.scenes.len()).then_some("It is the last.");
         let above = SceneCommand::Move(index, index.saturating_sub(1));
         let below = SceneCommand::Move(index, number);
         let remove = SceneCommand::Remove(index);
@@ -157,9 +157,9 @@ fn row(
         };
 
         let up_name = format!("Move scene {number} up");
-        button(Icon::Taller, up_name, "up", up, above);
+        button(Icon::Taller, up_name, "up", no_up, above);
         let down_name = format!("Move scene {number} down");
-        button(Icon::Shorter, down_name, "down", down, below);
+        button(Icon::Shorter, down_name, "down", no_down, below);
         let remove_name = format!("Remove scene {number}");
         button(Icon::Close, remove_name, "remove", None, remove);
     });
@@ -208,13 +208,13 @@ fn moment(
         return label.on_hover_text(origin);
     };
 
-    // In another run the event is a corresponding one, not the same.
-    let about = if matches!(marked, Marked::Here(_)) {
+    // In another run the event is a corresponding one, not the same: a tilde says so.
+    let tilde = if matches!(marked, Marked::Here(_)) {
         ""
     } else {
         "~ "
     };
-    // The moment is that after the event before the cursor.
+    // The cursor stands behind the last event that has happened.
     let last = cursor.saturating_sub(1);
     let event = tilescope_debugger::short(debugger.recording(), last);
     let title = match scene_title(scene) {
@@ -234,7 +234,7 @@ fn moment(
     });
     let link = scope.inner;
 
-    let moment = RichText::new(format!("{about}event {}", grouped(cursor)))
+    let moment = RichText::new(format!("{tilde}event {}", grouped(cursor)))
         .small()
         .monospace();
     ui.label(moment.color(palette.muted))

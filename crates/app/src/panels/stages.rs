@@ -36,7 +36,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return levels(ui, context, session, nested, commands);
     }
 
-    row(ui, ["", "change", "samples"], false, palette, None);
+    let is_current = false;
+    row(ui, ["", "change", "samples"], is_current, palette, None);
     for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
             name_in(session, stage),
@@ -81,7 +82,8 @@ fn levels(
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
-    row(ui, ["", "radius", "samples"], false, palette, None);
+    let is_current = false;
+    row(ui, ["", "radius", "samples"], is_current, palette, None);
 
     let count = context.run.prefix().unwrap_or(1);
     for (level, claim) in nested.claims.iter().enumerate() {
@@ -150,7 +152,7 @@ fn change(session: &Session, stage: Stage) -> String {
         // Iterations are counted from 1.
         Stage::Iterate(k) => {
             let inserted = grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0));
-            // Other runs lose all that they lose before the first iteration.
+            // Exact tiling drops samples in each iteration, KDRT before the first one alone.
             if session.is_exact() {
                 let lost = session.lost_in(session.stage_index(stage));
                 return format!("\u{2212}{} +{inserted}", grouped(lost));
@@ -165,13 +167,13 @@ fn change(session: &Session, stage: Stage) -> String {
 fn row(
     ui: &mut Ui,
     texts: [&str; 3],
-    current: bool,
+    is_current: bool,
     palette: &Palette,
     key: Option<&str>,
 ) -> egui::Response {
-    let click = key.is_some();
-    let sense = if click {
-        Sense::click()
+    let is_clickable = key.is_some();
+    let sense = if is_clickable {
+        Sense::is_clickable()
     } else {
         Sense::hover()
     };
@@ -179,7 +181,7 @@ fn row(
     let (rect, response) = ui.allocate_exact_size(
         vec2(
             ui.available_width(),
-            if click {
+            if is_clickable {
                 // Rows that can be chosen are enlarged for fingers.
                 row_height(ui.ctx(), 24.0)
             } else {
@@ -191,38 +193,42 @@ fn row(
 
     if let Some(key) = key {
         let label = format!("Row {}", texts[0]);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &label));
         response.known_as(format_args!("row.{key}"));
     }
 
     let painter = ui.painter();
-    if current {
+    if is_current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
-    } else if click && (response.hovered() || response.has_focus()) {
+    } else if is_clickable && (response.hovered() || response.has_focus()) {
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
     }
 
-    row_texts(painter, rect, texts, click, palette);
-    if click {
+    row_texts(painter, rect, texts, is_clickable, palette);
+    if is_clickable {
         response.on_hover_cursor(CursorIcon::PointingHand)
     } else {
         response
     }
 }
 
-/// Draws the texts of a row, or of the heads (`click` is false).
+/// Draws the texts of a row, or of the heads, which are not `is_clickable`.
 fn row_texts(
     painter: &egui::Painter,
     rect: egui::Rect,
     texts: [&str; 3],
-    click: bool,
+    is_clickable: bool,
     palette: &Palette,
 ) {
-    let color = if click { palette.text } else { palette.muted };
-    let name = if click { 13.0 } else { 11.5 };
+    let color = if is_clickable {
+        palette.text
+    } else {
+        palette.muted
+    };
+    let name = if is_clickable { 13.0 } else { 11.5 };
     // The digits of numbers stand below each other; the heads above them are words.
     let number = |size| {
-        if click {
+        if is_clickable {
             FontId::monospace(size)
         } else {
             FontId::proportional(11.5)

@@ -186,7 +186,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let size = vec2(room, curve::height(context));
     let (above, _) = ui.allocate_exact_size(size, Sense::hover());
     let track = ui.horizontal(|ui| {
-        controls(ui, context, true, commands);
+        let with_ends = true;
+        controls(ui, context, with_ends, commands);
         ui.add_space(6.0);
         clock(ui, context, 72.0, commands);
         speed(ui, context, commands);
@@ -281,7 +282,8 @@ pub fn show_compact(
 
     sentence(ui, context, COMPACT_SIZE, room, lines);
     ui.horizontal(|ui| {
-        controls(ui, context, true, commands);
+        let with_ends = true;
+        controls(ui, context, with_ends, commands);
         ui.add_space(6.0);
         // If it is cut off, the timeline's panel shows it.
         if ui.available_width() >= CLOCK {

@@ -29,10 +29,10 @@ const ROOM_FOR_ENGINE: f32 = 740.0;
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
-        // The verdict keeps its width: the other parts of the bar make room for it.
-        let verdict = verification::chip_width(ui, &PanelContext::of(state));
+        // The verdict_width keeps its width: the other parts of the bar make room for it.
+        let verdict_width = verification::chip_width(ui, &PanelContext::of(state));
         // Where the menus' names are long, the program's name makes room first, then the button of exports.
-        if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict {
+        if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict_width {
             let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
             ui.label(title).known_as("title");
             ui.add_space(6.0);
@@ -77,9 +77,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let command = Command::View(Which::First, ViewCommand::Fit);
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
                 .issues("fit", command, commands);
-            export(ui, state, verdict, commands);
+            export_button(ui, state, verdict_width, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
-            exporting(ui, state, commands);
+            export_progress(ui, state, commands);
 
             let offers_last = state.files().offers_session(state.past(), state.window());
             if offers_last && ui.available_width() >= ROOM_FOR_LAST {
@@ -112,10 +112,10 @@ fn menus_width(ui: &Ui) -> f32 {
 }
 
 /// Shows the button that opens exports, if that leaves the verdict its width. The File menu has them always.
-fn export(ui: &mut Ui, state: &State, verdict: f32, commands: &mut Vec<Command>) {
+fn export_button(ui: &mut Ui, state: &State, verdict_width: f32, commands: &mut Vec<Command>) {
     let name = ui.words("Export\u{2026}");
     let space = 6.0;
-    if ui.available_width() < button_width(ui, &name) + space + verdict {
+    if ui.available_width() < button_width(ui, &name) + space + verdict_width {
         return;
     }
     let export = ui.add_enabled(state.runs().first.session.is_some(), Button::new(name));
@@ -134,7 +134,7 @@ const LAST_SESSION: &str =
     "Opens what the window showed when it was closed last: parameters, run, moment and scenes.";
 
 /// Shows how far a running export is while its sheet is closed, with a button that cancels it.
-fn exporting(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn export_progress(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let exports = &state.files().exports;
     let Some(fraction) = exports.fraction().filter(|_| exports.sheet.is_none()) else {
         return;
@@ -189,7 +189,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
                 .issues("fit", command, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
-            exporting(ui, state, commands);
+            export_progress(ui, state, commands);
         });
     });
 }

@@ -355,8 +355,8 @@ fn marks(
     };
     hits(painter, context, segments, rect, palette);
 
-    for mark in &debugger.scenes {
-        let marked = debugger.marked(mark);
+    for scene in &debugger.scenes {
+        let marked = debugger.marked(scene);
         let Some(cursor) = marked.cursor() else {
             continue;
         };

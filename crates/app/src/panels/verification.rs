@@ -29,7 +29,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return;
     }
 
-    let (text, well, color) = summary(context, context.palette);
+    let (text, is_valid, color) = summary(context, context.palette);
     let text = ui.words(text);
     let galley = galley_of(ui, &text, color);
     let size = vec2(width_of(&galley), 30.0);
@@ -46,9 +46,9 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     // The mark and the text are centred as one; the mark takes 18 points.
     let start = rect.center().x - 0.5 * (galley.size().x + 18.0);
-    if let Some(well) = well {
+    if let Some(is_valid) = is_valid {
         let mark = egui::pos2(start + 4.0, rect.center().y);
-        verdict_mark(painter, mark, well, color);
+        verdict_mark(painter, mark, is_valid, color);
     }
     let at = egui::pos2(start + 18.0, rect.center().y - galley.size().y / 2.0);
     painter.galley(at, galley, color);
@@ -82,15 +82,16 @@ pub fn chip_width(ui: &Ui, context: &PanelContext<'_>) -> f32 {
     width_of(&galley_of(ui, &ui.words(text), color))
 }
 
+/// Returns the text of the chip, whether the session is valid if that is known, and the colour of both.
 fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<bool>, Color32) {
     match &context.run.verification {
         Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
         Verification::Done(verdict) => {
-            let well = verdict.valid();
+            let is_valid = verdict.valid();
             let of_prefix = |claim: PrefixClaim| {
-                let word = if well { "verified" } else { "not valid" };
+                let word = if is_valid { "verified" } else { "not valid" };
                 format!("first {}: {word}", grouped(claim.count))
             };
             let of_result = || match (verdict.conflict_free(), verdict.maximal()) {
@@ -106,12 +107,12 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
             // Until the verdict on the prefix at work is there, the one before is shown, muted.
             let color = if context.run.prefix_at_work().is_some() {
                 palette.muted
-            } else if well {
+            } else if is_valid {
                 palette.inserted
             } else {
                 palette.conflict
             };
-            (text, Some(well), color)
+            (text, Some(is_valid), color)
         }
     }
 }

@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         });
         scope(ui, title, values, palette);
     }
-    // Their values would be measured in every frame, wanted or not.
+    // The numbers of the moment stand without values, which would be measured in every frame.
     let known = debugger.recording().numbers().into_iter();
     let numbers = known.flat_map(|all| &all.names).map(|number| {
         let limit = number.not_in_conditions.map_or("", |_| "in watches alone");

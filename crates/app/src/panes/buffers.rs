@@ -39,7 +39,7 @@ pub fn show(
 ) -> Option<String> {
     let painter = ui.painter_at(rect);
     let mut left_out = 0;
-    // The pattern has a plane of its own.
+    // The pattern has a plane of its own, on which rows of the run have no place.
     if let Some(rows) = buffers
         .rows
         .filter(|_| subject.shown.stage != Stage::Pattern)

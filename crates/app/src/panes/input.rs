@@ -135,7 +135,7 @@ fn move_view(
         } else {
             scroll
         };
-        // Equal turns of the wheel change the scale by equal factors.
+        // Equal turns of the wheel change the scale by equal factors: 100 points by 1.27.
         let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
@@ -206,7 +206,7 @@ pub(super) fn nearest(
 ) -> Option<u32> {
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
-    // Zoomed out, so many points of the screen would reach over many samples.
+    // Zoomed out, so many points of the screen would reach over many samples: the reach ends at the samples next to the place.
     let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
 
     let mut best: Option<(f64, u32)> = None;

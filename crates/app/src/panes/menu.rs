@@ -155,7 +155,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
     let inspect = Command::View(which, ViewCommand::Inspect);
     let mut entries = vec![MenuEntry::new("history", name, vec![pick.clone(), inspect])];
 
-    // Time is that of run A.
+    // The entries that follow move in time, which is that of run A.
     let debugger = subject.shown.debugger.filter(|_| which == Which::First);
     let Some(recording) = debugger.map(tilescope_debugger::Debugger::recording) else {
         return entries;
@@ -177,10 +177,11 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
         (("kept", "Go to where it was kept"), life.kept),
         (("lost", "Go to where it was eliminated"), life.lost),
     ] {
-        // A sample is kept when it is inserted, and dropped when it is placed outside the domain: one entry is enough.
+        // An inserted sample is kept, and one outside the domain lost, by the event of its birth: one entry tells it.
         let is_told = event != life.born || id == born.0;
         if event != NONE && is_told {
-            let jump = Command::Time(TimeCommand::Jump(event as usize + 1));
+            let cursor_behind = event as usize + 1;
+            let jump = Command::Time(TimeCommand::Jump(cursor_behind));
             entries.push(MenuEntry::new(id, name, vec![pick.clone(), jump]));
         }
     }

@@ -260,7 +260,7 @@ fn curves_of(
     };
 
     let mut curves = Vec::new();
-    // Those at rest are in r, those that move in user units.
+    // A set has the length of r in its own unit as its radius; without one it is in r.
     let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
     let mut add = |run: RunMeasures<'_>, name: &str, line, color: Color32| {
         if let Some((found, faded)) = run.part(in_radii) {

@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         let intro = RichText::new(labels(state).forms_intro).color(palette.muted);
         ui.add(Label::new(intro).wrap());
         for (lesson, shipped) in &forms {
-            // Forms have no number, as the first lesson.
+            // Forms have no number, as the first lesson: `entry` shows none for 0.
             entry(ui, state, lesson, shipped, 0, palette, commands);
         }
     }

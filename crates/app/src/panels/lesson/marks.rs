@@ -45,7 +45,7 @@ pub fn show(ui: &Ui, state: &State) {
     let mut taken = overlay.circles(ui, open);
     taken.extend(overlay.marks(&open.marks(), &taken));
 
-    // Marks have few places for their labels, the width of a strip may stand on any side of its corner: it comes last.
+    // The width of a strip may stand on any side of its corner. It comes last, as marks have fewer places for their labels.
     if let Some((corner, width)) = edge {
         overlay.strip_label(corner, ui.words(format!("{width} r")), &taken);
     }
