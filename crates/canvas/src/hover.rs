@@ -48,7 +48,7 @@ pub fn show(
 ) {
     // A pointer that drags the picture does not ask for a name.
     let pointer = response.hover_pos().filter(|_| !response.dragged());
-    let Some(named) = pointer.and_then(|pos| name(subject, response.rect, pos)) else {
+    let Some(named) = pointer.and_then(|pos| pointed_at(subject, response.rect, pos)) else {
         return;
     };
     let text = &ui.words(if brief { &named.brief } else { &named.full });
@@ -59,7 +59,7 @@ pub fn show(
 }
 
 /// Returns the object under the pointer, if there is one.
-fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
+fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     let shown = subject.shown;
     // The picture of the pattern has no samples, gaps and blocks of the run.
     if shown.stage == Stage::Pattern {
@@ -68,8 +68,8 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     let position = subject.camera.domain_from_screen(rect, pointer);
 
     // Where symbols overlap too much, no single sample can be pointed at.
-    let fine = subject.camera.scale * shown.spacing() >= MIN_DISK_SCALE;
-    let hovered = subject.hovered.filter(|_| fine).map(|id| {
+    let is_fine = subject.camera.scale * shown.spacing() >= MIN_DISK_SCALE;
+    let hovered = subject.hovered.filter(|_| is_fine).map(|id| {
         let at = shown.session.position(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });

@@ -279,6 +279,7 @@ impl InstancedCanvas {
 
         let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
             let mut frame = view.frame(copy.shift, options);
+            // The last number of the scale is the opacity of points.
             frame.scale[3] = opacity;
             // The parameters of every part of a frame need a slot of their own.
             let number = self.drawn.replace(self.drawn.get().wrapping_add(1));

@@ -123,8 +123,9 @@ pub fn note(
 ) {
     if let Some(text) = text.filter(|_| rect.height() >= MIN_HEIGHT) {
         let font = FontId::proportional(12.5);
-        let domain = subject.camera.screen_from_domain(rect, [0.0; 2]);
-        let beside = domain.x - rect.left() - 2.0 * INSET;
+        let origin = subject.camera.screen_from_domain(rect, [0.0; 2]);
+        // The room on the left of the domain.
+        let beside = origin.x - rect.left() - 2.0 * INSET;
 
         let (width, middle) = if beside >= MIN_WIDTH_BESIDE {
             (beside, rect.left() + INSET + 0.5 * beside)

@@ -140,7 +140,7 @@ impl Surface for Sheet<'_> {
         self.circle(center, radius, Some(fill), Some(ring));
     }
 
-    fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], color: Color32) {
+    fn mark(&mut self, mark: Mark, center: Pos2, [radius, growth]: [f32; 2], color: Color32) {
         let sprite = match mark {
             Mark::Cross => Sprite::Cross,
             Mark::Dot => Sprite::Dot,
@@ -150,7 +150,7 @@ impl Surface for Sheet<'_> {
             Mark::Halo => Sprite::Halo,
         };
         self.stamps(1 + mark as usize, sprite, radius)
-            .add_larger(center, by, color);
+            .add_larger(center, growth, color);
     }
 
     fn outline(&mut self, corners: &[Pos2], stroke: Stroke) {

@@ -42,16 +42,16 @@ impl Touch {
     #[must_use]
     pub fn follow(ui: &Ui, response: &Response) -> Self {
         let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {
-            let phase = |wanted: TouchPhase| {
+            let count = |wanted: TouchPhase| {
                 let of = move |event: &&Event| matches!(event, Event::Touch { phase, .. } if *phase == wanted);
                 input.events.iter().filter(of).count()
             };
             (
                 input.any_touches(),
                 input.multi_touch(),
-                phase(TouchPhase::Start),
-                phase(TouchPhase::End) > 0,
-                phase(TouchPhase::Cancel) > 0,
+                count(TouchPhase::Start),
+count(TouchPhase::End) > 0,
+count(TouchPhase::Cancel) > 0,
             )
         });
 
@@ -64,7 +64,7 @@ impl Touch {
         // are lifted.
         let is_gesture = before.is_gesture || multi.is_some() || starts > 1;
 
-        // It belongs to the canvas on which it began.
+        // A gesture belongs to the canvas on which it began.
         let begins_here = response.is_pointer_button_down_on() || before.is_here;
         let is_here = multi.is_some() && begins_here;
         let now = Before {

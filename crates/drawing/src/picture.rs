@@ -308,8 +308,8 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     };
 
     // The sentence is cut before it meets the event's number.
-    let width = text_width(&event, Font::Regular, size);
-    let room = frame.size().x - width - size;
+    let event_width = text_width(&event, Font::Regular, size);
+    let room = frame.size().x - event_width - size;
     let line = frame.min.y - 0.8 * size;
 
     let ink = color(palette.text);

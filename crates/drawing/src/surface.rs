@@ -107,7 +107,7 @@ pub trait Surface {
     /// Draws the disk of a sample: a thin ring, faintly filled.
     fn disk(&mut self, center: Pos2, radius: f32, color: Color32);
 
-    /// Draws a mark. `size` is the radius of its kind and this mark's own size factor. Within a part, marks of
+    /// Draws a mark. `size` is the radius of its kind, and by how much this mark's own is larger. Within a part, marks of
     /// one kind cover those of kinds before it.
     fn mark(&mut self, mark: Mark, center: Pos2, size: [f32; 2], color: Color32);
 

@@ -243,6 +243,7 @@ impl Taken {
             ((f64::from(units) * self.scale).max(0.0) as usize).min(count - 1)
         };
         let (column, row) = (cell(point.x, self.columns), cell(point.y, self.rows));
+        // Two empty cells surround the grid on each side.
         let width = self.columns + 4;
         let own = (row + 2) * width + column + 2;
 
@@ -257,9 +258,10 @@ impl Taken {
             x * x + y * y < self.square
         };
 
-        // Points nearer than the distance are at most two cells away. The empty cells around the grid save the checks.
-        for row in row..row + 5 {
-            let first = row * width + column;
+        // Points nearer than the distance are at most two cells away: five rows of five cells, in which the empty cells around
+        // the grid save the checks of its ends.
+        for near_row in row..row + 5 {
+            let first = near_row * width + column;
             if self.cells[first..first + 5].iter().any(is_near) {
                 return false;
             }

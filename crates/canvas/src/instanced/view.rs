@@ -162,7 +162,7 @@ impl PlaneView {
             for right in steps {
                 let shift = DVec2::new(*right, *up) * size;
                 let (low, high) = (low - reach - shift, high + reach - shift);
-                // A bounded domain's dropped samples may lie outside it.
+                // A bounded domain's dropped samples lie up to one radius outside it: with two none is missed by rounding.
                 if (high.cmpge(DVec2::splat(-2.0)) & low.cmple(size + 2.0)).all() {
                     copies.push(Copy { shift, low, high });
                 }
@@ -197,7 +197,7 @@ impl PlaneView {
                 self.scale() as f32,
                 (self.scale() / f64::from(R)) as f32,
                 pixels,
-                // The opacity of points, which depends on how many are drawn.
+                // The opacity of points: the caller sets it, as it depends on how many are drawn.
                 1.0,
             ],
             radii,

@@ -29,7 +29,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
     // Refused darts have no layer of their own, and share that of eliminated samples.
     if scene.has(Layer::Eliminated) {
-        // Those of earlier levels are history.
+        // Darts that earlier levels refused are history: the level that is shown begins where the one before ends.
         let index = scene.session.stage_index(scene.stage);
         let before = index.checked_sub(1);
         let start = before.and_then(|before| scene.session.stage_end(before));

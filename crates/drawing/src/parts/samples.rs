@@ -152,6 +152,7 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let view = scene.rect.expand(12.0);
 
     if scene.has(Layer::Detectors) {
+        // The last of the radii is that of detectors.
         let [.., radius] = radii_at(scale);
         // There are too many detectors for a strong colour.
         let color = (scene.palette.detector).gamma_multiply((scale / 6.0).clamp(0.5, 1.0));

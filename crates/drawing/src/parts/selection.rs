@@ -84,8 +84,8 @@ fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
 
 fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: WitnessMark) {
     let palette = scene.palette;
-    let color = |is_well| {
-        if is_well {
+    let color = |is_valid| {
+        if is_valid {
             palette.inserted
         } else {
             palette.conflict

@@ -204,7 +204,7 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
     let radius = offset.length() as f32 * scene.scale();
 
     let color = color_of(scene, examined.verdict);
-    // The centre of so large a circle is far out of view, and so is the candidate's mark there.
+    // The centre of so large a circle is far out of view, and the candidate's mark is at the centre.
     let far = radius > MAX_CIRCLE || !radius.is_finite();
     if !far {
         surface.circle(at, radius, None, Some(Stroke::new(1.8, color)));

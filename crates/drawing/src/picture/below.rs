@@ -62,9 +62,11 @@ impl Below {
             let mut x = 0.0;
             for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
                 let meaning = layer.meaning(kind);
-                let wide = 2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
+                // The symbol, and as much room before the next entry.
+                let entry_width =
+                    2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
                 // An entry wider than the picture has a line of its own, but no empty one above.
-                if x > 0.0 && x + wide > room {
+                if x > 0.0 && x + entry_width > room {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }
                 let at = DVec2::new(x, height + 0.5 * LINE_HEIGHT * size);
@@ -74,7 +76,7 @@ impl Below {
                     meaning,
                     at,
                 });
-                x += wide;
+                x += entry_width;
             }
             height += LINE_HEIGHT * size;
         }
@@ -133,7 +135,7 @@ impl Below {
 /// Returns a shape of a symbol at its position in the picture.
 fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
     let on = |offset: Vec2| middle + scale * at(offset.to_pos2());
-    let wide = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);
+    let scaled = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);
 
     match shape {
         SymbolShape::Polygon {
@@ -142,14 +144,14 @@ fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
             stroke,
         } => Shape::Polygon {
             points: corners.into_iter().map(on).collect(),
-            style: style(fill, stroke.map(wide)),
+            style: style(fill, stroke.map(scaled)),
         },
         SymbolShape::Line {
             points,
             stroke,
             dashes,
         } => {
-            let mut stroke = line(wide(stroke));
+            let mut stroke = line(scaled(stroke));
             stroke.dash = dashes.map(|lengths| lengths.map(|length| scale * f64::from(length)));
             Shape::Polyline {
                 points: points.into_iter().map(on).collect(),
@@ -162,7 +164,7 @@ fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
             fill,
             stroke,
         } => {
-            let style = style(fill, stroke.map(wide));
+            let style = style(fill, stroke.map(scaled));
             Shape::circle(on(center), scale * f64::from(radius), style)
         }
     }

@@ -152,7 +152,7 @@ impl Surface for Shapes {
         self.circle(center, radius, Some(fill), Some(ring));
     }
 
-    fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], ink: Color32) {
+    fn mark(&mut self, mark: Mark, center: Pos2, [radius, growth]: [f32; 2], ink: Color32) {
         let stroked = |width: f32| style(None, Some(Stroke::new(width, ink)));
         let (marker, style) = match mark {
             Mark::Cross => (Marker::Cross, stroked(1.2)),
@@ -163,7 +163,7 @@ impl Surface for Shapes {
             Mark::Halo => (Marker::Dot, stroked(2.0)),
         };
 
-        let size = 2.0 * f64::from(radius + by);
+        let size = 2.0 * f64::from(radius + growth);
         let shape = Shape::marker(marker, at(center), size, style);
         self.marks[mark as usize].push(shape);
         // A detector is a ring with a dot, which no marker of the scene has.
