@@ -219,8 +219,8 @@ impl Debugger {
         self.run_while(direction, &|| true)
     }
 
-    /// Like [`Self::run`], but calls `go_on` at every breakpoint whose condition does not hold. If it returns false,
-    /// the cursor stops there.
+    /// Like [`Self::run`], but calls `go_on` at the start and at every breakpoint whose condition does not hold. If it returns
+    /// false, the cursor stops there.
     pub fn run_while(&mut self, direction: Direction, go_on: &dyn Fn() -> bool) -> Stop {
         loop {
             if !go_on() {
@@ -401,7 +401,7 @@ impl Debugger {
         let mut debugger = Self::new(recording, session.budget);
 
         // Scenes of other runs name events that this run need not have.
-        let of_this = |mark: &&SavedScene| mark.run.is_empty() || mark.run == debugger.run_id();
+        let of_this = |scene: &&SavedScene| scene.run.is_empty() || scene.run == debugger.run_id();
         let scenes = session.scenes.iter().filter(of_this);
         let named = scenes.map(|scene| scene.event);
         // A cursor beyond the end would show another moment than the saved one.

@@ -34,13 +34,13 @@ impl Lines {
     /// Returns the line that an event executes.
     #[must_use]
     pub fn of(self, run_event: &RunEvent) -> LineId {
-        let (name, number) = self.name(run_event);
+        let (name, number) = self.listing_line(run_event);
         let mut listings = Listings::shipped().listings.iter();
         let listing = listings.find(|listing| listing.name == name);
         LineId(listing.map_or(0, |listing| listing.lines.start + number - 1))
     }
 
-    fn name(self, run_event: &RunEvent) -> (&'static str, u8) {
+    fn listing_line(self, run_event: &RunEvent) -> (&'static str, u8) {
         match *run_event {
             RunEvent::Begin(stage) => self.begin(stage),
             // Exact tiling has its own listing even for events that other runs have, too.

@@ -345,7 +345,10 @@ struct Word<'a> {
 
 fn parse_word(word: &str) -> Result<Term, QueryError> {
     let signs = OPERATORS.iter();
-    let split = signs.filter_map(|&(sign, o)| word.split_once(sign).map(|parts| (parts, o)));
+    let split = signs.filter_map(|&(sign, orderings)| {
+        let parts = word.split_once(sign)?;
+        Some((parts, orderings))
+    });
 
     // The first sign in the word divides it. Of several at one place the longest counts, which the list has first.
     let Some(((name, value), orderings)) = split.min_by_key(|((name, _), _)| name.len()) else {
@@ -358,7 +361,9 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
         };
 
         let kind = EventKind::named(word).ok_or_else(unknown)?;
-        return Ok(Term::Kind(kind, true));
+        // Events of the kind are looked for, not all others.
+        let is_wanted = true;
+        return Ok(Term::Kind(kind, is_wanted));
     };
 
     let word = Word {

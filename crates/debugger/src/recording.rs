@@ -134,7 +134,7 @@ impl Recording {
     #[must_use]
     pub fn of(run: Run, tape: Tape) -> Self {
         let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
-        // Samples outside a closed domain have no cell in the grid, and cover nothing inside it.
+        // Samples outside a bounded domain have no cell in the grid, and were dropped: they cover nothing inside it.
         for (id, (&point, &fate)) in (0..).zip(run.samples.points.iter().zip(&run.samples.fates)) {
             if fate != Fate::Dropped {
                 grid.insert(id, point);

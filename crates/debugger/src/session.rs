@@ -298,11 +298,11 @@ impl Session {
         longest("bytes in a watch", self.watches.iter().map(String::as_str))?;
         longest(
             "bytes in a caption",
-            self.scenes.iter().map(|b| b.caption.as_str()),
+            self.scenes.iter().map(|scene| scene.caption.as_str()),
         )?;
         longest(
             "bytes in a scene's run",
-            self.scenes.iter().map(|b| b.run.as_str()),
+            self.scenes.iter().map(|scene| scene.run.as_str()),
         )?;
         longest(
             "bytes in a path",

@@ -267,7 +267,7 @@ impl Language {
             }
         }
 
-        // The table writes one number, and its signs are those of the language.
+        // One text of the table is a number: its translation has the separators and the percent sign of the language.
         let sample = texts.remove(SAMPLE_NUMBER).unwrap_or(SAMPLE_NUMBER);
         let last_digit = sample.rfind(|c: char| c.is_ascii_digit());
         let (number, percent) = sample.split_at(last_digit.map_or(0, |at| at + 1));

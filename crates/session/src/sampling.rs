@@ -128,12 +128,12 @@ pub async fn on_gpu(
     let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
         Ok(run) => {
             let engine = format!("GPU ({name})");
-            let twin = GpuSessionTask {
+            let preparing = GpuSessionTask {
                 run,
                 recipe,
                 generation,
             };
-            let made = task::run_for(twin, monitor).await;
+            let made = task::run_for(preparing, monitor).await;
             let mut session = made.map_err(MakeError::fault)??;
             session.engine = engine;
             return Ok(session);

@@ -518,7 +518,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
             None => all.clone().filter(stays).filter(is_marked).collect(),
         },
 
-        // Samples stay marked as detectors.
+        // As printed, samples stay marked: every inserted one and every marked survivor looks for gaps again.
         (_, Variant::AsPrinted) => {
             let inserted =
                 |id: &u32| matches!(run.samples.origins[*id as usize], Origin::Inserted { .. });

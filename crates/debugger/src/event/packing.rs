@@ -151,6 +151,7 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
         }
     };
 
+    // Bits 0 to 2 of the tags are the verdict's, 3 and 4 say the kind of sites, and 5 and 6 which site is the detector.
     Event {
         extra,
         ..packed(EventKind::Candidate, tags | tag << 3 | index << 5, &words)

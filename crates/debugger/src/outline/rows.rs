@@ -88,6 +88,7 @@ impl Node {
             // No child before is expanded: rows and children have the same numbers.
             None => (k, false),
             Some(open) => {
+                // How many rows below the own row of the expanded child, which is 0 for that row itself.
                 let below = k - open.index - open.before;
                 if below > 0 && below <= open.rows {
                     // Behind the expanded child, its rows have moved the others down.

@@ -72,6 +72,7 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     let side = |min: Point, max: Point| Rect { min, max };
     let (low, high) = (rect.min, rect.max);
 
+    // Whether the set, of which the piece takes `length` from `start` on, goes on beyond the piece.
     let beyond = |start: i32, length: i32, extent: i32| {
         i64::from(start) + i64::from(length) < i64::from(extent)
     };
@@ -143,6 +144,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
     let mut coming = parts.into_iter().peekable();
     // The parts that reach across the row, from left to right.
     let mut over: Vec<Rect> = Vec::new();
+    // The rectangles of the row before, which this one may lengthen.
     let mut open: Vec<Rect> = Vec::new();
 
     for row in edges.windows(2) {
