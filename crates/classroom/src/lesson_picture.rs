@@ -66,7 +66,9 @@ pub(crate) fn step_at(
         }
     };
 
-    let arrival = learner.arrive(&run, 0.0);
+    // No time is taken in a picture.
+    let now = 0.0;
+    let arrival = learner.arrive(&run, now);
     if arrival.map_err(|error| error.to_string())? == Arrival::NoMoment {
         let line = learner.step().scene.line;
         return Err(format!("line {line}: the run has no such moment"));
@@ -89,8 +91,9 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         return Scene::new(width, height, color(palette.outside));
     };
 
-    // The session ends at the moment, so that nothing later is drawn.
-    let session = Session::from_recording(Arc::new(run.until(cursor)), 0);
+    // The session ends at the moment, so that nothing later is drawn. It is gone after the picture: any generation serves.
+    let generation = 0;
+    let session = Session::from_recording(Arc::new(run.until(cursor)), generation);
 
     let size = session.size_radii();
     let camera = open.camera().map_or_else(

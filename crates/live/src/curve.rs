@@ -100,8 +100,10 @@ pub struct CurveMaker {
 }
 
 impl CurveMaker {
-    /// Begins the curve of `numbers`, of which every one can be had at every moment ([`crate::numbers_named`]): at both ends
-    /// of the run and after every change of its samples, or at `moments` of these that are evenly spread among them.
+    /// Begins the curve of `numbers`. It is read at both ends of the run and after every change of its samples, or at
+    /// `moments` of these that are evenly spread among them.
+    ///
+    /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers.
     ///
     /// # Errors
     ///

@@ -36,6 +36,7 @@ fn name(number: &'static SetNumber) -> NumberName {
 /// Follows the measures of a recording.
 fn follow(recording: &Recording) -> NumberAt {
     let samples = recording.run().samples.len();
+    // Those that the run ever has: how many there are at once is known only when its events are read, below.
     if samples > MAX_SAMPLES {
         let why = format!(
             "the run has {samples} samples; moments of at most {MAX_SAMPLES} are measured: take a larger radius"
@@ -48,8 +49,9 @@ fn follow(recording: &Recording) -> NumberAt {
         let Some(number) = number(key) else {
             return Ok(NumberValue::Undefined);
         };
+        // A watch is evaluated in every frame of a run that plays. A spectrum costs as much as there are samples at once, which are
+        // fewer than those that the run ever has.
         let most = moment.course().most_samples();
-        // A watch is evaluated in every frame of a run that plays.
         if is_of_spectrum(number) && most > MAX_SAMPLES_OF_SPECTRUM {
             return Err(format!(
                 "the run has up to {most} samples at once; it can be watched in runs of at most {MAX_SAMPLES_OF_SPECTRUM}: take a larger radius"

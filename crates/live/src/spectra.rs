@@ -61,14 +61,15 @@ impl Spectra {
 
         let kept = &mut self.kept[chosen];
         steps += kept.seek(course, target, budget.saturating_sub(steps));
-        // Where nearly no sample is left of a set that was transformed, the rounding of those that went is.
+        // Of a set whose samples have nearly all gone, the sums are mostly the rounding of those that went.
         let must_renew = LiveSpectrum::must_renew;
         if kept.after(target).is_some_and(must_renew) {
             steps += kept.make_anew(course, target);
         }
 
-        // Otherwise a run that is played would never have all frequencies again after a moment of many changes. Those that the run
-        // leaves behind as quickly as they come nearer are not worth it.
+        // The finer spectra come nearer with the steps that are left: otherwise a run that is played would never have all
+        // frequencies again after a moment of many changes. A spectrum that needs half of these steps only to keep up with the run
+        // comes nearer too slowly to be worth it.
         let moved = self.target.abs_diff(target) as u64;
         self.target = target;
         for finer in self.kept[..chosen].iter_mut().rev() {

@@ -530,7 +530,8 @@ impl Classroom {
                 let shown = Some(feedback).filter(|_| !open.learner.is_taken());
                 (open.lacking, open.feedback) = (None, shown);
 
-                self.note_answer(score, false);
+                let given_up = false;
+                self.note_answer(score, given_up);
 
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
                     // The next event of a trace needs a new answer; any other answer stays visible.

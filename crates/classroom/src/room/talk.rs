@@ -53,7 +53,8 @@ impl Classroom {
             TalkCommand::First => {
                 // A lecture has several lessons as its parts: the first step is that of the first one.
                 if self.talks.open.as_ref().is_some_and(|talk| talk.part > 0) {
-                    self.go_to_part(0, false, context);
+                    let at_end = false;
+                    self.go_to_part(0, at_end, context);
                 } else {
                     self.go_in_talk(0, context);
                 }
@@ -216,7 +217,8 @@ impl Classroom {
 
         let part = talk.part + 1;
         if part < talk.parts.len() {
-            return self.go_to_part(part, false, context);
+            let at_end = false;
+            return self.go_to_part(part, at_end, context);
         }
 
         talk.cover = Some(Cover::Over);
@@ -371,15 +373,16 @@ impl Classroom {
 
         // A talk that goes on in this window stays; only its votes, drawings and place are taken over.
         if self.talks.open.is_none() {
+            let from_start = false;
             match &kept.lesson {
                 _ if kept.is_lecture => self.present_lecture(context),
                 (name, Some(text)) => {
                     self.open_lesson(name, text, LessonSource::Text, context);
-                    self.present_lesson(false, context);
+                    self.present_lesson(from_start, context);
                 }
                 (name, None) => {
                     self.apply(LessonCommand::Open(name.clone()), context);
-                    self.present_lesson(false, context);
+                    self.present_lesson(from_start, context);
                 }
             }
         }
@@ -396,7 +399,8 @@ impl Classroom {
         // A record of another version, or one that somebody changed, may name a lesson that the talk lacks.
         let part = kept.part.min(talk.parts.len().saturating_sub(1));
         if part != talk.part {
-            self.go_to_part(part, false, context);
+            let at_end = false;
+            self.go_to_part(part, at_end, context);
         }
 
         self.talks.record = kept.record;
