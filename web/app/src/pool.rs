@@ -204,7 +204,8 @@ impl Pool {
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
         let (pool, from) = (self.clone(), worker.clone());
-        // If the script cannot be loaded, the event has no message, although its type has one.
+        // An error in the script is an event with a message. A script that cannot be loaded, and a message that cannot be read, are
+        // events without one: the message is asked for by name, since the type of the event does not tell.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             let message = (Reflect::get(&event, &"message".into()).ok())
                 .and_then(|message| message.as_string());

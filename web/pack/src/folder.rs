@@ -34,7 +34,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
     };
     fs::create_dir_all(parent).with_context(|| parent.display().to_string())?;
 
-    // Both are removed with this folder in any case.
+    // The new and the old files stand in a folder that is removed in any case.
     let beside = tempfile::Builder::new()
         .prefix(".dist-")
         .suffix(".tmp")
