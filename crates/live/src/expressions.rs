@@ -49,6 +49,7 @@ fn follow(recording: &Recording) -> NumberAt {
         let Some(number) = number(key) else {
             return Ok(NumberValue::Undefined);
         };
+
         // A watch is evaluated in every frame of a run that plays. A spectrum costs as much as there are samples at once, which are
         // fewer than those that the run ever has.
         let most = moment.course().most_samples();
@@ -57,10 +58,12 @@ fn follow(recording: &Recording) -> NumberAt {
                 "the run has up to {most} samples at once; it can be watched in runs of at most {MAX_SAMPLES_OF_SPECTRUM}: take a larger radius"
             ));
         }
+
         let moved = moment.seek(cursor, wanted_for(&[number]), steps);
         if !moved.map_err(|error| error.to_string())?.arrived {
             return Ok(NumberValue::Pending);
         }
+
         let value = number.of(&moment.measured());
         Ok(value.map_or(NumberValue::Undefined, NumberValue::Known))
     })

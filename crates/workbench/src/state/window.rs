@@ -91,6 +91,7 @@ impl WindowState {
                 self.layout = Layout::default();
                 self.put_away = PanelSet::default();
             }
+
             // The list of actions, and help.
             WindowCommand::ToggleFinder => {
                 self.finder = match self.finder {
