@@ -48,7 +48,7 @@ pub struct App {
     /// Copies a text to the clipboard and returns true, or returns false to leave it to egui.
     copier: fn(&str) -> bool,
     /// Toggles full screen and returns true, or returns false to leave it to egui.
-    screener: fn() -> bool,
+    full_screen_turner: fn() -> bool,
     /// The folder for results and for the last session, which must not be lost; `None` in tests.
     #[cfg(not(target_arch = "wasm32"))]
     kept: Option<KeptFolder>,
@@ -87,7 +87,7 @@ impl App {
             stage: Stage::default(),
             // A page replaces these; otherwise egui's ways serve.
             copier: |_| false,
-            screener: || false,
+            full_screen_turner: || false,
             #[cfg(not(target_arch = "wasm32"))]
             kept: None,
             #[cfg(not(target_arch = "wasm32"))]
@@ -119,9 +119,9 @@ impl App {
             && ctx.layer_id_at(pos).is_none_or(is_below)
     }
 
-    /// Uses `screener` to toggle full screen; where it returns false, egui does.
-    pub fn turn_full_screen_with(&mut self, screener: fn() -> bool) {
-        self.screener = screener;
+    /// Uses `full_screen_turner` to toggle full screen; where it returns false, egui does.
+    pub fn turn_full_screen_with(&mut self, full_screen_turner: fn() -> bool) {
+        self.full_screen_turner = full_screen_turner;
     }
 
     /// From now on draws samples by instancing on the window's device in `render_state`.
@@ -355,7 +355,7 @@ impl App {
         {
             ctx.copy_text(text);
         }
-        if requests.turns_full_screen && !(self.screener)() {
+        if requests.turns_full_screen && !(self.full_screen_turner)() {
             let is_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
         }
@@ -397,7 +397,8 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Arranges the panels for the window's size. A layout that lacks panels was made for a part of a window, and is shown as it is.
+    /// Arranges the panels for the window's size. A layout that lacks panels was made for a part of a window, and is shown as it
+    /// is.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
         // The projector mode enlarges points, so that the same window has fewer of them: here its size without that counts.

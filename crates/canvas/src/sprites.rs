@@ -162,7 +162,8 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Diamond => solid((x.abs() + y.abs() - radius) * 0.5_f32.sqrt()),
         Sprite::Triangle => {
-            // Half planes of an equilateral triangle with its tip up, circumradius `radius`: y points down, and 0.866 is the sine of 60 degrees.
+            // Half planes of an equilateral triangle with its tip up, circumradius `radius`: y points down, and 0.866 is
+            // the sine of 60 degrees.
             let sides = (0.866 * x.abs() - 0.5 * y).max(y);
             line(sides - 0.5 * radius, (1.5 * unit).min(0.6 * radius))
         }

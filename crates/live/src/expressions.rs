@@ -50,8 +50,8 @@ fn follow(recording: &Recording) -> NumberAt {
             return Ok(NumberValue::Undefined);
         };
 
-        // A watch is evaluated in every frame of a run that plays. A spectrum costs as much as there are samples at once, which are
-        // fewer than those that the run ever has.
+        // A watch is evaluated in every frame of a run that plays. A spectrum costs as much as there are samples at once,
+        // which are fewer than those that the run ever has.
         let most = moment.course().most_samples();
         if is_of_spectrum(number) && most > MAX_SAMPLES_OF_SPECTRUM {
             return Err(format!(

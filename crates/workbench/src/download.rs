@@ -40,11 +40,11 @@ fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     anchor.remove();
 
     // The browser reads the bytes after the click, and does not say when it has read them.
-    let give_up = Closure::once_into_js(move || {
+    let release = Closure::once_into_js(move || {
         // The page may be closing, and nothing depends on this.
         let _ = Url::revoke_object_url(&url);
     });
     window
-        .set_timeout_with_callback_and_timeout_and_arguments_0(give_up.unchecked_ref(), KEPT_MS)?;
+        .set_timeout_with_callback_and_timeout_and_arguments_0(release.unchecked_ref(), KEPT_MS)?;
     Ok(())
 }

@@ -341,7 +341,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     };
 
     let value = text(field)?.unwrap_or_default();
-    let one_of = |names: &[&str]| {
+    let refuse_unless_one_of = |names: &[&str]| {
         let names = choices(names.iter().copied());
         Err(wrong(field, &fields[field], format!("one of {names}")))
     };
@@ -365,7 +365,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("language", _) => LessonCommand::Language(value),
         ("learner", _) => LessonCommand::Name(value),
         ("save", name) if RESULT_FORMATS.contains(&name) => LessonCommand::SaveResults(value),
-        ("save", _) => return one_of(&RESULT_FORMATS),
+        ("save", _) => return refuse_unless_one_of(&RESULT_FORMATS),
         ("act", "list") => LessonCommand::ToggleList,
         ("act", "leave") => LessonCommand::Leave,
         ("act", "hint") => LessonCommand::Hint,
@@ -373,7 +373,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "clear") => LessonCommand::ClearResults,
         ("act", "keep") => LessonCommand::KeepResults,
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
-        _ => return one_of(&ACTS),
+        _ => return refuse_unless_one_of(&ACTS),
     }))
 }
 

@@ -138,7 +138,7 @@ impl SavedView {
         if let Some(speed) = parts.take("speed", speed) {
             view.playback.choose_speed(speed);
         }
-        // In this sequence, since a speed ends playing by a duration.
+        // The duration comes last, since to choose a speed ends playing by a duration.
         if let Some(secs) = parts.take("whole-run", whole_run) {
             view.playback.whole_run_secs = Some(secs);
         }

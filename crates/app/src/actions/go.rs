@@ -51,18 +51,18 @@ pub(super) fn add(list: &mut List, state: &State) {
 
     // Prefixes of nested levels can be looped over, too: they have a cursor without events.
     let no_loop = no_events.filter(|_| state.runs().first.cursor().is_none());
-    let (on, back) = (no_events.or(at_end), no_events.or(at_start));
+    let (no_way_on, no_way_back) = (no_events.or(at_end), no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
 
-    steps(list, state, forwards, on);
+    steps(list, state, forwards, no_way_on);
     // The ways back are in submenus, so that the menu need not scroll.
     list.within(Submenu::Backwards, |list| {
-        steps(list, state, backwards, back);
+        steps(list, state, backwards, no_way_back);
     });
     list.group();
-    runs(list, state, forwards, on);
+    runs(list, state, forwards, no_way_on);
     list.within(Submenu::Previous, |list| {
-        runs(list, state, backwards, back);
+        runs(list, state, backwards, no_way_back);
     });
     list.within(Submenu::Loop, |list| {
         for (name, command) in [

@@ -132,6 +132,7 @@ impl PartRects {
             canvas,
             controls,
             tabs,
+            // The drawer has all of the column that is left.
             drawer: slice(tabs.bottom(), f32::INFINITY),
             is_low: is_low(room),
         }
@@ -151,8 +152,8 @@ fn is_low(room: Rect) -> bool {
 pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     let needed = needed_height(ui.ctx(), room, state);
-    let mut high = room;
-    high.max.y = room.top() + needed.max(room.height());
+    let mut tall_room = room;
+    tall_room.max.y = room.top() + needed.max(room.height());
 
     let mut shown = CompactWindow {
         state,
@@ -164,7 +165,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         shown.all(ui, &PartRects::of(ui.ctx(), room, state));
     } else if state.window().drawer.arrangement == Arrangement::Landscape {
         // Only the side column scrolls: the canvas beside it has all of the height that there is.
-        let rects = PartRects::of(ui.ctx(), high, state);
+        let rects = PartRects::of(ui.ctx(), tall_room, state);
         shown.canvas(ui, rects.canvas.intersect(room));
         let beside = room.with_min_x(rects.bar.left());
         part(
@@ -176,8 +177,8 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             |ui| {
                 // The canvas, over which the wheel zooms, is not part of what scrolls.
                 let by_wheel = true;
-                scrolled(ui, high, by_wheel, |ui, high| {
-                    let rects = PartRects::of(ui.ctx(), high, state);
+                scrolled(ui, tall_room, by_wheel, |ui, tall_room| {
+                    let rects = PartRects::of(ui.ctx(), tall_room, state);
                     shown.bar(ui, &rects);
                     shown.below(ui, &rects);
                 });
@@ -187,8 +188,8 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         // All of it scrolls, by the wheel where the pointer is not over the canvas: there the wheel zooms.
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let by_wheel = pointer.is_none_or(|pointer| !state.runs().first.viewport.contains(pointer));
-        scrolled(ui, high, by_wheel, |ui, high| {
-            shown.all(ui, &PartRects::of(ui.ctx(), high, state));
+        scrolled(ui, tall_room, by_wheel, |ui, tall_room| {
+            shown.all(ui, &PartRects::of(ui.ctx(), tall_room, state));
         });
     }
 }

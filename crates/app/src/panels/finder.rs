@@ -42,6 +42,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let has_moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
         ui.data_mut(|data| data.insert_temp(seen, choice));
 
+        // Without the field, the margins, and some room around all of it.
         let room = ui.ctx().content_rect().height() - 110.0;
         let enters = keys(ui, choice, found.len(), commands);
         // Ignore Enter until something was typed or selected.

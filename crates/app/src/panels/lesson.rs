@@ -408,8 +408,8 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // The seed of another run of the same kind. Any number serves: the time differs from click to click, and the remainder by a
-            // prime is short enough to be read.
+            // The seed of another run of the same kind. Any number serves: the time differs from click to click, and the
+            // remainder by a prime is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

@@ -29,7 +29,7 @@ const ROOM_FOR_ENGINE: f32 = 740.0;
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {
-        // The verdict_width keeps its width: the other parts of the bar make room for it.
+        // The verdict keeps its width: the other parts of the bar make room for it.
         let verdict_width = verification::chip_width(ui, &PanelContext::of(state));
         // Where the menus' names are long, the program's name makes room first, then the button of exports.
         if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict_width {

@@ -295,8 +295,8 @@ fn density(
                     .into_iter()
                     .zip([palette.conflict, palette.gap, palette.inserted])
             {
-                // The three columns are stacked, and stay within the bar. The root raises small shares, which would be lost
-                // below half a point.
+                // The three shares stand on each other, and stay within the bar. The root raises small shares, which
+                // would be lost below half a point.
                 let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
                 if height >= 0.5 {
                     let ends = [pos2(x, bottom), pos2(x, bottom - height)];

@@ -105,7 +105,7 @@ impl LinkSource<'_> {
             content.scenes.clone_from(&debugger.scenes);
 
             let layout = json!(self.layout);
-            let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
+            let is_other = |saved: &Value| !saved.is_null() && *saved != layout;
             let scenes = content.scenes.iter();
             match scenes
                 .filter(|scene| is_other(&scene.view["layout"]))

@@ -293,6 +293,7 @@ impl Time {
             cursor = range.start;
         }
 
+        // Where a loop begins anew, the share begins with its cursor.
         self.played = (cursor >= at).then_some((passed, cursor));
         if cursor != at {
             run.jump(cursor);

@@ -65,6 +65,7 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
     let palette = sets.palette;
     let spectra = [Some(sets.first), sets.second].map(|run| run.and_then(|run| run.spectrum()));
     let mut of_run = |ui: &mut Ui, index: usize| {
+        // The second text ends the id of the chart.
         let (name, run) = [("A", ""), ("B", "-b")][index];
         ui.label(RichText::new(name).size(12.0).color(palette.muted));
         periodogram_of(ui, run, spectra[index], palette, brush, own);

@@ -41,12 +41,12 @@ pub fn show(ui: &Ui, state: &State) {
         period: is_periodic.then(|| session.size_radii()),
     };
     overlay.lines(open);
-    let edge = overlay.strips(open);
+    let strip = overlay.strips(open);
     let mut taken = overlay.circles(ui, open);
     taken.extend(overlay.marks(&open.marks(), &taken));
 
     // The width of a strip may stand on any side of its corner. It comes last, as marks have fewer places for their labels.
-    if let Some((corner, width)) = edge {
+    if let Some((corner, width)) = strip {
         overlay.strip_label(corner, ui.words(format!("{width} r")), &taken);
     }
 }
