@@ -170,7 +170,9 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 // Options come last: they replace the settings of earlier uses.
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(
-                        tilescope_workbench::command::AppearanceCommand::ToggleTheme,
+                        tilescope_workbench::command::AppearanceCommand::Look(
+                            tilescope_session::look::Look::Light,
+                        ),
                     ));
                 }
                 if let Some(link) = link {
