@@ -146,6 +146,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
+    // The commands of this panel alone: at the end they become commands of the window.
     let mut own = Vec::new();
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);

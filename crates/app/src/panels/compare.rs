@@ -53,6 +53,7 @@ impl<'a> CompareContext<'a> {
 /// Shows the comparison, or what a second run would show.
 pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
+    // The commands of this panel alone: at the end they become commands of the window.
     let mut own = Vec::new();
     if let Some((side, comparison)) = context.second {
         second(ui, side, palette, commands);
@@ -136,6 +137,7 @@ fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareComma
         }
     }
 
+    // The other presets begin a second run at once; this one keeps the run shown, and the next one is compared with it.
     let kept = ui.add_enabled(
         context.first.session.is_some(),
         Button::new("my next run (keeps this one as B)"),
@@ -172,6 +174,7 @@ fn parting(
         ui.label(line).known_as(format_args!("parting-{k}"));
     }
 
+    // A recording that exceeds its budget leaves out tests, which are then not compared in either run.
     let thinned = [a, b].into_iter().any(|session| {
         let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
         session.recording().is_some_and(left_out)

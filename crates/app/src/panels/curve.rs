@@ -239,6 +239,7 @@ impl CurveFrame<'_> {
         commands: &mut Vec<Command>,
     ) {
         let palette = context.palette;
+        // A curve has no text: screen readers read a table of it.
         self.table(ui, session);
         let id = Id::unique("curve of the run");
         let response = ui.interact(self.rect, id, Sense::CLICK | Sense::DRAG);

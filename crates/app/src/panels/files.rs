@@ -135,6 +135,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
 
 fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let path = form.path.trim();
+    // The first reason counts, in the order in which a user can mend them.
     let reason = if busy(state).is_some() {
         "A file is being read or written."
     } else if path.is_empty() {

@@ -75,6 +75,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     .known_as("history");
     let cursor = debugger.state().cursor();
     for &event in events.iter().take(MAX_ROWS) {
+        // Events that are still to come are muted.
         let past = event < cursor;
         let ink = if past { palette.text } else { palette.muted };
         event_row(ui, debugger.recording(), event, ink, commands);

@@ -103,6 +103,7 @@ impl<'a> FormContext<'a> {
 /// Shows the panel: the fields scroll, and the button stays in view where there is room for both.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
+    // In so low a panel the button scrolls with the fields: fixed, it would leave them no room.
     if room.height() < MIN_HEIGHT_FOR_RUN {
         scrolled(ui, Panel::Parameters, |ui| {
             form::show(ui, context, commands);

@@ -244,6 +244,7 @@ impl PassesPanel<'_> {
             ui.label(name);
             ui.add_space(8.0);
             let stage = stage_name(entry.report.stage);
+            // Users count passes from 1.
             let text = format!("pass {} of {count}, stage {stage}", at + 1);
             ui.label(RichText::new(text).color(palette.muted))
                 .known_as("passes.place");
@@ -271,6 +272,7 @@ impl PassesPanel<'_> {
 
                 let mut button =
                     Button::selectable(is_shown, text).right_text(muted(access, palette));
+                // Without a line it would look like a text until the pointer is over it.
                 if !is_shown {
                     button = button.stroke((1.0, palette.line));
                 }

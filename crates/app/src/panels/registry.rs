@@ -46,6 +46,7 @@ pub fn show_panel(
 
     let content = content(panel);
     match (panel, &content.room) {
+        // The canvas fills its tile below the chips of its layers.
         (Panel::Canvas, _) => {
             let chips = frame.inner_margin(Margin::symmetric(12, 8));
             egui::Panel::top("layers")

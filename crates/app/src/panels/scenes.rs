@@ -143,6 +143,7 @@ fn row(
             issue(SceneCommand::Replace(index));
         }
 
+        // The first scene cannot go up and the last one not down: their buttons say so.
         let no_up = (index == 0).then_some("It is the first.");
         let no_down = (number == debugger.scenes.len()).then_some("It is the last.");
         let above = SceneCommand::Move(index, index.saturating_sub(1));

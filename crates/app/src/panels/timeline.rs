@@ -529,6 +529,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
 
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
+            // A clock that this run lacks stays in the list, with the reason.
             let refusal = context.run.clock_refusal(clock);
             let name = ui.words(context.run.clock_name(clock));
             let button = Button::selectable(playback.clock == clock, name);

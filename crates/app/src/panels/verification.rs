@@ -299,9 +299,9 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
 
 /// Shows whether a prefix of nested levels keeps its promises of distance and covering.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
-    let of = |well: bool| (well, "not as promised".to_owned());
+    let judged = |holds: bool| (holds, "not as promised".to_owned());
     let distance = format!("Distances over {:.3} r", claim.distance / unit);
-    let apart = of(verdict.conflict_free());
+    let apart = judged(verdict.conflict_free());
     property(
         ui,
         (&distance, glossary::PREFIX.meaning),
@@ -310,11 +310,12 @@ fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, pale
     );
 
     let covering = claim.covering.map(|covering| covering / unit);
+    // Only a prefix that ends with a level must cover.
     let name = covering.map_or_else(
         || "Covering not promised".to_owned(),
         |covering| format!("Covering up to {covering:.3} r"),
     );
-    let covers = covering.map(|_| of(verdict.maximal()));
+    let covers = covering.map(|_| judged(verdict.maximal()));
     property(
         ui,
         (&name, meaning("covering_radius_r")),
@@ -344,10 +345,10 @@ fn property(
         let (text, color) = match judged {
             None => ("\u{2013}".to_owned(), palette.muted),
             Some((true, _)) => ("yes".to_owned(), palette.inserted),
-            Some((false, count)) => (format!("no: {count}"), palette.conflict),
+            Some((false, fault)) => (format!("no: {fault}"), palette.conflict),
         };
-        if let Some((well, _)) = judged {
-            verdict_mark(ui.painter(), rect.center(), *well, color);
+        if let Some((holds, _)) = judged {
+            verdict_mark(ui.painter(), rect.center(), *holds, color);
         }
         ui.label(ui.words(name));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

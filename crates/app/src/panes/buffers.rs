@@ -267,6 +267,7 @@ fn tag(
     let mut job = LayoutJob::default();
     job.append(&what, 0.0, format(palette.text));
 
+    // Changes stand out, as they are what a pass is looked at for.
     let strong = buffers
         .rows
         .is_some_and(|rows| rows.shown.counts().changed > 0);
@@ -284,6 +285,7 @@ fn tag(
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
     painter.galley(text_rect.min, galley, palette.text);
 
+    // A widget, so that screen readers find the tag.
     let response = ui.interact(
         ground,
         ui.scope_id().with("buffer on the canvas"),

@@ -212,6 +212,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
 
 fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     let pairs = curves_of(sets, &|measured, unit| {
+        // Before the pairs are counted there are no points, and no curve.
         let points = measured.correlation(unit);
         (!points.is_empty()).then_some((points, None))
     });

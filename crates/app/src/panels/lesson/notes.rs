@@ -298,6 +298,7 @@ impl Notes<'_> {
                 let labels = super::labels(self.state);
                 let language = &self.state.lessons().language;
 
+                // The class does not see this window, which may show the answer before the question is closed.
                 if let Some(answer) = self.open.right_answer(language) {
                     let text = format!("{} {answer}", labels.the_answer);
                     self.colored(ui, text, self.palette.inserted)

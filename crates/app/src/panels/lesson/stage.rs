@@ -242,6 +242,7 @@ impl Slide<'_> {
         });
         legend.response.known_as("stage-votes");
 
+        // Only counts can be compared option by option: a share is of the right answers alone.
         if let [Vote::Counts(first), Vote::Counts(second)] = both {
             let most = first.iter().chain(second).copied().max();
             for option in 0..first.len() {

@@ -98,6 +98,7 @@ impl Fields<'_> {
             (draft.levels, &LEVELS),
             Choice::Levels,
         );
+        // The choices below are about levels alone.
         if draft.levels.is_none() {
             return;
         }

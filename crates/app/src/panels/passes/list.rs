@@ -157,6 +157,7 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
     }
 
     time(ui, rect, pass, longest, palette);
+    // Numbers end at 34 points, marks are at 48, and names begin at 62: columns without lines.
     let left = rect.left_center();
     let number = FontId::monospace(11.0);
     let at = left + vec2(34.0, 0.0);
