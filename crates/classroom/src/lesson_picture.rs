@@ -66,7 +66,7 @@ pub(crate) fn step_at(
         }
     };
 
-    // No time is taken in a picture.
+    // The time of the arrival counts for results, and a picture has no results.
     let now = 0.0;
     let arrival = learner.arrive(&run, now);
     if arrival.map_err(|error| error.to_string())? == Arrival::NoMoment {

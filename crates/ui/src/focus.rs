@@ -77,7 +77,7 @@ pub fn follow(ui: &Ui) {
 
 /// Gives accessible names to what `egui_tiles` leaves unnamed: draggable borders and rows of tabs.
 pub fn name_tiles(ctx: &Context) {
-    let taking: Vec<WidgetRect> = ctx.viewport(|viewport| {
+    let focusable: Vec<WidgetRect> = ctx.viewport(|viewport| {
         let layers = viewport.this_pass.widgets.layers();
         let widgets = layers.flat_map(|(_, widgets)| widgets);
         widgets
@@ -88,7 +88,7 @@ pub fn name_tiles(ctx: &Context) {
 
     // Before the closure below, which is called under the lock that `words` takes.
     let (border, tabs) = (ctx.words("Border between panels"), ctx.words("Row of tabs"));
-    for widget in taking {
+    for widget in focusable {
         ctx.accesskit_node_builder(widget.id, |node| {
             // Widgets with a role or a name of their own need none.
             if node.role() != Role::Unknown || node.label().is_some() {
@@ -119,7 +119,7 @@ pub enum End {
 }
 
 /// Returns the widget at an end of the Tab order.
-fn at(ctx: &Context, end: End) -> Option<Id> {
+fn widget_at(ctx: &Context, end: End) -> Option<Id> {
     let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
         // Of the pass before, as this one may not have shown all of its widgets yet.
         let layers = viewport.prev_pass.widgets.layers();
@@ -147,7 +147,7 @@ fn at(ctx: &Context, end: End) -> Option<Id> {
 
 /// Gives the focus to the widget at an end of the Tab order.
 pub fn enter(ctx: &Context, end: End) {
-    if let Some(id) = at(ctx, end) {
+    if let Some(id) = widget_at(ctx, end) {
         ctx.memory_mut(|memory| memory.request_focus(id));
         ctx.request_repaint();
     }
@@ -159,7 +159,7 @@ pub fn leave(ctx: &Context, end: End) -> bool {
     let Some(focused) = ctx.memory(Memory::focused) else {
         return false;
     };
-    let leaves = !Popup::is_any_open(ctx) && at(ctx, end) == Some(focused);
+    let leaves = !Popup::is_any_open(ctx) && widget_at(ctx, end) == Some(focused);
     if leaves {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));
         ctx.request_repaint();

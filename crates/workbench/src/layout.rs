@@ -487,7 +487,7 @@ struct Room<L> {
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
     /// Returns the smallest size of a tile.
-    fn of(&self, tile: &LayoutTile) -> Vec2 {
+    fn least_size(&self, tile: &LayoutTile) -> Vec2 {
         if tile.is_hidden(self.hidden) {
             return Vec2::ZERO;
         }
@@ -496,14 +496,14 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             LayoutTile::Panel(panel) => (self.least)(*panel),
             LayoutTile::Tabs { tiles, .. } => {
                 // Each tab can be opened, so that the largest one counts.
-                let sizes = tiles.iter().map(|tile| self.of(tile));
+                let sizes = tiles.iter().map(|tile| self.least_size(tile));
                 sizes.fold(Vec2::ZERO, Vec2::max) + vec2(0.0, self.bar)
             }
             LayoutTile::Linear { axis, tiles } => {
                 let axis = axis.index();
                 let (mut all, mut count) = (Vec2::ZERO, 0);
                 for (tile, _) in tiles {
-                    let size = self.of(tile);
+                    let size = self.least_size(tile);
                     all[1 - axis] = all[1 - axis].max(size[1 - axis]);
                     all[axis] += size[axis];
                     // A hidden tile takes no room, and has no gap either.
@@ -520,6 +520,8 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         self.gap * tiles.saturating_sub(1) as f32
     }
 
+    /// Changes the shares within a tile of `size`, so that all tiles in it have at least their least sizes where there
+    /// is room for them.
     fn enlarge(&self, tile: &mut LayoutTile, size: Vec2) {
         let (axis, tiles) = match tile {
             LayoutTile::Panel(_) => return,
@@ -547,7 +549,10 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             .iter()
             .map(|(_, share)| room * share / divisor)
             .collect();
-        let least: Vec<f32> = tiles.iter().map(|(tile, _)| self.of(tile)[axis]).collect();
+        let least: Vec<f32> = tiles
+            .iter()
+            .map(|(tile, _)| self.least_size(tile)[axis])
+            .collect();
 
         let enlarged = enlarged(&lengths, &least);
         let is_same = enlarged == lengths;
@@ -597,7 +602,7 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
         let left = room - sum(least, true);
         // The other tiles may have no length at all, and this is a divisor.
         let shared = sum(lengths, false).max(f32::MIN_POSITIVE);
-        let at = |k: usize| {
+        let length_of = |k: usize| {
             if is_small[k] {
                 least[k]
             } else {
@@ -605,10 +610,10 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
             }
         };
 
-        let found: Vec<f32> = (0..lengths.len()).map(at).collect();
+        let scaled: Vec<f32> = (0..lengths.len()).map(length_of).collect();
         // Another of the remaining tiles may now be too small.
-        let Some(small) = (0..found.len()).find(|&k| !is_small[k] && found[k] < least[k]) else {
-            return found;
+        let Some(small) = (0..scaled.len()).find(|&k| !is_small[k] && scaled[k] < least[k]) else {
+            return scaled;
         };
         is_small[small] = true;
     }

@@ -293,7 +293,7 @@ impl Time {
             cursor = range.start;
         }
 
-        // Where a loop begins anew, the share begins with its cursor.
+        // Where a loop has begun anew, the share that has passed is that of the loop's first cursor again.
         self.played = (cursor >= at).then_some((passed, cursor));
         if cursor != at {
             run.jump(cursor);
