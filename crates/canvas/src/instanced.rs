@@ -308,7 +308,8 @@ impl InstancedCanvas {
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
         let (_, seen) = self.seen(&copies, options);
-        let kind = self.kind(options, view.scale(), seen, false);
+        let moving = false;
+        let kind = self.kind(options, view.scale(), seen, moving);
         kind.is_some_and(|(kind, _)| kind == InstanceKind::Point)
     }
 

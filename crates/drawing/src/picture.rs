@@ -219,13 +219,21 @@ pub fn scene(
     MomentView { moment, view }: &MomentView,
     causes: Option<&BrushedCause>,
 ) -> Scene {
-    drawn(session, moment, view, causes, true)
+    let has_pattern = true;
+    drawn(session, moment, view, causes, has_pattern)
 }
 
 /// Returns a frame of an animation. Before the first event it shows the empty domain of the run.
 #[must_use]
 pub fn frame(session: &Session, cursor: usize, view: &PictureView) -> Scene {
-    drawn(session, &Moment::at(session, cursor), view, None, false)
+    let has_pattern = false;
+    drawn(
+        session,
+        &Moment::at(session, cursor),
+        view,
+        None,
+        has_pattern,
+    )
 }
 
 /// Returns the debugger of a session at a moment, if events were recorded.

@@ -96,7 +96,8 @@ impl SampleIndex {
     /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
     /// a periodic domain, with their images up to `reach` outside the domain.
     pub fn visit(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
-        self.visit_copies(low, high, [reach, reach], false, visit);
+        let images_alone = false;
+        self.visit_copies(low, high, [reach, reach], images_alone, visit);
     }
 
     /// Like [`Self::visit`], with images up to `beyond` outside a periodic domain, whatever `reach` is.
@@ -108,12 +109,14 @@ impl SampleIndex {
         beyond: f64,
         visit: impl FnMut(Seen),
     ) {
-        self.visit_copies(low, high, [reach, beyond], false, visit);
+        let images_alone = false;
+        self.visit_copies(low, high, [reach, beyond], images_alone, visit);
     }
 
     /// Calls `visit` with the images alone that [`Self::visit`] calls it with.
     pub fn visit_images(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
-        self.visit_copies(low, high, [reach, reach], true, visit);
+        let images_alone = true;
+        self.visit_copies(low, high, [reach, reach], images_alone, visit);
     }
 
     fn visit_copies(

@@ -591,6 +591,7 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     // In each turn one more tile gets its least length, so that the turns come to an end.
     let mut is_small = vec![false; lengths.len()];
     loop {
+        // The sum of the lengths of the tiles that are small, or of the others.
         let sum = |lengths: &[f32], of_small: bool| -> f32 {
             let summed = lengths
                 .iter()
@@ -599,9 +600,10 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
             summed.map(|(length, _)| *length).sum()
         };
 
-        let left = room - sum(least, true);
+        let of_small = true;
+        let left = room - sum(least, of_small);
         // The other tiles may have no length at all, and this is a divisor.
-        let shared = sum(lengths, false).max(f32::MIN_POSITIVE);
+        let shared = sum(lengths, !of_small).max(f32::MIN_POSITIVE);
         let length_of = |k: usize| {
             if is_small[k] {
                 least[k]

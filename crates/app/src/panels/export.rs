@@ -342,7 +342,8 @@ impl Sheet<'_> {
 
     fn frames(&mut self, ui: &mut Ui) {
         self.named(ui, "A frame every", |sheet, ui, label| {
-            sheet.number(ui, NumberField::Every, true, label);
+            let enabled = true;
+            sheet.number(ui, NumberField::Every, enabled, label);
             // A run's GPU passes have no events.
             let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
             for clock in clocks {
@@ -358,7 +359,8 @@ impl Sheet<'_> {
 
     fn delay(&mut self, ui: &mut Ui) {
         self.named(ui, "Delay", |sheet, ui, label| {
-            sheet.number(ui, NumberField::Delay, true, label);
+            let enabled = true;
+            sheet.number(ui, NumberField::Delay, enabled, label);
             let unit = "ms for a frame";
             ui.label(RichText::new(unit).color(sheet.palette.muted));
         });

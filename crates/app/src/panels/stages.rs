@@ -173,7 +173,7 @@ fn row(
 ) -> egui::Response {
     let is_clickable = key.is_some();
     let sense = if is_clickable {
-        Sense::is_clickable()
+        Sense::click()
     } else {
         Sense::hover()
     };

@@ -162,20 +162,28 @@ impl RowPainter<'_> {
             [Sprite::Disk, Sprite::Halo].map(|sprite| sprites.stamp(ctx, sprite, ring))
         };
         let muted = self.palette.text.gamma_multiply(0.55);
-        self.layer(&view.unchanged, faint, muted, false);
-        self.layer(&view.changed, strong, self.palette.accent, true);
+        let is_changed = true;
+        self.layer(&view.unchanged, faint, muted, !is_changed);
+        self.layer(&view.changed, strong, self.palette.accent, is_changed);
     }
 
-    fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, strong: bool) {
+    fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, is_changed: bool) {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();
         for mark in marks {
             let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
             match &mark.spot {
-                RowPlace::Rect(rect) => add_square(&mut squares, self.square(rect), color, strong),
+                RowPlace::Rect(rect) => {
+                    add_square(&mut squares, self.square(rect), color, is_changed)
+                }
                 RowPlace::Link(ends) => {
                     let ends = ends.map(|end| self.at(end));
-                    add_line(&mut squares, ends, if strong { 1.6 } else { 1.0 }, color);
+                    add_line(
+                        &mut squares,
+                        ends,
+                        if is_changed { 1.6 } else { 1.0 },
+                        color,
+                    );
                     add_ring(&mut rings, stamp, ends[0], color);
                 }
                 RowPlace::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),

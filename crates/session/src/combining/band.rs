@@ -147,14 +147,14 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
     // The rectangles of the row before, which this one may lengthen.
     let mut open: Vec<Rect> = Vec::new();
 
-    for row in edges.windows(2) {
+    for [bottom, top] in edges.array_windows() {
         if stops() {
             return None;
         }
 
         // Rows are met from below, so that each part enters and leaves once.
-        over.retain(|part| part.max.y > row[0]);
-        while let Some(part) = coming.next_if(|part| part.min.y <= row[0]) {
+        over.retain(|part| part.max.y > *bottom);
+        while let Some(part) = coming.next_if(|part| part.min.y <= *bottom) {
             let at = over.partition_point(|other| other.min.x <= part.min.x);
             over.insert(at, part);
         }
@@ -165,11 +165,11 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
             && (open.iter().zip(&spans)).all(|(rect, span)| [rect.min.x, rect.max.x] == *span);
         if !alike {
             band.append(&mut open);
-            open = spans.iter().map(|&span| across(span, row[0])).collect();
+            open = spans.iter().map(|&span| across(span, *bottom)).collect();
         }
 
         for rect in &mut open {
-            rect.max.y = row[1];
+            rect.max.y = *top;
         }
     }
     band.append(&mut open);

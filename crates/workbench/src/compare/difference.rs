@@ -126,14 +126,14 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> U
     let mut difference = UnsharedSamples::default();
     let (mut i, mut j) = (0, 0);
     while i < first.len() && j < second.len() {
-        let (a, b) = (first[i], second[j]);
-        match (a.0.x, a.0.y).cmp(&(b.0.x, b.0.y)) {
+        let ((a, id_in_first), (b, id_in_second)) = (first[i], second[j]);
+        match (a.x, a.y).cmp(&(b.x, b.y)) {
             std::cmp::Ordering::Less => {
-                difference.first.push(a.1);
+                difference.first.push(id_in_first);
                 i += 1;
             }
             std::cmp::Ordering::Greater => {
-                difference.second.push(b.1);
+                difference.second.push(id_in_second);
                 j += 1;
             }
             std::cmp::Ordering::Equal => {
@@ -144,8 +144,12 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> U
     }
 
     // One list has ended, and the other has no partners for the rest.
-    difference.first.extend(first[i..].iter().map(|a| a.1));
-    difference.second.extend(second[j..].iter().map(|b| b.1));
+    difference
+        .first
+        .extend(first[i..].iter().map(|(_, id)| *id));
+    difference
+        .second
+        .extend(second[j..].iter().map(|(_, id)| *id));
     difference
 }
 

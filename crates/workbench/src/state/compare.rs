@@ -354,7 +354,7 @@ impl Runs {
             return;
         };
 
-        let cursors = match comparison.divergence(first, second) {
+        let events = match comparison.divergence(first, second) {
             Some(&Divergence::Events { a, b, .. }) => [a, b],
             Some(&Divergence::Ends { event, .. }) => [event, event],
             // Without events only the stage is known in which the runs differ.
@@ -366,11 +366,12 @@ impl Runs {
             _ => return,
         };
 
-        // The moment after the event shows what differs.
-        self.first.jump(cursors[0] + 1);
+        // The moments after the events show what differs: their cursors are behind the events.
+        let [behind_a, behind_b] = events.map(|event| event + 1);
+        self.first.jump(behind_a);
         self.first.apply_to_view(ViewCommand::GoToCurrent, context);
         if let Some((side, _)) = &mut self.second {
-            side.jump(cursors[1] + 1);
+            side.jump(behind_b);
         }
     }
 

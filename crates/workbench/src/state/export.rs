@@ -209,7 +209,10 @@ impl Exports {
         let key = frames_key(form, source)?;
         match &self.frames {
             Some(known) if known.key == key => known.frames.clone(),
-            _ => count(source.session()?, &key.1, key.2, key.3),
+            _ => {
+                let (_, range, clock, every) = key;
+                count(source.session()?, &range, clock, every)
+            }
         }
     }
 

@@ -234,12 +234,12 @@ fn row(
     let font = FontId::proportional(12.8);
     painter.text(at, Align2::LEFT_CENTER, name, font, palette.muted);
     // The columns of the runs come first: A, B and their difference, or the one run.
-    let of_runs = if sets.second.is_some() { 3 } else { 1 };
+    let run_columns = if sets.second.is_some() { 3 } else { 1 };
     for (k, (text, faded)) in texts.iter().enumerate() {
         let color: Color32 = match k {
             _ if is_head => palette.muted,
             _ if *faded => palette.text.gamma_multiply(0.45),
-            of_run if of_run < of_runs => palette.text,
+            of_run if of_run < run_columns => palette.text,
             _ => palette.muted,
         };
         let font = if is_head {
