@@ -50,8 +50,8 @@ impl Touch {
                 input.any_touches(),
                 input.multi_touch(),
                 count(TouchPhase::Start),
-count(TouchPhase::End) > 0,
-count(TouchPhase::Cancel) > 0,
+                count(TouchPhase::End) > 0,
+                count(TouchPhase::Cancel) > 0,
             )
         });
 

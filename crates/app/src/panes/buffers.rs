@@ -174,7 +174,7 @@ impl RowPainter<'_> {
             let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
             match &mark.spot {
                 RowPlace::Rect(rect) => {
-                    add_square(&mut squares, self.square(rect), color, is_changed)
+                    add_square(&mut squares, self.square(rect), color, is_changed);
                 }
                 RowPlace::Link(ends) => {
                     let ends = ends.map(|end| self.at(end));

@@ -102,7 +102,6 @@ pub fn of(
     let set = Samples {
         points,
         region,
-
         radius,
     };
     let measured = set
