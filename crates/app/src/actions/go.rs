@@ -82,26 +82,27 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
     let shifted = if back { SHIFT } else { NONE };
     let with_alt = if back { Modifiers::ALT } else { NONE };
     // Browsers reload on F5 and go full screen on F11: a page uses other keys.
-    let [on, into, out] = if state.files().in_browser() {
+    let [go_on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {
         let out = (SHIFT | with_alt, Key::F11);
         [(shifted, Key::F5), (with_alt, Key::F11), out]
     };
 
-    for (name, keys, step) in [
+    for (name, (modifiers, key), step) in [
         ("Step into", into, Step::Into),
         ("Step over", (shifted, Key::F10), Step::Over),
         ("Step out", out, Step::Out),
     ] {
         let command = Command::Time(TimeCommand::Step(step, direction));
         let action = list.add(format!("{name}{way}"), command);
-        action.on_keys(keys.0, keys.1).refused(refusal);
+        action.on_keys(modifiers, key).refused(refusal);
     }
 
+    let (modifiers, key) = go_on;
     let command = Command::Time(TimeCommand::Continue(direction));
     let action = list.add(format!("Continue to a breakpoint{way}"), command);
-    action.on_keys(on.0, on.1).refused(refusal);
+    action.on_keys(modifiers, key).refused(refusal);
 }
 
 fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {

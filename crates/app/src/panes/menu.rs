@@ -166,19 +166,19 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
 
     let origin = recording.run().samples.origins[sample as usize];
     let is_inserted = matches!(origin, Origin::Inserted { .. });
-    let born = if is_inserted {
+    let (birth, name_of_birth) = if is_inserted {
         ("inserted", "Go to where it was inserted")
     } else {
         ("placed", "Go to where it was placed")
     };
 
     for ((id, name), event) in [
-        (born, life.born),
+        ((birth, name_of_birth), life.born),
         (("kept", "Go to where it was kept"), life.kept),
         (("lost", "Go to where it was eliminated"), life.lost),
     ] {
         // An inserted sample is kept, and one outside the domain lost, by the event of its birth: one entry tells it.
-        let is_told = event != life.born || id == born.0;
+        let is_told = event != life.born || id == birth;
         if event != NONE && is_told {
             let cursor_behind = event as usize + 1;
             let jump = Command::Time(TimeCommand::Jump(cursor_behind));
@@ -201,12 +201,12 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry>
         return Vec::new();
     }
 
-    let (history, fly) = if subject.geometry.is_gap(&shown, place) {
+    let (history, id, name) = if subject.geometry.is_gap(&shown, place) {
         let history = "Why is this a gap? The history of this place";
-        (history, ("gap", "Go to this gap"))
+        (history, "gap", "Go to this gap")
     } else {
         let history = "Show the history of this place";
-        (history, ("block", "Zoom to this block"))
+        (history, "block", "Zoom to this block")
     };
 
     let view = |command| Command::View(which, command);
@@ -215,6 +215,6 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry>
     let zoom = vec![view(ViewCommand::FlyToBlock(place))];
     vec![
         MenuEntry::new("place", history, inspect),
-        MenuEntry::new(fly.0, fly.1, zoom),
+        MenuEntry::new(id, name, zoom),
     ]
 }

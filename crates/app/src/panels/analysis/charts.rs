@@ -73,7 +73,7 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
     let difference = |ui: &mut Ui| {
         let text = "B \u{2212} A";
         ui.label(RichText::new(text).size(12.0).color(palette.muted));
-        let both = spectra[0].zip(spectra[1]).map(|(a, b)| [a.0, b.0]);
+        let both = spectra[0].zip(spectra[1]).map(|((a, _), (b, _))| [a, b]);
         difference::show(ui, both, palette);
     };
 
@@ -253,10 +253,10 @@ fn curves_of(
     points: &dyn Fn(&MeasuredSet, f64) -> Option<CurvePoints>,
 ) -> Vec<Curve> {
     let palette = sets.palette;
-    let curve = |name: &str, line, color: Color32, points: CurvePoints| Curve {
+    let curve = |name: &str, line, color: Color32, (points, band): CurvePoints| Curve {
         name: name.to_owned(),
-        points: points.0,
-        band: points.1,
+        points,
+        band,
         line,
         color,
     };

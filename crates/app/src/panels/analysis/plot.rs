@@ -358,7 +358,8 @@ impl PlotFrame<'_> {
             (7.0, Align2::LEFT_TOP)
         };
         let at = pos2(x + offset, top + 1.0 + 12.0 * row as f32);
-        let text = format!("{:.1}", peak[1]);
+        let [_, value] = peak;
+        let text = format!("{value:.1}");
         painter.text(at, align, text, FontId::monospace(10.5), curve.color);
     }
 

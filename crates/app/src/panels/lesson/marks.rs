@@ -154,10 +154,10 @@ impl Overlay {
         let drawn: Vec<(&Mark, Pos2)> = marks.map(|mark| (mark, self.screen(mark.at))).collect();
         let labelled: Vec<Labelled> = drawn
             .iter()
-            .map(|&(mark, at)| Labelled {
-                at,
-                radius: self.stroke(mark.kind).1,
-                size: self.ground(&mark.label),
+            .map(|&(mark, at)| {
+                let (_, radius) = self.stroke(mark.kind);
+                let size = self.ground(&mark.label);
+                Labelled { at, radius, size }
             })
             .collect();
         let places = places(&labelled, taken, self.viewport);
