@@ -331,8 +331,8 @@ impl Action {
 }
 
 impl List {
-    /// Gives Escape to one action: of a caption, a selection, a brush, an open panel and the projector mode, the first
-    /// that can be closed or left.
+    /// Gives Escape to one action: it closes or leaves the first of these that is there, a caption, a selection, a brush, an open
+    /// panel, the projector mode.
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance().look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));

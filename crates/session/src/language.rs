@@ -239,8 +239,8 @@ impl Language {
         let numbered = table.lines().zip(1..);
         let mut lines = numbered.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
 
-        while let Some((english, number)) = lines.next() {
-            let fault = |what: &str| format!("line {number}: \"{english}\" {what}");
+        while let Some((english, line_number)) = lines.next() {
+            let fault = |what: &str| format!("line {line_number}: \"{english}\" {what}");
             let next = lines.next().and_then(|(line, _)| line.strip_prefix("    "));
             let translated = next.ok_or_else(|| fault("has no indented translation below it"))?;
 

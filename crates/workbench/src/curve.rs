@@ -192,7 +192,8 @@ impl Task for CurveTask {
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let course = Arc::new(course_of(&self.session));
-        let mut maker = CurveMaker::new(course, &[self.number.row()], None)
+        let at_all_moments = None;
+        let mut maker = CurveMaker::new(course, &[self.number.row()], at_all_moments)
             .map_err(|error| error.to_string())?;
 
         // In slices, as only between two of them it can be seen that the curve is no longer wanted.

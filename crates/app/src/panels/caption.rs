@@ -216,19 +216,20 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
 
     // Laid out from the right: the button that goes on is the outermost.
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
-            ui.add_enabled(can, Button::new(name))
-                .issues(id, Command::Scene(command), commands);
+        let mut step = |ui: &mut Ui, name: &str, id: &str, is_enabled: bool, command| {
+            ui.add_enabled(is_enabled, Button::new(name)).issues(
+                id,
+                Command::Scene(command),
+                commands,
+            );
         };
-        step(
-            ui,
-            &on,
-            "caption-next",
-            is_tour || !is_last,
-            SceneCommand::Step(Direction::Forwards),
-        );
+        // To go on from the last scene of the tour finishes it.
+        let can_go_on = is_tour || !is_last;
+        let next = SceneCommand::Step(Direction::Forwards);
+        step(ui, &on, "caption-next", can_go_on, next);
         let back = SceneCommand::Step(Direction::Backwards);
         step(ui, "Back", "caption-back", shown.index > 0, back);
-        step(ui, &close, "caption-close", true, SceneCommand::Leave);
+        let can_close = true;
+        step(ui, &close, "caption-close", can_close, SceneCommand::Leave);
     });
 }

@@ -134,7 +134,7 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
         MenuEntry::new("centre", "Centre here", centre),
         MenuEntry::new("copy", "Copy the position", copy),
     ];
-    // Scenes are moments of run A, and moments are of events.
+    // Scenes are moments of run A, and only a run with events has such moments.
     if which == Which::First && subject.shown.debugger.is_some() {
         let scene = vec![Command::Scene(SceneCommand::Add)];
         others.push(MenuEntry::new(

@@ -79,8 +79,8 @@ impl RunCurve {
 
     /// Returns the picture; `None` until the curve is made.
     fn scene(&self, session: &Session) -> Option<Result<Scene, FigureError>> {
-        let ((_, number), points) = (self.of?, self.points()?);
-        let number = number.row();
+        let (_, number) = self.of?;
+        let (number, points) = (number.row(), self.points()?);
         let events = points.events.last().copied().unwrap_or(0);
 
         let name = format!(
@@ -100,6 +100,7 @@ impl RunCurve {
             .with_range(0.0, events.max(1) as f64);
 
         let ticks = ticks(session);
+        // A number without a unit has no comma behind its name either.
         let y = [number.name, number.unit].join(", ");
         let chart = LineChart {
             title: String::new(),

@@ -159,7 +159,7 @@ impl State {
                     return self.in_class(|class, context| class.arrive_at_step(&run, context));
                 }
 
-                // A live run shows the stage that was shown.
+                // A run that is made while a parameter is dragged stays at the stage that was shown.
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
                 let stage = run.current_stage().filter(|_| is_live);
@@ -169,7 +169,7 @@ impl State {
                 }
 
                 self.arrive();
-                // The scene of the tour is one of the run that is there now.
+                // The tour shows its scene again, in the run that is there now.
                 if let Some(shown) = self.scenes.shown.filter(|_| self.scenes.is_touring()) {
                     self.in_scenes(|scenes, run, source, context| {
                         scenes.show(SceneList::Tour, shown.index, run, source, context);

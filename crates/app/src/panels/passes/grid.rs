@@ -151,6 +151,7 @@ fn row(
     let font = TextStyle::Monospace.resolve(ui.style());
     let painter = ui.painter();
     let at = |end: f32| Pos2::new(rect.left() + end, rect.center().y);
+    // The first column is the number of the row.
     let text = number.to_string();
     let small = FontId::monospace(11.0);
     painter.text(
@@ -164,8 +165,8 @@ fn row(
     // A cell is marked by what the pass did to it, whichever side is shown.
     let (before, after) = (table.before(number), table.after(number));
     for (column, &end) in columns.ends[1..].iter().enumerate() {
-        let is_other = before.get(column) != after.get(column);
-        let color = if is_other {
+        let has_changed = before.get(column) != after.get(column);
+        let color = if has_changed {
             palette.accent
         } else {
             palette.text
