@@ -158,7 +158,7 @@ impl Command {
             Self::File(command) => file(command),
             Self::Export(command) => export(command),
 
-            // To open a link closes the lesson.
+            // Opening a link closes the lesson first, and shows no answer to its question.
             Self::Link(LinkCommand::Copy | LinkCommand::Open(_)) => VIEW,
             Self::Undo | Self::Redo => REVEALING,
             Self::DismissNotice | Self::OpenFolder(_) => VIEW,

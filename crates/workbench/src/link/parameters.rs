@@ -228,6 +228,7 @@ fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         (p.width, p.height) = (1.0, 1.0);
     }
 
+    // The limits in the domain that is used from here on.
     let [least, largest] = radii(p);
     let asked = exact(p.radius);
 

@@ -172,7 +172,8 @@ impl Exports {
             ExportKind::Samples => Ok(source.moment_name()),
             ExportKind::Picture => {
                 let (shown, scale) = checked_view(form, source)?;
-                check_measured(form, session, 1)?;
+                let pictures = 1;
+                check_measured(form, session, pictures)?;
                 let size = size_text(&shown.view, scale);
                 Ok(format!("{}, {size}", source.moment_name()))
             }
@@ -181,18 +182,19 @@ impl Exports {
                 check_measured(form, session, shown.len())?;
                 let pictures = counted(shown.len(), "picture", "pictures");
                 let left_out = form.scenes.saturating_sub(shown.len());
-                let left = match left_out {
+                let remark = match left_out {
                     0 => String::new(),
-                    left => format!("; {left} of other runs are left out"),
+                    count => format!("; {count} of other runs are left out"),
                 };
                 let size = shown.first().map(|first| size_text(&first.view, scale));
-                Ok(format!("{pictures}, {}{left}", size.unwrap_or_default()))
+                Ok(format!("{pictures}, {}{remark}", size.unwrap_or_default()))
             }
             ExportKind::Animation => {
                 let (shown, scale) = checked_view(form, source)?;
                 let size = size_text(&shown.view, scale);
                 let frames = self.frame_count(form, source)?;
                 check_measured(form, session, frames)?;
+                // A delay counts hundredths of a second.
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
                 Ok(format!(
                     "{frames} frames of at most {MAX_FRAMES}, {size}, {secs:.1} s"

@@ -205,6 +205,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
                 text.push_str(&sentence(&warning.to_string()));
             }
 
+            // Samples of a moment need not be valid: only a result that is not is an error.
             (text, *result && !valid)
         }
 

@@ -20,16 +20,16 @@ impl FileState {
             self.finding = None;
             // The sheet may have been opened for another purpose since.
             let form = self.sheet.as_ref();
-            let same = form.is_some_and(|form| form.purpose == purpose);
+            let is_same_purpose = form.is_some_and(|form| form.purpose == purpose);
 
             match outcome {
                 #[cfg(not(target_arch = "wasm32"))]
-                Ok(Some(path)) if same => {
+                Ok(Some(path)) if is_same_purpose => {
                     let path = path.to_string_lossy().into_owned();
                     self.apply(FileCommand::Path(path), &runs.first, None, context);
                 }
                 #[cfg(target_arch = "wasm32")]
-                Ok(found) if same => {
+                Ok(found) if is_same_purpose => {
                     if let Some(why) = found.refused.first() {
                         context.tell(ended(why), true);
                     }
