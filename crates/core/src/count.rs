@@ -120,14 +120,15 @@ pub fn radius_for_count(
     };
 
     let estimate = radius_estimate(parameters, count)?;
-    // The density of sets of these parameters, as a share of the estimate's. Some sides allow no set as small.
+    // The density of sets of these parameters, as a share of the estimate's. A domain that allows no set as small as the
+    // probe is searched by whole sets.
     let density = match radius_estimate(parameters, PROBE) {
         Ok(radius) if count > LARGE => Some(count_of(radius)? as f64 / PROBE as f64),
         _ => None,
     };
 
     match density {
-        // The first try of a search would be its last.
+        // A search would begin with the estimate, and end with it.
         Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => Ok(estimate),
         // The sequential engine does not make such sets: there is no radius to agree with.
         Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
@@ -147,7 +148,8 @@ fn count_of(
         return Ok(run.result.len() as u64);
     }
 
-    let mut sweep = Sweep::new(parameters, pattern, false)?;
+    let sources = false;
+    let mut sweep = Sweep::new(parameters, pattern, sources)?;
     while sweep.step(observer)?.is_some() {}
     Ok(sweep.summary().count as u64)
 }

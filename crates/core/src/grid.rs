@@ -153,18 +153,21 @@ pub(crate) fn spans(
 
     // Places beyond one end of a periodic axis lie at its other end.
     let extent = i64::from(extent);
-    let (upper, lower) = if low < 0 {
+    let (upper_first, lower_last) = if low < 0 {
         (low + extent, high)
     } else {
         (low, high - extent)
     };
 
-    // Two ranges that meet in one cell would visit its samples twice.
-    if upper < 0 || cell(lower) >= cell(upper) {
+    // Two ranges that meet in one cell would visit its samples twice. A negative place is more than a side away.
+    if upper_first < 0 || cell(lower_last) >= cell(upper_first) {
         return all;
     }
 
-    ([(0, cell(lower)), (cell(upper), cell(extent - 1))], 2)
+    (
+        [(0, cell(lower_last)), (cell(upper_first), cell(extent - 1))],
+        2,
+    )
 }
 
 #[cfg(test)]

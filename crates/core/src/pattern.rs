@@ -143,15 +143,16 @@ impl Pattern {
         // Clips find their rows by bisection.
         samples.sort_unstable_by_key(|(p, _)| p.row_major());
 
-        let far = if symmetry.0 & 4 == 0 {
+        // Bit 2 of a symmetry swaps the axes.
+        let turned_extent = if symmetry.0 & 4 == 0 {
             extent
         } else {
             Point::new(extent.y, extent.x)
         };
 
         PatternVariant {
-            width: far.x,
-            height: far.y,
+            width: turned_extent.x,
+            height: turned_extent.y,
             periodic: self.domain.is_periodic(),
             samples,
         }

@@ -37,6 +37,7 @@ impl Pattern {
                 other => other,
             })?;
 
-        Ok(Self::of_samples(&domain, samples, true))
+        let covers_lattice = true;
+        Ok(Self::of_samples(&domain, samples, covers_lattice))
     }
 }

@@ -34,7 +34,8 @@ impl Pattern {
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
         let samples = reference_sample(domain, seed, observer)?;
-        Ok(Self::of_samples(&domain, samples, true))
+        let covers_lattice = true;
+        Ok(Self::of_samples(&domain, samples, covers_lattice))
     }
 
     /// Returns the set of a run of `parameters` by randomized tiling that clips from `pattern`. With
@@ -50,7 +51,8 @@ impl Pattern {
 
         let samples = match parameters.variant {
             Variant::Staged => {
-                let sweep = Sweep::new(parameters, pattern, false)?;
+                let sources = false;
+                let sweep = Sweep::new(parameters, pattern, sources)?;
                 sweep.finish(observer)?.0.points
             }
             Variant::AsPrinted => {

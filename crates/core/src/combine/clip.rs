@@ -49,6 +49,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         // Only samples of a margin may exceed 32 bits.
         let point = Point::new(at.x as i32, at.y as i32);
         let own = I64Vec2::from(point) == at && rect.contains(point);
+        // A sample of the margin is left to a piece in which the set continues: there it is an own one.
         if own && rect.depth(point) > reach {
             deep.push((point, index));
         } else if own || !continuations.iter().any(|other| other.contains(at)) {
@@ -56,7 +57,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         }
     });
 
-    // As the clips of blocks are, so that ids follow the rows of the piece.
+    // Sorted as the clips of blocks are, so that ids follow the rows of the piece.
     near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
     Clip { near, deep }
 }

@@ -131,7 +131,7 @@ fn glue_within(
     }
 
     let inserted = &glued.samples.points[first..];
-    // Each lies in one of the rectangles, which partition the domain.
+    // Each inserted sample lies in one of the rectangles, which partition the domain.
     let depth = |p: &Point| {
         let mut rects = pieces.iter().map(|piece| piece.rect);
         rects.find(|rect| rect.contains(*p)).map(|r| r.depth(*p))
@@ -220,7 +220,7 @@ fn fill(
 
     for k in 1.. {
         let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
-        // Each task has its own, since it keeps buffers.
+        // A detection keeps buffers, so that each task has one of its own.
         let detection = || Detection::new(domain, options.search, &survivors);
         let candidates = detect(detection, samples, &detectors, meter)?;
 

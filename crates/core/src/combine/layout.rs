@@ -123,7 +123,7 @@ const SHORT: i32 = 2;
 /// Refuses a bounded set that does not cover its rectangle.
 fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
     let own = placed.set.domain();
-    // It repeats without end.
+    // A periodic set repeats without end, and covers any rectangle.
     if own.is_periodic() {
         return Ok(());
     }
@@ -247,7 +247,7 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
 
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));
-    // They do not lie beside each other, or they show one set, which has no conflicts where it continues.
+    // No seam: the pieces do not lie beside each other, or show one set, which has no conflicts where it continues.
     if from >= to || continues(a, b, shift) {
         return None;
     }

@@ -49,8 +49,10 @@ impl SourcePiece {
     }
 }
 
-/// Returns the pieces of a part of a block, which is not empty. The clip of the part, r larger on all sides, begins at
-/// `start` of the pattern under `symmetry`, as in [`crate::stages::tile`]; `pattern` holds the pattern's places.
+/// Returns the pieces of `rect`, a part of a block that is not empty.
+///
+/// The part, enlarged by r on all sides, is clipped from the repeated pattern under `symmetry`, and begins there at `start`,
+/// as in [`crate::stages::tile`]. `start` is not negative. `pattern` is the rectangle of the pattern's places, from 0 on.
 pub(crate) fn pieces(
     tile: u32,
     rect: &Rect,
@@ -58,18 +60,20 @@ pub(crate) fn pieces(
     symmetry: Symmetry,
     pattern: &Rect,
 ) -> Vec<SourcePiece> {
+    // How far the turned pattern moves to have its lowest place at 0.
     let corner = symmetry.corner(pattern.max);
     let extent = IVec2::new(pattern.max.x, pattern.max.y);
     // A symmetry may swap the sides.
     let period = symmetry.turn(extent).abs().as_i64vec2();
 
-    // The block's lowest place, and the first beyond it, in the turned pattern that repeats.
+    // The lowest place of the part, and the first beyond it, in the turned pattern that repeats.
     let first = start + i64::from(R);
     let end = first + I64Vec2::new(rect.width().into(), rect.height().into());
 
     let mut pieces = Vec::new();
     for row in first.y / period.y..=(end.y - 1) / period.y {
         for column in first.x / period.x..=(end.x - 1) / period.x {
+            // The copy's lowest place, and the part's lowest and highest places in it.
             let copy = I64Vec2::new(column, row) * period;
             let [low, high] = [
                 (first - copy).max(I64Vec2::ZERO),
@@ -81,6 +85,7 @@ pub(crate) fn pieces(
                 Point::new(source.x, source.y)
             };
 
+            // The copy begins `first - copy` before the part, and has the pattern's place 0 at its `corner`.
             let origin = I64Vec2::from(rect.min) - (first - copy) + corner.as_i64vec2();
             pieces.push(SourcePiece {
                 tile,

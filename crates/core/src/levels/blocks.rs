@@ -31,13 +31,13 @@ pub(super) struct BlockDraws {
 
 impl BlockDraws {
     /// Fills `out` with the blocks that, enlarged by `reach` units, meet `target`, in the order of their indices.
-    /// Coordinates begin at the plane's place `origin`; `images` says whether the plane repeats.
+    /// Coordinates begin at the plane's place `origin`; `repeats` says whether the plane does.
     pub fn find(
         &self,
         target: &Rect,
         origin: I64Vec2,
         reach: i32,
-        images: bool,
+        repeats: bool,
         out: &mut Vec<NestedBlock>,
     ) {
         out.clear();
@@ -45,9 +45,9 @@ impl BlockDraws {
         let mut stack = vec![Node::root(&self.domain, self.key)];
 
         while let Some(node) = stack.pop() {
-            let found = self.images(&node.block.rect, target, origin, reach, images);
+            let found = self.images(&node.block.rect, target, origin, reach, repeats);
             let mut rects = found.peekable();
-            // No leaf of such a node reaches into the frame. Those that do are still numbered in the order of their
+            // No leaf of such a node reaches into the frame. Only leaves that do are numbered, in the order of their
             // indices.
             if rects.peek().is_none() {
                 continue;
@@ -76,14 +76,15 @@ impl BlockDraws {
         }
     }
 
-    /// Returns the images of a rectangle of the domain that, enlarged by `reach`, meet the target.
+    /// Returns the images of a rectangle of the domain that, enlarged by `reach`, meet the target: itself alone, unless the
+    /// plane repeats.
     fn images(
         &self,
         rect: &Rect,
         target: &Rect,
         origin: I64Vec2,
         reach: i32,
-        images: bool,
+        repeats: bool,
     ) -> impl Iterator<Item = Rect64> + use<> {
         let rect = Rect64::from(*rect).moved(-origin);
 
@@ -96,10 +97,11 @@ impl BlockDraws {
         let shifts = [0, 1].map(|axis| {
             let (low, high) = (grown.min[axis], grown.max[axis]);
             let (first, end, side) = (target.min[axis], target.max[axis], sides[axis]);
-            if images {
+            if repeats {
                 // low + k side < end and first < high + k side.
                 ((first - high).div_euclid(side) + 1)..=((end - 1 - low).div_euclid(side))
             } else {
+                // Shift 0, or none: 0..=-1 is empty.
                 0..=i64::from(low < end && first < high) - 1
             }
         });

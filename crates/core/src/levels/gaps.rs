@@ -102,8 +102,8 @@ impl LevelRegion {
 
         for iteration in 1.. {
             let (mut open, mut found) = (Vec::new(), Vec::new());
-            for some in pixels.chunks(SHIFT) {
-                let searched = some.par_chunks(TURN).map(|pixels| {
+            for batch in pixels.chunks(SHIFT) {
+                let searched = batch.par_chunks(TURN).map(|pixels| {
                     let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
                     for mut pixel in pixels.iter().copied() {
                         if !pixel.is_due || self.find(&mut pixel, &mut sites, &mut found) {
@@ -126,7 +126,8 @@ impl LevelRegion {
 
             self.insert(key.derive(Stream::Iteration, iteration), &found);
 
-            // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
+            // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have
+            // one next. Pixels that see farther than insertions are marked are searched in any case.
             let farther = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
                 pixel.is_due = true;
@@ -144,8 +145,8 @@ impl LevelRegion {
         let inside = self.frame.inside(self.grid.radius().units);
 
         let mut pixels = Vec::new();
-        for some in self.dirty.chunks(SHIFT) {
-            let open = some.par_chunks(TURN).map(|cells| {
+        for batch in self.dirty.chunks(SHIFT) {
+            let open = batch.par_chunks(TURN).map(|cells| {
                 let mut around = Gathered::default();
                 for &cell in cells {
                     let rect = self.grid.layout().cell_rect(cell as usize);
@@ -261,16 +262,16 @@ impl LevelRegion {
                 let middle = (pixel.side - 1) / 2;
                 let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
 
-                // The centre is half a unit off on either axis, at most.
+                // This centre is up to half a unit off the pixel's on either axis: two units more make up for it.
                 let is_far = pixel.sight > f64::from(farthest);
                 let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
 
-                let edge = self.frame.inside(sight + radius.units);
+                let deep = self.frame.inside(sight + radius.units);
                 let doubtful = self
                     .flags
                     .has(self.grid.layout().cell_at(pixel.min), flag::DOUBTFUL);
 
-                let is_known = edge.contains(centre)
+                let is_known = deep.contains(centre)
                     && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));
 
@@ -291,16 +292,18 @@ impl LevelRegion {
     /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
     fn look(&self, pixel: &mut GapPixel, sites: &mut Vec<IVec2>) -> bool {
         let radius = self.grid.radius();
-        let (middle, half) = (pixel.middle(), pixel.half_diagonal());
-        let centre = pixel.side / 2;
-        let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
-        let square = |site: &IVec2| (site.as_dvec2() - middle).length_squared();
+        let (centre, half) = (pixel.middle(), pixel.half_diagonal());
+        let square = |site: &IVec2| (site.as_dvec2() - centre).length_squared();
+        // The grid is asked about lattice points: this one is up to half a unit off the centre.
+        let offset_of_asked = pixel.side / 2;
+        let asked = Point::new(pixel.min.x + offset_of_asked, pixel.min.y + offset_of_asked);
 
+        // Far enough for nearly all pixels, whose nearest sample is about R away.
         let mut reach = radius.units + radius.units / 2;
         let limit = loop {
             sites.clear();
-            self.grid.any_near(at, reach, |offset| {
-                sites.push(offset + centre);
+            self.grid.any_near(asked, reach, |offset| {
+                sites.push(offset + offset_of_asked);
                 false
             });
 
@@ -308,10 +311,12 @@ impl LevelRegion {
             let nearest = squares.fold(f64::INFINITY, f64::min).sqrt();
             let limit = nearest + 2.0 * half + PIXEL_SLACK;
 
-            // The centre is half a unit off.
+            // All samples within the limit were found, as the asked place is less than a unit off.
             if limit < f64::from(reach) - 1.0 {
                 break limit;
             }
+            // No candidate is farther than 5 R from its sites (`may_hold`): all that were found are sites, and the pixel's
+            // sight has no end, which `doubt_pixels` takes as unknown.
             if reach > 5 * radius.units {
                 break f64::INFINITY;
             }
@@ -322,7 +327,7 @@ impl LevelRegion {
         pixel.sight = limit;
         sites.retain(|site| square(site) <= limit * limit);
 
-        // d + h <= R, less a unit for rounding.
+        // Open unless one sample covers it: d + h <= R - 2, with two units for rounding (d and h as in the head).
         limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
     }
 
@@ -369,14 +374,17 @@ impl LevelRegion {
 
         self.flags.clear(flag::CHANGED);
 
-        // As far as pixels see that do not see farther, and a pixel.
+        // Pixels that see no farther than this are searched again only where it is marked; a pixel's side more, as their
+        // lowest points are asked about.
         let radius = self.grid.radius();
         let reach = gathered(radius) + radius.side() / 8;
 
         for (_, _, at) in candidates {
             // Several triples may have made one place: the first sample there covers the others.
             if !self.grid.covers(at) {
-                self.keep(at, true);
+                // Of no block's pattern.
+                let foreign = true;
+                self.keep(at, foreign);
                 self.flags
                     .set_near(&self.grid, at, reach, flag::CHANGED, |_| ());
             }
@@ -405,8 +413,8 @@ impl Candidates<'_> {
         let radius = self.region.grid.radius();
         // The same slack as in `stages/detect.rs`, at this level's radius.
         let slack = 12 * i64::from(radius.units);
+        // A sample within R covers the place, in any case.
         let limit = (nearest - slack).max(radius.squared + 1);
-
         if self.sites.iter().any(|site| square(site) < limit) {
             return;
         }

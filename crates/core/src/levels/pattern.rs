@@ -86,7 +86,8 @@ impl NestedPattern {
         let finer = (0..self.levels.len() as u32).rev();
         let levels = self.levels.iter().zip(finer);
         let clip = |(samples, halvings): (&Vec<Point>, u32)| {
-            let pattern = Pattern::of_samples(&domain, samples.clone(), true);
+            let covers_lattice = true;
+            let pattern = Pattern::of_samples(&domain, samples.clone(), covers_lattice);
             LevelClip::new(&pattern.variant(symmetry), Radius::before(halvings).bits)
         };
         levels.map(clip).collect()

@@ -413,7 +413,7 @@ impl NestedPlane {
         let mut region = self.idle.take();
 
         for repair in 0..=MAX_REPAIRS {
-            // Unknowns remain in few windows: a halo that always suffices would cost them all.
+            // Unknowns remain in few windows: a halo that suffices for these would cost time in all.
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
                 self.idle.give(region);
@@ -522,14 +522,16 @@ impl NestedPlane {
             wraps: domain.is_periodic(),
             ..LevelFrame::at(domain, I64Vec2::ZERO)
         };
-        self.run(region, |_| frame, false, meter)
+        // A frame of the whole domain wraps if the plane repeats: images of blocks are not needed.
+        let repeats = false;
+        self.run(region, |_| frame, repeats, meter)
     }
 
     fn run(
         &self,
         region: &mut LevelRegion,
         frame: impl Fn(u32) -> LevelFrame,
-        images: bool,
+        repeats: bool,
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
         region.clear();
@@ -539,7 +541,7 @@ impl NestedPlane {
         let first = frame(0);
         let (target, origin) = (first.tiled(coarsest.units), first.origin);
         self.draws
-            .find(&target, origin, coarsest.units, images, &mut region.blocks);
+            .find(&target, origin, coarsest.units, repeats, &mut region.blocks);
 
         for level in 0..self.levels {
             region.begin(frame(level), self.units(level));

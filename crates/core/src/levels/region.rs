@@ -147,7 +147,7 @@ impl LevelRegion {
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             let fits = self.grid.insert(sample.at);
             debug_assert!(fits, "the samples are conflict-free");
-            // The block's own pattern may be in conflict with it, so that samples around it are not copied unseen.
+            // The pattern of the block around it may be in conflict with it: samples there are not copied unseen.
             if sample.foreign {
                 self.flags
                     .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
@@ -204,8 +204,8 @@ impl LevelRegion {
         let reach = radius + self.largest_unknown;
         let touches = |unknown: &UnknownDisk| {
             let (x, y) = (unknown.at.x - at.x, unknown.at.y - at.y);
-            let far = i64::from(radius) + i64::from(unknown.radius);
-            i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y) <= far * far
+            let limit = i64::from(radius) + i64::from(unknown.radius);
+            i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y) <= limit * limit
         };
 
         self.grid.layout().any_range(at, reach, |range, _| {
@@ -258,7 +258,8 @@ impl LevelRegion {
                         .flags
                         .has(self.grid.layout().cell_at(p), flag::CONTESTED)
                 {
-                    self.keep(p, false);
+                    let foreign = false;
+                    self.keep(p, foreign);
                 } else {
                     claimants.push(Claimant::new(block, index, p, &self.frame));
                 }
@@ -279,8 +280,8 @@ impl LevelRegion {
 
         // The order of elimination: own samples before those of margins, then by block, row and column.
         claimants.sort_unstable();
-        for some in claimants.chunks(CLAIMED) {
-            for claimant in some {
+        for batch in claimants.chunks(CLAIMED) {
+            for claimant in batch {
                 self.decide(claimant, &inside);
             }
             meter.ask()?;

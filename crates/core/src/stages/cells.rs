@@ -78,6 +78,7 @@ impl CellGrid {
         let cell = |at: i32, first: i32| ((at - first) >> bits) as usize;
         let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
         let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
+
         // Away from the border, which is nearly always, nothing wraps and nothing is cut off.
         if left >= min.x && bottom >= min.y && right < max.x && top < max.y {
             let (first, last) = (cell(left, min.x), cell(right, min.x));

@@ -264,13 +264,15 @@ impl<G: DartGround> DartProcess<G> {
 
         let mut accepted = Vec::new();
         for dart in darts {
-            // Nothing covered it when it was thrown; a dart of lower rank may cover it by now.
+            // It lies inside, and nothing covered it when it was thrown; a dart of lower rank may cover it by now.
+            let inside = true;
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
                 ranked: true,
-                verdict: verdict(true, covered),
+                verdict: verdict(inside, covered),
             });
+
             if !covered {
                 // A grid cell of a conflict-free set never fills up.
                 let fits = self.ground.insert(dart.point, dart.place);
@@ -352,7 +354,7 @@ impl<G: DartGround> DartProcess<G> {
 
         for cell in &self.active {
             let Cell { min, side } = self.ground.square(cell, level);
-            // It threw its one point.
+            // A cell of one point has thrown that point.
             if side == 1 {
                 continue;
             }

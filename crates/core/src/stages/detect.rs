@@ -208,7 +208,7 @@ impl<'a> Detection<'a> {
             return;
         }
 
-        // Its own disk covers places, too.
+        // The detector's own disk covers places, too.
         let own = Site {
             offset: I64Vec2::ZERO,
             id,

@@ -167,10 +167,10 @@ impl DiskGrid {
         self.covers_cell_within(cell, &self.radius)
     }
 
-    /// The same if samples had another radius.
+    /// Returns what [`Self::covers_cell`] would if samples had another radius.
     fn covers_cell_within(&self, cell: Cell, radius: &Radius) -> bool {
         let extent = self.extent(cell);
-        // Such a sample covers the lowest place, too.
+        // A sample that covers all places covers the lowest one, too, and is near that.
         self.any_near(cell.min, radius.units, |offset| {
             radius.covers(farthest(offset, extent))
         })

@@ -29,8 +29,8 @@ pub(crate) fn contested(
 
         // Margins end r inside a neighbour, so that deeper samples are farther than r from every margin sample: outside
         // of the conflict area nothing is eliminated (paper, section 3.2.3).
-        let near = !own || blocks.leaves[block as usize].rect.depth(point) <= 2 * R;
-        if near && samples.fates[id as usize] != Fate::Dropped {
+        let may_conflict = !own || blocks.leaves[block as usize].rect.depth(point) <= 2 * R;
+        if may_conflict && samples.fates[id as usize] != Fate::Dropped {
             ranked.push((ranking.rank(point, own), id));
         }
     }

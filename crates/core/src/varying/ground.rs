@@ -88,7 +88,7 @@ impl DartGround for VaryingGround<'_> {
         if cell.bits > 0 && i64::from(radius) > base_side {
             let coin = i64::from(coin() >> 16);
             let area = i64::from(radius) * i64::from(radius);
-            // Both sides are below 2^54.
+            // coin / 2^16 against side^2 / R^2: four bits less on either side, so that both are below 2^54.
             if coin * (area >> 4) >= (base_side * base_side) << 12 {
                 return Landing::Thinned;
             }

@@ -102,7 +102,7 @@ impl Octaves {
             .iter()
             .enumerate()
             .any(|(octave, held)| {
-                // Until its first sample an octave is not looked through.
+                // Cell 0 is empty: an octave without another has no sample.
                 if held.cells.len() == 1 {
                     return false;
                 }

@@ -44,9 +44,9 @@ impl PlacedLayout {
         make: impl Fn(&PieceSource) -> Result<Set, E> + Sync,
         made: impl Fn(usize) + Sync,
     ) -> Result<Vec<Piece>, PieceError<E>> {
-        let each = distinct(&self.pieces);
+        let groups = groups_by_set(&self.pieces);
 
-        let sets = each.par_iter().with_max_len(1).map(|sharing| {
+        let sets = groups.par_iter().with_max_len(1).map(|sharing| {
             let set = make(&self.pieces[sharing[0]].source);
             made(sharing.len());
             set
@@ -55,13 +55,13 @@ impl PlacedLayout {
 
         // In the sequence of the pieces again, whatever thread was first: the error of the first piece is reported.
         let mut pieces: Vec<Option<Piece>> = vec![None; self.pieces.len()];
-        for (set, sharing) in sets.into_iter().zip(&each) {
-            let of = |piece: usize| move |error: E| PieceError { piece, error };
-            let set = set.map_err(of(sharing[0]))?;
+        for (set, sharing) in sets.into_iter().zip(&groups) {
+            let in_piece = |piece: usize| move |error: E| PieceError { piece, error };
+            let set = set.map_err(in_piece(sharing[0]))?;
 
             for &k in sharing {
                 let piece = set.placed(&self.pieces[k]);
-                pieces[k] = Some(piece.map_err(|error| of(k)(error.into()))?);
+                pieces[k] = Some(piece.map_err(|error| in_piece(k)(error.into()))?);
             }
         }
 
@@ -69,27 +69,28 @@ impl PlacedLayout {
     }
 }
 
-/// Returns the pieces that share a set, by the first of them.
-fn distinct(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
+/// Returns groups of the indices of pieces that share a set, in the order of their first pieces.
+fn groups_by_set(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
 
     for (k, piece) in pieces.iter().enumerate() {
         let PieceSource::File { path, .. } = &piece.source else {
+            // Sets that are made for a piece are not shared.
             groups.push(vec![k]);
             continue;
         };
 
-        let same = by_file.entry(path).or_default();
+        let of_file = by_file.entry(path).or_default();
         // The same file may be read with another radius or size; these are different sets.
-        let known = same
+        let known = of_file
             .iter()
             .find(|&&g| pieces[groups[g][0]].source == piece.source);
 
         if let Some(&group) = known {
             groups[group].push(k);
         } else {
-            same.push(groups.len());
+            of_file.push(groups.len());
             groups.push(vec![k]);
         }
     }

@@ -58,7 +58,8 @@ impl<const TAGS: bool> Region<TAGS> {
     #[inline(always)]
     pub(crate) fn claim<S: Simd>(&mut self, simd: S, clipper: &Clipper, turns: &Turns<'_>) {
         let blocks = std::mem::take(&mut self.blocks);
-        // Deeper samples are farther than r from the own samples of other blocks, or from all of them.
+        // No other block's samples come within r of samples deeper than 2 r: its margin ends r inside. Where margins yield to
+        // own samples, only the own ones of other blocks matter, and r is deep enough.
         let depth = if matches!(turns, Turns::OwnFirst) {
             R
         } else {
@@ -194,7 +195,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         }
 
-        // No two are equal, as the position is compared too.
+        // No two are equal, as the position is compared too: an unstable sort has one result.
         contested.sort_unstable();
         for sample in &contested {
             self.claim_one(simd, sample.x, sample.y, sample.tag);

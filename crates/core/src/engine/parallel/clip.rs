@@ -55,6 +55,7 @@ impl CellPattern {
             shape,
             columns,
             starts,
+            // Groups of eight may read on beyond the last sample.
             xs: (samples.iter().map(|s| s.0.x as u32))
                 .chain([0; LANES])
                 .collect(),
@@ -80,7 +81,8 @@ impl CellPattern {
         });
     }
 
-    /// Calls `visit` with the parts of such a rectangle that do not cross the pattern's edge, and their lowest corners.
+    /// Cuts the rectangle that begins at `start` of the repeated pattern where it crosses the pattern's edges. Calls `visit`
+    /// with each part, in the pattern, and the place of its lowest corner, where that of the rectangle is `corner`.
     #[inline(always)]
     fn pieces(
         &self,
@@ -113,7 +115,7 @@ impl CellPattern {
         }
     }
 
-    /// The same for a rectangle of the pattern that does not cross its edge.
+    /// Visits the samples of a rectangle that does not cross the pattern's edge.
     #[inline(always)]
     fn piece(&self, piece: &Rect, corner: Point, visit: &mut impl FnMut(i32, i32, u32)) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;

@@ -119,7 +119,8 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
 
         self.mark(&mut gaps, rules);
-        self.spread(simd, &mut gaps, rules, false);
+        let (first_time, again) = (false, true);
+        self.spread(simd, &mut gaps, rules, first_time);
         self.first_detection(simd, &mut gaps, rules);
 
         let mut iteration = 1;
@@ -132,7 +133,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
 
             iteration += 1;
-            self.spread(simd, &mut gaps, rules, true);
+            self.spread(simd, &mut gaps, rules, again);
             self.detect_again(simd, &mut gaps, first, rules);
         }
 

@@ -78,7 +78,7 @@ impl Plane {
         clipper.check_blocks()?;
         pattern.check_domain(&domain)?;
 
-        // A block that is as long as a periodic domain is its own neighbour.
+        // A side shorter than two leaves is never cut: its blocks are as long as a periodic domain, and touch themselves.
         let short = domain.width() / 2 < leaf || domain.height() / 2 < leaf;
         let rules = Rules {
             domain,
@@ -166,8 +166,8 @@ impl Plane {
             }
         });
 
-        // One window in some hundred has such cells. A halo that always suffices would cost all windows more than
-        // repairs cost those.
+        // One window in some hundred has unsure cells, which are computed again with a wider halo. A halo that always
+        // suffices would cost all windows more than repairs cost those few.
         let unsure = region.unsure_in_window(NEIGHBOURS);
         let mut counts = region.count(&unsure);
         for cells in &unsure {

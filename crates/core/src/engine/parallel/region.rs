@@ -239,19 +239,19 @@ impl<const TAGS: bool> Region<TAGS> {
                 );
 
                 // Slots compare by row, then column, and free ones are the largest. All four are written, and those beyond
-                // the count are overwritten by the next cell.
-                let [mut a, mut b, mut c, free] = *slots;
-                if !free >= 2 {
+                // the count are overwritten by the next cell. The last slot holds the complement of the count.
+                let [mut a, mut b, mut c, last] = *slots;
+                if !last >= 2 {
                     (a, b) = (a.min(b), a.max(b));
                     (b, c) = (b.min(c), b.max(c));
                     (a, b) = (a.min(b), a.max(b));
                 }
-                let slots = [a, b, c, free];
+                let slots = [a, b, c, last];
                 let xs = slots.map(|slot| x | slot as i32 & (R - 1));
                 let ys = slots.map(|slot| y | (slot >> CELL_BITS) as i32);
                 let points = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
                 line[count..count + 4].copy_from_slice(&points);
-                count += !free as usize & 3;
+                count += !last as usize & 3;
             }
 
             if TAGS {

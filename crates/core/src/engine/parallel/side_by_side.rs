@@ -38,6 +38,7 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
                 }
             });
         }
+
         while let Some(index) = take() {
             let now = progress(index);
             let mut ask = |_: Progress| {

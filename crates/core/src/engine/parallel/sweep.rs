@@ -95,7 +95,8 @@ impl Sweep {
         pattern: &Arc<Pattern>,
         observer: &mut dyn Observer,
     ) -> Result<Run, SampleError> {
-        let sweep = Self::new(parameters, pattern, true)?;
+        let sources = true;
+        let sweep = Self::new(parameters, pattern, sources)?;
         let (sampled, summary) = sweep.finish(observer)?;
         Run::of_result(parameters, pattern, sampled, summary)
     }

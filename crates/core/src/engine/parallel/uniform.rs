@@ -52,13 +52,9 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut level = 1;
         while !active.is_empty() {
             let side = R >> level;
-            self.throw(
-                simd,
-                &mut gaps,
-                rules,
-                throw_key(key, level, 0),
-                (&active, side, level),
-            );
+            // From level 1 on a cell throws once, so that its throw is number 0.
+            let key = throw_key(key, level, 0);
+            self.throw(simd, &mut gaps, rules, key, (&active, side, level));
             if level == LAST_LEVEL {
                 break;
             }
@@ -115,7 +111,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         if !rules.is_exact() {
-            // The samples then depend on the cells, not only on the gaps.
+            // Such a pattern has gaps of its own, of which only those in these cells are filled: the cells must be those of
+            // the sequential engine.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
                 let low = [lost.x - R - SLACK, lost.y - R - SLACK];
                 self.cells_in(low, low.map(|v| v + 2 * (R + SLACK) + 1), &mut active);

@@ -89,7 +89,8 @@ fn samples_of_window<M: WindowMaker>(
 
     let compute = |part: &Rect| {
         let mut found = WindowSamples::default();
-        maker.fill(part, false, &mut found)?;
+        let with_tags = false;
+        maker.fill(part, with_tags, &mut found)?;
         Ok(found.points)
     };
     // One piece is in canonical order already.

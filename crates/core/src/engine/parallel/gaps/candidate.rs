@@ -64,14 +64,14 @@ impl<const TAGS: bool> Region<TAGS> {
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
 
-        let near = if searched.wide {
+        let gathered = if searched.wide {
             &gaps.wide
         } else {
             &gaps.near
         };
         if simd.vectorize(
             #[inline(always)]
-            || near.any_nearer(simd, place, limit),
+            || gathered.any_nearer(simd, place, limit),
         ) {
             return;
         }
@@ -82,6 +82,7 @@ impl<const TAGS: bool> Region<TAGS> {
             Known::Yes => {
                 let point = self.frame.point(x, y);
                 gaps.candidates.push(RankedCandidate {
+                    // Drawn when all are found (`insert_candidates`).
                     rank: 0,
                     row_major: point.row_major(),
                     x,
@@ -215,7 +216,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
         for k in 0..gaps.candidates.len() {
             let RankedCandidate { x, y, .. } = gaps.candidates[k];
-            // By a sample that was inserted before, as candidates are uncovered when they are found.
+            // A sample inserted just before may cover it, as candidates are uncovered when they are found.
             if self.covered(simd, x, y) {
                 continue;
             }

@@ -39,8 +39,8 @@ impl<const TAGS: bool> Region<TAGS> {
             let cell = cell as usize;
             gaps.near
                 .gather(&self.slots, self.frame.stride(), cell, USUAL);
-            // Candidates here may depend on unknown samples: the cell is unsure if it has an open place, and sure as
-            // it is if not.
+            // Candidates here may depend on unknown samples: the cell is unsure if it has an open place. If not, it has
+            // no candidate.
             if self.flags[cell] & flag::REACHED != 0 {
                 if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
@@ -180,7 +180,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
 
-        // Three cells away everything is 2r away.
+        // Samples three cells away are at least 2 r away: two cells suffice while no pixel sees as far.
         let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < (2 * R) as f32 {
             2
         } else {
@@ -194,6 +194,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for row in row - reach..=row + reach {
             let start = (row + PAD) as usize * words + first / 64;
             let low = gaps.open[start] >> (first % 64);
+            // In two steps, as a shift by 64 is not allowed.
             let high = gaps
                 .open
                 .get(start + 1)

@@ -15,14 +15,16 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn mark(&self, gaps: &mut GapBuffers, rules: &Rules) {
         let words = self.words();
         let rows = (self.frame.cells[1] + 2 * PAD) as usize;
-        let all = if rules.is_exact() { 0 } else { u64::MAX };
-        for (bits, value) in [(&mut gaps.marked, all), (&mut gaps.open, 0)] {
+        let marks_all = !rules.is_exact();
+        let marked = if marks_all { u64::MAX } else { 0 };
+        for (bits, value) in [(&mut gaps.marked, marked), (&mut gaps.open, 0)] {
             bits.clear();
             bits.resize(words * rows, value);
         }
-        if all != 0 {
+        if marks_all {
             return;
         }
+
         // A sample covers places of its own cell and of the eight around it. Three cells of a row lie in one word or
         // two.
         for lost in &self.lost {
@@ -72,16 +74,20 @@ impl<const TAGS: bool> Region<TAGS> {
         let stride = self.frame.stride();
         let around = |row: usize| &self.slots[row - 1..=row + 1];
         let (below, own, above) = (around(cell - stride), around(cell), around(cell + stride));
-        let of = |from: usize, &[a, b, c, _]: &Slots| {
+        // Cells around are numbered row by row from the lower left one: the cell itself is number 4.
+        let covered_by = |from: usize, &[a, b, c, _]: &Slots| {
             stamps.stamp(from, a) | stamps.stamp(from, b) | stamps.stamp(from, c)
         };
         // The cell itself and its sides prove most cells covered.
-        let mut covered = of(4, &own[1]) | of(3, &own[0]) | of(5, &own[2]);
-        covered |= of(1, &below[1]) | of(7, &above[1]);
+        let mut covered = covered_by(4, &own[1]) | covered_by(3, &own[0]) | covered_by(5, &own[2]);
+        covered |= covered_by(1, &below[1]) | covered_by(7, &above[1]);
         if covered == u64::MAX {
             return 0;
         }
-        covered |= of(0, &below[0]) | of(2, &below[2]) | of(6, &above[0]) | of(8, &above[2]);
+        covered |= covered_by(0, &below[0])
+            | covered_by(2, &below[2])
+            | covered_by(6, &above[0])
+            | covered_by(8, &above[2]);
         if !self.frame.periodic {
             covered |= self.outside(column, row);
         }

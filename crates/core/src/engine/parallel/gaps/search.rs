@@ -29,8 +29,8 @@ pub(super) struct SearchedPixel {
     pub detectors: Detectors,
     /// Whether the samples of the wider surroundings are used.
     pub wide: bool,
-    /// How many sites there are.
-    pub sites: usize,
+    /// How many of the listed sites are those of this pixel.
+    pub site_count: usize,
 }
 
 impl<const TAGS: bool> Region<TAGS> {
@@ -46,22 +46,23 @@ impl<const TAGS: bool> Region<TAGS> {
         detectors: Detectors,
         unsure: &mut Vec<usize>,
     ) {
-        let mut sites = 0;
+        let mut site_count = 0;
         for k in each_bit(pixel.sites) {
-            gaps.sites[sites] = k;
-            sites += 1;
+            gaps.sites[site_count] = k;
+            site_count += 1;
         }
+
         let searched = SearchedPixel {
             cell,
             number: pixel.number,
             detectors,
             wide: false,
-            sites,
+            site_count,
         };
         self.search_sites(simd, gaps, rules, searched, unsure);
     }
 
-    /// The same if samples may lie outside the gathered cells; the pixel is measured again.
+    /// Searches a pixel whose sites may lie outside the gathered cells: it is measured again, with cells farther away.
     #[cold]
     pub(super) fn search_wide<S: Simd>(
         &self,
@@ -75,13 +76,13 @@ impl<const TAGS: bool> Region<TAGS> {
         let (x, y) = centre(number);
         gaps.wide
             .gather(&self.slots, self.frame.stride(), cell, MAX_REACH);
-        let sites = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
+        let site_count = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
         let searched = SearchedPixel {
             cell,
             number,
             detectors,
             wide: true,
-            sites,
+            site_count,
         };
         self.search_sites(simd, gaps, rules, searched, unsure);
     }
@@ -96,8 +97,8 @@ impl<const TAGS: bool> Region<TAGS> {
         searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
-        let n = searched.sites;
-        let near = |gaps: &GapBuffers, k: usize| {
+        let n = searched.site_count;
+        let offset = |gaps: &GapBuffers, k: usize| {
             if searched.wide {
                 gaps.wide.offset(gaps.sites[k])
             } else {
@@ -108,7 +109,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for i in 0..n {
             for m in i + 1..n {
                 for k in m + 1..n {
-                    let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
+                    let three = [offset(gaps, i), offset(gaps, m), offset(gaps, k)];
                     // A filter in floats: integers compute the centre of those that pass it.
                     if may_make(three, searched.number) {
                         let sites = three.map(DVec2::as_i64vec2);
@@ -149,21 +150,24 @@ impl<const TAGS: bool> Region<TAGS> {
         searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
-        // Places in other pixels are found there. Sites are offsets from the cell's lowest point.
+        // Only the lines through this pixel: the search of another pixel tries the places there.
         let through = self.frame.border.through(&self.pixel_rect(searched));
+
+        // Places are offsets from the cell's lowest point, as the sites are.
         let (column, row) = self.frame.column_row(searched.cell);
         let cell = Point::new(column << CELL_BITS, row << CELL_BITS);
         let border = through.seen_from(cell.into());
 
-        let near = if searched.wide {
+        let gathered = if searched.wide {
             &gaps.wide
         } else {
             &gaps.near
         };
-        let sites: Vec<I64Vec2> = gaps.sites[..searched.sites]
+        let sites: Vec<I64Vec2> = gaps.sites[..searched.site_count]
             .iter()
-            .map(|&k| near.offset(k).as_i64vec2())
+            .map(|&k| gathered.offset(k).as_i64vec2())
             .collect();
+
         for (k, &a) in sites.iter().enumerate() {
             for (place, other) in border.places(a, &sites[k + 1..], |m| *m) {
                 let made_by = match other {
