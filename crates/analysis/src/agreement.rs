@@ -16,7 +16,8 @@ pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyErro
     let limit = covering_limit(first.covering_tolerance, first.radius);
     let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
 
-    // Both take the smallest distance from the same two samples by the same formula; the covering radius has many.
+    // Both judges take the smallest distance from the same two samples by one formula, and must agree on all of its bits. A
+    // covering radius can be computed from other samples or by other formulas.
     let difference = if first.conflicts != second.conflicts {
         Some("conflicts")
     } else if first.min_distance.to_bits() != second.min_distance.to_bits() {

@@ -29,7 +29,8 @@ impl CutReport {
 }
 
 /// Judges the part of a large set in and around a window, from its lowest to its highest corner, both included. `points` are
-/// the samples of the part, which fills `region`. A margin of two radii suffices; there is none where the large set ends.
+/// the samples of the part, which fills `region`. A margin of two radii suffices: every sample on an empty circle of up to
+/// two radii about a place of the window then lies in the part. Where the large set ends, there is no margin.
 ///
 /// If there are more gaps than can be listed, the others count as lying in the window, so that none is overlooked.
 ///
@@ -56,7 +57,7 @@ pub fn verify_cut(
         !(within(0) && within(1))
     };
 
-    // Beyond the window, samples of the large set are missing: gaps there are made by the cut.
+    // Gaps outside the window may come from the cut, and do not count.
     let listed = whole.worst_gaps.iter().map(|gap| gap.center);
     let outside = listed.filter(|center| is_outside(*center)).count() as u64;
     let gaps = whole.gaps - outside;

@@ -236,7 +236,7 @@ impl<'a> Scan<'a> {
         for index in own.clone() {
             let entry = &grid.entries()[index];
             let rest = Stretch {
-                // Those before it in the cell have been compared with it.
+                // Samples before this one in the cell have been compared with it.
                 range: index + 1..own.end,
                 shift: (!ambiguous).then_some(0.0),
             };

@@ -178,7 +178,7 @@ impl SquaresJudge {
             }
         }
         let radii = RadiusTable::new(region, radii)?;
-        // Only then is at most one of a sample's images near a place.
+        // In a period of more than two radii at most one of a sample's images is near a place.
         let shorter = region.width.min(region.height);
         if region.boundary == Boundary::Periodic && i64::from(shorter) <= 2 * radii.greatest() {
             return Err(SquaresError::Period {

@@ -116,8 +116,9 @@ impl StreamVerifier {
             // Subdivision was refused above.
             JudgeChoice::Both | JudgeChoice::Subdivision => (true, true),
             JudgeChoice::Automatic => {
-                // The most samples that a region holds without conflicts, and some more.
+                // The densest set without conflicts has 1.155 samples to a squared radius: these are some more.
                 let most = 1.2 * region.area() / (radius * radius);
+                // Both judges look at such a set once it is held as a whole, and circles alone at a larger one.
                 search.whole = most <= JudgeChoice::BOTH_UP_TO as f64;
                 (search.whole, !search.whole)
             }
@@ -254,7 +255,7 @@ impl StreamVerifier {
             (None, None) => None,
         };
         if let Some(all) = unjudged {
-            // Its samples would double the memory of those that are now verified as a whole.
+            // The samples that it holds would double the memory of those that are now verified as a whole.
             self.circles = None;
             return verify(&all, region, radius, options, control);
         }

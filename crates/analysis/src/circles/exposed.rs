@@ -106,7 +106,7 @@ fn of_open_circles<T: Send>(
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
 
-    // It begins with the radius of the question, so that no cell is cut out to find one.
+    // The search begins with the radius of the question, so that no cell is cut out to find one.
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 

@@ -94,7 +94,7 @@ impl SortedRows {
         // Samples of later rows wait at the front.
         let mut kept = 0;
         for (index, cell) in cell_of.into_iter().enumerate() {
-            // It was sorted and appended above.
+            // A sample with a cell was sorted and appended above.
             if cell != NO_CELL {
                 continue;
             }

@@ -224,7 +224,8 @@ impl<'a> Search<'a> {
                     self.reaches(cell.farthest);
                     found.gaps.add(cell);
                 }
-                // Its cell reaches beyond the cells around it: into a hole, which is looked at later with more of them.
+                // The sample's cell reaches beyond the grid cells around it, into a hole: it is cut out later, with more
+                // grid cells.
                 None => (found.exposed).push(self.samples.at(tile.source[index] as usize)),
             }
         }

@@ -311,7 +311,7 @@ impl Tile {
                 let is_own = self.own[1].contains(&row) && self.own[0].contains(&column);
                 self.runs_ahead([column, row], reach, &mut runs);
                 for index in cell {
-                    // Those before it in its row have had their pairs with it.
+                    // Samples before this one in its row have had their pairs with it.
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));

@@ -153,7 +153,7 @@ impl Survey {
                 continue;
             }
             let circle = circumcircle(corners);
-            // Other tiles have those places.
+            // A place outside belongs to another tile.
             if !inside(circle.center) {
                 continue;
             }

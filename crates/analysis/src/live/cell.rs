@@ -144,6 +144,7 @@ impl LiveCell {
             }
         };
 
+        // Anticlockwise: bottom, right, top, left.
         let around = [edge(1, false), edge(0, true), edge(1, true), edge(0, false)];
         let neighbour = match plane.boundary {
             Boundary::Periodic => slot,

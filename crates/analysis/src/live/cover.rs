@@ -151,7 +151,7 @@ impl LiveCover {
 
         let mut touched = std::mem::take(&mut self.touched);
         if is_covered {
-            // Its cell lies within its circle, so its neighbours are within two.
+            // The sample's cell lies within its circle of the threshold, so that its neighbours are within two thresholds.
             touched.clear();
             steps += self.grid.around(place, REACH, |other, _| {
                 touched.push(other.slot);
@@ -328,7 +328,7 @@ impl LiveCover {
                 .into_iter()
                 .map(|index| slots[index as usize])
                 .collect(),
-            // It declines crowded sets and thin planes.
+            // The test declines crowded sets and thin planes: then no circle counts as proven.
             Err(_) => slots,
         }
     }
@@ -367,12 +367,14 @@ impl LiveCover {
     fn cut(&mut self, place: [i32; 2], slot: u32) -> u64 {
         let cell = &mut self.cell;
         cell.begin(self.plane, place, slot);
+        // New vertices are doubtful until all samples that may cut them off have been seen.
+        let is_certain = false;
         let mut widest = f64::INFINITY;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             // No place of the cell is as near to a sample more than twice as far as its vertices.
             if other.slot != slot
                 && square(offset) as f64 <= widest
-                && cell.clip(offset.map(i64::from), other.slot, false)
+                && cell.clip(offset.map(i64::from), other.slot, is_certain)
             {
                 widest = 4.0 * cell.farthest_square() * (1.0 + 1e-9);
             }
@@ -385,7 +387,7 @@ impl LiveCover {
             steps += more;
             match nearer {
                 Some((offset, other)) => {
-                    self.cell.clip(offset, other, false);
+                    self.cell.clip(offset, other, is_certain);
                 }
                 None => self.cell.confirm(index),
             }
@@ -425,7 +427,9 @@ impl LiveCover {
 
         // The buffer's own vertices wait here.
         std::mem::swap(&mut self.cell.vertices, &mut taken.vertices);
-        let cuts = self.cell.clip(offset, neighbour, true);
+        // All other samples have cut a kept cell before, so that its new vertices are certain.
+        let is_certain = true;
+        let cuts = self.cell.clip(offset, neighbour, is_certain);
         std::mem::swap(
             &mut self.cell.vertices,
             &mut self.taken[slot as usize].vertices,

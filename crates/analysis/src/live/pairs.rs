@@ -177,10 +177,11 @@ impl LivePairs {
         });
         self.samples[slot as usize] = (id, place);
 
+        // Squared distances are kept as complements: the largest is that of the closest pair, and 0 is none.
         let mut own = 0;
         let steps = self.grid.around(place, REACH, |other, offset| {
-            let square = square(offset);
-            self.histogram.change(offset, square, true);
+            let (square, comes) = (square(offset), true);
+            self.histogram.change(offset, square, comes);
             // Farther pairs are not all seen, and decide no smallest distance.
             if square <= self.certain {
                 own = own.max(!square);
@@ -214,8 +215,8 @@ impl LivePairs {
         let mut widowed = std::mem::take(&mut self.widowed);
         widowed.clear();
         let mut steps = self.grid.around(place, REACH, |other, offset| {
-            let square = square(offset);
-            self.histogram.change(offset, square, false);
+            let (square, comes) = (square(offset), false);
+            self.histogram.change(offset, square, comes);
             // Its nearest sample was this one, or one as near: it looks again below.
             if self.nearest.at(other.slot) == !square {
                 widowed.push(other.slot);
@@ -462,10 +463,11 @@ impl LivePairs {
         let domain = Domain::new(region)?;
         let distance = most * largest_min_distance(count, region.area()) * domain.scale;
         let per_length = bins as f64 / distance;
-        // Farther pairs are added to one more.
+
+        // One bin more is for farther pairs.
         let (mut counts, mut sums) = (vec![0; bins + 1], vec![0; bins + 1]);
         for (index, in_bin) in self.histogram.counts.iter().enumerate() {
-            // Which of its two bins an edge belongs to follows from the same rounded numbers as there.
+            // Which of its two bins an edge belongs to follows from the same rounded numbers as in `PairCorrelation`.
             let edge = index as f64 / EACH * domain.scale;
             let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
             for part in [0, 1] {

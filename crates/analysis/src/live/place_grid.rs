@@ -127,7 +127,8 @@ impl PlaceGrid {
         self.pool[(start + len) as usize] = occupant;
         self.buckets[index].len += 1;
         if len == 0 {
-            self.mark(column, row, true);
+            let is_occupied = true;
+            self.mark(column, row, is_occupied);
         }
     }
 
@@ -168,7 +169,8 @@ impl PlaceGrid {
         self.pool[first + at] = self.pool[last - 1];
         self.buckets[index].len -= 1;
         if len == 1 {
-            self.mark(column, row, false);
+            let is_occupied = false;
+            self.mark(column, row, is_occupied);
         }
         Some(slot)
     }
@@ -283,7 +285,7 @@ impl PlaceGrid {
             self.is_wide(axis, reach) && at >= reach && at + reach < self.counts[axis]
         };
         let _: ControlFlow<()> = if inside(0, column) && inside(1, row) {
-            // Nearly all samples: no seam or border is near.
+            // As for nearly all samples, no seam or border is near.
             let mut ways = WAYS[..(2 * reach + 1) * (2 * reach + 1)].iter();
             ways.try_for_each(|[across, up]| {
                 let at = [column as i64 + across, row as i64 + up].map(|at| at as usize);

@@ -483,7 +483,8 @@ impl Renew for LiveSpectrum {
                 Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
                 Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
                 None => {
-                    // The transform is taken out of its slot to be finished; the rows follow it.
+                    // To be finished, the transform is taken out of its slot, where a finished work stands in for it
+                    // meanwhile; the rows follow.
                     let transform = std::mem::replace(work, Work::Changes(samples.len()));
                     if let Work::Transform(made) = transform {
                         *work = Work::Rows(made.finish(), 0);

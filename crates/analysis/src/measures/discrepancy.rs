@@ -165,7 +165,7 @@ fn pairs(
     Ok(sum)
 }
 
-/// The same on one thread.
+/// Does on one thread what [`pairs`] does on several.
 fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
     let count = points.len();
     if count <= FEW {

@@ -86,7 +86,8 @@ impl NearestDistances {
             monitor.advance(entries.len() as u64)
         })?;
 
-        // Threads went cell by cell, so that samples near each other were in the caches together.
+        // Back to the sequence of the samples. Threads went cell by cell, so that samples near each other were in the
+        // caches together.
         let mut distances = vec![0.0; points.len()];
         for (entry, distance) in grid.entries().iter().zip(found) {
             distances[entry.id as usize] = distance;

@@ -74,7 +74,7 @@ pub fn pairs_between(
         });
     }
 
-    // Each sample twice: counting, and holding.
+    // Each sample is looked at twice: to count its pairs, and to hold them.
     let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
     let domain = Domain::new(region)?;
     let distances = [least, most].map(|distance| distance * domain.scale);
@@ -84,6 +84,7 @@ pub fn pairs_between(
         neighbors,
         distances,
     };
+
     let (total, pairs) = search.run(limit, &monitor)?;
     // Rows of which no pairs are held are not passed a second time.
     monitor.advance(2 * points.len() as u64 - monitor.done())?;

@@ -90,16 +90,18 @@ fn monomials(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
         let sum: f64 = (values.iter().enumerate())
             .map(|(i, value)| value * (k as f64 * angle(i)).cos())
             .sum();
+        // That of T(0) is a mean, the others are twice theirs.
         let coefficient = sum * if k == 0 { 1.0 } else { 2.0 } / COUNT as f64;
 
         for (total, part) in out.iter_mut().zip(now) {
             *total += coefficient * part;
         }
 
-        let doubled = if k == 0 { 1.0 } else { 2.0 };
+        // T(1) = u T(0), without the factor of the later steps.
+        let factor = if k == 0 { 1.0 } else { 2.0 };
         let mut next = before.map(|value| -value);
         for power in 1..COUNT {
-            next[power] += doubled * now[power - 1];
+            next[power] += factor * now[power - 1];
         }
 
         (before, now) = (now, next);

@@ -32,12 +32,14 @@ impl Neighbors<'_> {
         distance: f64,
         mut see: impl FnMut(&[Entry], bool),
     ) {
+        let (once, twice) = (true, false);
         let (grid, cells, sides) = (self.grid, self.grid.cells, self.grid.cell_sides());
         let reach =
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
 
-        // Of two cells that reach each other both ways around the torus none is ahead.
+        // Of two cells that reach each other both ways around the torus none is ahead: then all cells are looked at, and
+        // each pair is met twice.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {
@@ -47,37 +49,37 @@ impl Neighbors<'_> {
         };
         for row in rows.into_iter().flatten() {
             for columns in &columns {
-                see(grid.run(row, columns), !all_rows);
+                see(grid.run(row, columns), if all_rows { twice } else { once });
             }
         }
-        // The cell's own row was among them.
+
+        // All rows, the cell's own among them, have been looked at.
         if all_rows {
             return;
         }
 
         if all_columns {
-            see(grid.run(row, &(0..cells[0])), false);
+            see(grid.run(row, &(0..cells[0])), twice);
         } else {
-            see(grid.run(row, &(column..column + 1)), false);
+            see(grid.run(row, &(column..column + 1)), twice);
             for columns in ahead(column, reach[0], cells[0], periodic) {
-                see(grid.run(row, &columns), true);
+                see(grid.run(row, &columns), once);
             }
         }
     }
 
-    /// The distance from a sample to the nearest other one. Rows are sorted by x: each is
-    /// walked from the sample's x outwards, nearest rows first.
+    /// Returns the distance from a sample to the nearest other one: in rows of cells, the nearest rows first.
     pub fn nearest(&self, entry: &Entry) -> f64 {
         let (rows, side) = (self.grid.cells[1], self.grid.cell_sides()[1]);
         let domain = &self.grid.domain;
         let home = crate::grid::cell_at(domain, self.grid.cells, entry.position)[1];
 
-        let mut best = f64::INFINITY;
+        let mut least_square = f64::INFINITY;
         // Around a torus every row is within half of them.
-        let most = if domain.periodic { rows / 2 } else { rows - 1 };
-        for step in 0..=most {
-            // Rows this far off are at least that much away.
-            if (step as f64 - 1.0 - 2.0 * Grid::ROUNDING) * side > best.sqrt() {
+        let farthest = if domain.periodic { rows / 2 } else { rows - 1 };
+        for step in 0..=farthest {
+            // Samples of rows so many steps off are at least a step less away.
+            if (step as f64 - 1.0 - 2.0 * Grid::ROUNDING) * side > least_square.sqrt() {
                 break;
             }
 
@@ -91,46 +93,49 @@ impl Neighbors<'_> {
             } else {
                 Some(home + step).filter(|&row| row < rows)
             };
-            // The home row, and the opposite one of an even number, are both.
+
+            // Below and above are one row at step 0 and, of an even number of rows on a torus, at the last step.
             let above = above.filter(|_| above != below);
             for row in [below, above].into_iter().flatten() {
-                best = best.min(self.nearest_in_row(entry, row, best));
+                least_square = self.nearest_in_row(entry, row, least_square);
             }
         }
-        best.sqrt()
+        least_square.sqrt()
     }
 
-    /// The smaller of a squared distance and that to the nearest other sample of a row.
-    fn nearest_in_row(&self, entry: &Entry, row: usize, mut best: f64) -> f64 {
+    /// Returns the smaller of a squared distance and that to the nearest other sample of a row. The row is sorted by x, and
+    /// is walked from the sample's x outwards.
+    fn nearest_in_row(&self, entry: &Entry, row: usize, mut least_square: f64) -> f64 {
         let run = self.grid.run(row, &(0..self.grid.cells[0]));
         let x = entry.position.x;
         let start = run.partition_point(|other| other.position.x < x);
         let width = self.grid.domain.extent.x;
 
-        let mut closer = |other: &Entry| {
+        // Each step says whether the walk goes on.
+        let mut step = |other: &Entry| {
             let direct = (other.position.x - x).abs();
             if other.id != entry.id {
-                best = best.min(self.offset(entry, other).length_squared());
+                least_square = least_square.min(self.offset(entry, other).length_squared());
             }
-            // Going on, differences grow until they are shorter the other way around, where
-            // the walk from the other end finds them.
-            direct * direct <= best
+            // Differences along x grow on the way. Samples that are nearer around the torus are met by the walks across
+            // the seam.
+            direct * direct <= least_square
         };
-        let _ = run[start..].iter().all(&mut closer);
-        let _ = run[..start].iter().rev().all(&mut closer);
+        let _ = run[start..].iter().all(&mut step);
+        let _ = run[..start].iter().rev().all(&mut step);
 
         if self.grid.domain.periodic {
-            let mut across = |other: &Entry| {
+            let mut step_across_seam = |other: &Entry| {
                 let around = width - (other.position.x - x).abs();
                 if other.id != entry.id {
-                    best = best.min(self.offset(entry, other).length_squared());
+                    least_square = least_square.min(self.offset(entry, other).length_squared());
                 }
-                around * around <= best
+                around * around <= least_square
             };
-            let _ = run[..start].iter().all(&mut across);
-            let _ = run[start..].iter().rev().all(&mut across);
+            let _ = run[..start].iter().all(&mut step_across_seam);
+            let _ = run[start..].iter().rev().all(&mut step_across_seam);
         }
-        best
+        least_square
     }
 }
 

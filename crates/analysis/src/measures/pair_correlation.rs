@@ -206,6 +206,7 @@ impl PairSearch<'_> {
         for part in parts {
             sum.add(part);
         }
+        // The last count is of farther pairs.
         sum.counts.pop();
 
         let domain = &self.neighbors.grid.domain;
@@ -255,8 +256,10 @@ impl PairSearch<'_> {
             } else if self.is_one_bin([own, own]) {
                 found.counts[0] += own.len() as u64 * (own.len() as u64 - 1) / 2;
             } else {
+                // Within a cell each sample is compared with those after it.
+                let once = true;
                 self.each(own, found, |k, found| {
-                    self.pairs(&own[k], &own[k + 1..], true, found);
+                    self.pairs(&own[k], &own[k + 1..], once, found);
                 });
             }
         };

@@ -58,8 +58,8 @@ fn limit(sets: f64, frequencies: f64) -> f64 {
 
 /// Mean length and power of a ring.
 fn mean(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
-    let of = |axis: usize| ring.iter().map(|one| one[axis]).sum::<f64>() / ring.len() as f64;
-    (!ring.is_empty()).then(|| [of(0), of(1)])
+    let mean_of = |axis: usize| ring.iter().map(|one| one[axis]).sum::<f64>() / ring.len() as f64;
+    (!ring.is_empty()).then(|| [mean_of(0), mean_of(1)])
 }
 
 /// Power by linear interpolation and extrapolation of the ring means, since a steep power varies within a ring.

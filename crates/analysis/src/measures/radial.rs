@@ -109,7 +109,8 @@ impl RadialProfile {
 fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
     let [x0, x1, y0, y1] = periodogram.window.bounds();
     let scale = unit_lengths(periodogram.region);
-    // Whole axes reach as far as their shorter side; one axis may be a half.
+    // Whole axes reach as far as their shorter side; one axis may be a half. A reach below 0 is none: the window does not
+    // hold the axis's zero.
     let (whole_x, whole_y) = ((-x0).min(x1 - 1), (-y0).min(y1 - 1));
     let half = |first: i64, end: i64| {
         if first <= 0 && end > 0 {

@@ -70,7 +70,8 @@ impl Sweep<'_> {
         for index in 0..count {
             let x = self.samples[index].position[0];
             self.drop_behind(&mut first, index, |other| x - other);
-            self.look(index, false);
+            let around = false;
+            self.look(index, around);
             self.behind.insert(self.key(index));
 
             if (index + 1) % CHUNK == 0 {
@@ -92,7 +93,8 @@ impl Sweep<'_> {
                 break;
             }
 
-            self.look(index, true);
+            let around = true;
+            self.look(index, around);
             if index % CHUNK == 0 {
                 monitor.advance(0)?;
             }

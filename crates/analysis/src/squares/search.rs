@@ -433,7 +433,7 @@ impl<'a> TileSearch<'a> {
                 return None;
             }
             let is_own = index < near.outside && square.holds(&sample);
-            // Its own samples are listed already.
+            // The square's own samples are listed already.
             if !is_own && is_near(nearest, radius, range.greatest) {
                 self.lists.push(sample);
             }

@@ -153,6 +153,7 @@ impl<'a> Runs<'a> {
             let side = &sides[part / 2];
             if is_head(*part) { side.head } else { side.tail }.is_some()
         };
+        // Of each side the head, then the tail.
         let mut parts: Vec<Part> = self
             .cells
             .of(cell)

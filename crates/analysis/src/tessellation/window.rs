@@ -121,8 +121,9 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
             for &along in shifts {
                 let shift = IVec2::new(across, along);
                 let place = shifted(samples[sample as usize], shift, domain);
-                let near = place.cmpge(-DVec2::splat(halo)) & place.cmple(domain.extent + halo);
-                if shift == IVec2::ZERO || near.all() {
+                let within_halo =
+                    place.cmpge(-DVec2::splat(halo)) & place.cmple(domain.extent + halo);
+                if shift == IVec2::ZERO || within_halo.all() {
                     let position = site(place);
                     let seen = Seen { sample, shift };
                     sites.push(Site { position, seen });
