@@ -98,6 +98,8 @@ fn columns(name: Name) -> Vec<String> {
 
 /// Decodes the words of a row.
 fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
+    // A word holds x and then y in the lower bits; the two highest are the fate of a tiled sample, or the mark of a
+    // detector.
     let position = |word: u32| {
         let (x, y) = (word & (R as u32 - 1), (word & POSITION_MASK) >> CELL_BITS);
         [i64::from(x), i64::from(y)]
@@ -109,25 +111,27 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
             vec![x, y, i64::from((row[0] & FATE_MASK) >> 30)]
         }
         Name::Grid => {
+            // Three words of samples, then one of what the cell is: the count in bits 0 and 1, flags in bits 2 to 7, and
+            // the iterations of the three slots, 8 bits each.
             let count = row[3] & COUNT_MASK;
-            // Bits 2 to 7 are flags; the iterations of the three slots follow, 8 bits each.
-            let mut cells = vec![i64::from(count), i64::from(row[3] & 0xfc)];
+            let mut values = vec![i64::from(count), i64::from(row[3] & 0xfc)];
             for slot in 0..3 {
                 if slot < count {
                     let word = row[slot as usize];
                     let [x, y] = position(word);
                     let iteration = i64::from((row[3] >> (8 + 8 * slot)) & 255);
-                    cells.extend([iteration, x, y, i64::from(word >> 30 & 1)]);
+                    values.extend([iteration, x, y, i64::from(word >> 30 & 1)]);
                 } else {
                     // Every row has all columns, so an empty slot fills its own with -1.
-                    cells.extend([-1; 4]);
+                    values.extend([-1; 4]);
                 }
             }
-            cells
+            values
         }
         Name::Frame => signed(row, Frame::FIELDS.1),
         Name::Images => signed(row, Image::FIELDS.1),
         Name::Proposals => signed(row, Proposal::FIELDS.1),
+        // Cells may begin left of the frame or below it. Points of `Result` lie in the domain.
         Name::Active | Name::NextActive => row.iter().map(|&w| i64::from(w as i32)).collect(),
         Name::Job
         | Name::Pieces

@@ -102,12 +102,12 @@ pub(crate) fn plan(
     };
 
     // First the checks that need no memory that grows with the window. The grid takes 16 bytes a cell.
-    let (bytes, around) = (16, 2 * halo as u64);
+    let (cell_bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(
-        bytes * (longer + around),
+        cell_bytes * (longer + around),
         "a side of the engine's frames",
-        bytes * MAX_SIDE,
+        cell_bytes * MAX_SIDE,
     )?;
 
     let max = setup.domain.rect().max;
@@ -120,11 +120,13 @@ pub(crate) fn plan(
         }
     };
     let frame = frame_side(width, max.x) * frame_side(height, max.y);
-    check(bytes * frame, "the engine's frames", bytes * MAX_CELLS)?;
-    check(bytes * frame, "maxStorageBufferBindingSize", binding)?;
+    let frame_bytes = cell_bytes * frame;
+    check(frame_bytes, "the engine's frames", cell_bytes * MAX_CELLS)?;
+    check(frame_bytes, "maxStorageBufferBindingSize", binding)?;
 
     let plan = WindowPlan::new(setup, window, halo, room)?;
-    let lengths = plan.lengths(setup, false);
+    let keeps_stages = false;
+    let lengths = plan.lengths(setup, keeps_stages);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
     check(longest, "maxStorageBufferBindingSize", binding)?;
     check(longest, "maxBufferSize", limits.max_buffer_size)?;

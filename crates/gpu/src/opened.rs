@@ -137,7 +137,9 @@ impl Gpu {
 
         // Without timestamps the reports have no times, and all else is the same.
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
-        // Asks for what WebGPU guarantees, and for more only where more makes larger windows.
+
+        // Asks for what WebGPU guarantees, and for more only where more lets the engine compute larger parts of the domain
+        // at once.
         let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
         limits.max_buffer_size = report.limits.max_buffer_size;
         limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;
@@ -160,6 +162,7 @@ impl Gpu {
 
         let trouble = Arc::new(Mutex::new(None));
         watch(&device, &trouble);
+
         // The engine's shaders end and stay within their buffers without checks (`tilescope_trusted` has the argument).
         let checks = if choice.checked_shaders {
             Checks::Checked

@@ -151,7 +151,8 @@ impl WindowPlan {
 
     /// Returns the bytes of all buffers in the phase that needs most.
     pub(crate) fn peak(&self, setup: &Setup) -> u64 {
-        let lengths = self.lengths(setup, false);
+        let keeps_stages = false;
+        let lengths = self.lengths(setup, keeps_stages);
         let in_phase = |phase: Phase| -> u64 {
             let needed = lengths
                 .iter()
@@ -178,7 +179,8 @@ fn bytes_of<T>(items: &[T]) -> u64 {
     size_of_val(items) as u64
 }
 
-/// Returns the lengths in bytes of the buffers that grow with the frame.
+/// Returns the lengths in bytes of the buffers that grow with the frame, with those of the samples' sources and of what
+/// eliminated them (`by`) if they are kept.
 pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)> {
     let cells = u64::from(frame.cells);
     let tiled = u64::from(frame.tiled_capacity);

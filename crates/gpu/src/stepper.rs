@@ -50,7 +50,8 @@ impl Stepper {
         first_gpu_stage: Stage,
     ) -> Result<Self, GpuError> {
         // With sources, since they give samples their ids (`state.rs`).
-        let setup = Arc::new(Setup::new(parameters, pattern, true)?);
+        let sources = true;
+        let setup = Arc::new(Setup::new(parameters, pattern, sources)?);
         let first = match first_gpu_stage {
             // The device is given a pattern that is ready.
             Stage::Pattern => Stage::Blocks,

@@ -239,6 +239,8 @@ fn write_grid(
         let rim = rim(work, column, row);
         // Only detectors make candidates, so that searching every cell finds no more than searching those near them.
         slots[3] |= FLAG_FRESH;
+
+        // As on the device, the cells at the frame's edge are unsure, and those beside them hot.
         if rim == 0 {
             slots[3] |= FLAG_UNSURE;
             unsure.push(cell as u32);

@@ -430,7 +430,7 @@ impl WindowRun {
             tiled: needed(self.counter(counter::TILED), room.tiled),
             open: match self.setup.parameters.insertion {
                 Insertion::Circumcentre => needed(self.counter(counter::OPEN), room.open),
-                // It lists no open cells, though the pass counts them.
+                // Uniform insertion lists no open cells, though the pass counts them.
                 Insertion::Uniform => room.open,
             },
             unsure: needed(self.counter(counter::UNSURE), room.unsure),
@@ -443,7 +443,7 @@ impl WindowRun {
             result: needed(self.counter(counter::KEPT), room.result),
         };
 
-        // Before faults and unsure cells, which may follow from a list that was too short.
+        // Compared before faults and unsure cells, which may follow from a list that was too short.
         if wanted != room {
             return Ok(Some(Shortage::Room(wanted)));
         }

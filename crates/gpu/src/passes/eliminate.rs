@@ -51,14 +51,20 @@ pub(super) const SURVIVE: Pass = Pass {
 
 /// Records the first rounds.
 pub(crate) fn eliminate() -> Vec<Command> {
-    let mut commands = vec![prepare(0)];
-    commands.extend(alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, true));
+    let (mut commands, is_first) = (vec![prepare(0)], true);
+    commands.extend(alternating(
+        &ELIMINATE,
+        "ARGUMENT_CONTESTED",
+        ROUNDS,
+        is_first,
+    ));
     commands
 }
 
 /// Records further rounds, for cells that are still contested.
 pub(crate) fn rounds() -> Vec<Command> {
-    alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, false)
+    let is_first = false;
+    alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, is_first)
 }
 
 /// Records the end of the stage. With `by` the pass notes which sample eliminated which.

@@ -68,13 +68,15 @@ pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
         ),
         run_with(&LINK, [a, b, ranked, 0], argument("ARGUMENT_PROPOSALS")),
     ];
-    commands.extend(decide(iteration, true));
+    let is_first = true;
+    commands.extend(decide(iteration, is_first));
     commands
 }
 
 /// Records further rounds, and the insertion of the proposals that they decide.
 pub(crate) fn choose(iteration: u32) -> Vec<Command> {
-    decide(iteration, false)
+    let is_first = false;
+    decide(iteration, is_first)
 }
 
 fn decide(iteration: u32, is_first: bool) -> Vec<Command> {
