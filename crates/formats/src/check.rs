@@ -537,6 +537,7 @@ fn differences(
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     list.exact("scale", &stated.scale, &judged.mapping.scale());
     parameters(&mut list, stated);
+
     // With another region, radius or tolerance the measures may differ without being wrong.
     if judged.is_as(stated) {
         measures(&mut list, stated, report);

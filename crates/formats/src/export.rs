@@ -257,7 +257,7 @@ pub(crate) fn export_through(
     let set = ordered(set, context);
     let columns = context.columns(&set.points);
     let encoded = encode_certified(&set, &target, None, &columns)?;
-    // Readers skip these columns.
+    // Readers skip these columns, so that the bytes are compared.
     let expected = (!columns.is_empty()).then(|| bytes_digest(&encoded));
     let mut data = store(encoded)?;
     if expected.is_some_and(|expected| expected != bytes_digest(&data)) {

@@ -202,6 +202,7 @@ pub(crate) fn check_origin(
         Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),
         Precision::Double => farthest.next_up() - farthest,
     };
+
     if spacing <= MAX_SPACING * radius {
         return Ok(());
     }

@@ -80,7 +80,7 @@ fn malformed(error: &roxmltree::Error) -> FormatError {
     FormatError::Malformed {
         format: FORMAT,
         place: FilePlace::Line(error.pos().row.into()),
-        // It may quote a name of the file, of any length.
+        // The error may quote a name of the file, of any length.
         reason: error.to_string().chars().take(120).collect(),
     }
 }

@@ -320,6 +320,7 @@ impl TextTable {
         } else {
             &self.header
         };
+
         let fault = |reason| self.header_fault(FilePlace::Line((*line).max(1)), reason);
         let mut rows = TableRows {
             format,

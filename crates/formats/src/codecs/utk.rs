@@ -19,12 +19,14 @@ pub(super) const HEADER_BYTES: u64 = 20;
 pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkText;
     let mut sets = vec![Vec::new()];
+    // A row of more than two numbers is refused.
+    let exact = true;
     // Remarks of other programs separate no sets.
     let is_other_remark = |row: &[u8]| is_remark(row) && row[0] != b'#';
     for (line, row) in lines(bytes).filter(|(_, row)| !row.is_empty() && !is_other_remark(row)) {
         let last = sets.last_mut();
         match last {
-            Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, true)?),
+            Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, exact)?),
             // Like UTK, ignore empty sets (leading comments, doubled separators).
             Some(set) if set.is_empty() => {}
             _ => sets.push(Vec::new()),

@@ -138,19 +138,21 @@ impl Place {
             }
         };
 
+        // Until the new file is renamed, the old one is in its place.
+        let is_old = true;
         for old in [Some(&self.certificate), self.beside_link.as_ref()] {
             // A certificate is a file: other things of its name stay, and so does one that cannot be looked up.
             let Some(old) = old.filter(|old| old.is_file()) else {
                 continue;
             };
             let hidden = hidden(old, "old");
-            step(|| fs::rename(old, &hidden)).map_err(failed(old, true))?;
+            step(|| fs::rename(old, &hidden)).map_err(failed(old, is_old))?;
             aside.push((old.clone(), hidden));
         }
 
         if !aside.is_empty() {
             // Otherwise a power cut could keep the renaming below and lose that above.
-            sync_folder(&self.certificate).map_err(failed(&self.certificate, true))?;
+            sync_folder(&self.certificate).map_err(failed(&self.certificate, is_old))?;
         }
 
         // A second name for the old file lets its replacement be undone. File systems without hard links cannot do this.

@@ -33,7 +33,7 @@ pub fn check_stream(
     check_from(path, overrides, WHOLE_FILE_BYTES, control)
 }
 
-/// The same with files up to `whole` bytes read whole.
+/// As [`check_stream`], with files of up to `whole` bytes read whole.
 pub(super) fn check_from(
     path: &Path,
     overrides: &Overrides,
@@ -49,7 +49,8 @@ pub(super) fn check_from(
     }
 
     let columns = overrides.chosen_columns();
-    let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, true)? else {
+    let digested = true;
+    let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, digested)? else {
         return in_memory();
     };
 

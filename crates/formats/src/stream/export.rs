@@ -357,7 +357,9 @@ impl StreamExport {
         }
 
         self.count += points.len() as u64;
-        Ok(self.partial.flush(false)?)
+        // Rows wait until they fill a block.
+        let all = false;
+        Ok(self.partial.flush(all)?)
     }
 
     fn save(&mut self, token: &Value) -> Result<(), ExportError> {

@@ -52,7 +52,8 @@ impl StreamExport {
         let head = self.head(count)?;
         self.partial.complete(head)?;
         let certificate = self.certify(control)?;
-        // A file is renamed only after it was read back and compared with the bytes that were written.
+        // A file is renamed only after it was read back and compared with the bytes that were written. Only a certificate
+        // states its digest.
         let digest = self.read_back(certificate.is_some(), control)?;
         let bytes = self.partial.bytes();
 
@@ -102,14 +103,14 @@ impl StreamExport {
 
     fn read_back(
         &mut self,
-        whole: bool,
+        is_digested: bool,
         control: Control<'_>,
     ) -> Result<Option<String>, ExportError> {
         // The verifier's progress, which counts each sample twice, has come to its end.
         let total = 2 * self.count;
         let at_the_end = Progress { done: total, total };
         self.partial
-            .read_back(whole, &|| match control(at_the_end) {
+            .read_back(is_digested, &|| match control(at_the_end) {
                 ControlFlow::Continue(()) => Ok(()),
                 ControlFlow::Break(()) => {
                     let cancelled = VerifyError::Cancelled;

@@ -130,7 +130,8 @@ impl Partial {
 
     /// Writes all through to the device.
     pub fn sync(&mut self) -> Result<(), FormatError> {
-        self.flush(true)?;
+        let all = true;
+        self.flush(all)?;
         self.checked(|this| this.writer.file()?.sync_data())
     }
 
@@ -142,7 +143,8 @@ impl Partial {
     /// Puts the final head in place of the first.
     pub fn complete(&mut self, head: Vec<u8>) -> Result<(), FormatError> {
         debug_assert_eq!(head.len(), self.head.len(), "heads are of fixed length");
-        self.flush(true)?;
+        let all = true;
+        self.flush(all)?;
         self.checked(|this| {
             let mut file = this.writer.file()?;
             file.seek(SeekFrom::Start(0))?;
@@ -153,11 +155,11 @@ impl Partial {
         Ok(())
     }
 
-    /// Reads the whole file back and compares it with the written bytes. Returns the digest of the file, if wanted.
+    /// Reads the whole file back and compares it with the written bytes. With `is_digested` returns the digest of the file.
     /// Calls `go_on` for each block.
     pub fn read_back(
         &mut self,
-        whole: bool,
+        is_digested: bool,
         go_on: &dyn Fn() -> Result<(), ExportError>,
     ) -> Result<Option<String>, ExportError> {
         let failed = |e| io_error(&self.path, e);
@@ -187,7 +189,7 @@ impl Partial {
                 break;
             }
             let block = &block[..count];
-            let hash_all = || whole.then(|| all.update(block).count());
+            let hash_all = || is_digested.then(|| all.update(block).count());
             rayon::join(|| rows.update(block).count(), hash_all);
             go_on()?;
         }
@@ -196,7 +198,7 @@ impl Partial {
         if written != found {
             return Err(differs("rows of", written, found));
         }
-        Ok(whole.then(|| digest_text(&all)))
+        Ok(is_digested.then(|| digest_text(&all)))
     }
 
     /// Removes the file of the export.

@@ -54,7 +54,8 @@ impl StreamReader {
     /// that cannot be read in pieces: of a format that does not [stream](Format::streams), with several sets or with
     /// all x before all y.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Self, FormatError> {
-        Self::try_open(path, format, None, false)?.map_err(|format| FormatError::Unsupported {
+        let (columns, digested) = (None, false);
+        Self::try_open(path, format, columns, digested)?.map_err(|format| FormatError::Unsupported {
             format,
             what: "this file in pieces".to_owned(),
             supported: "one set, point after point, as csv, psa-rps, utk-binary, npy or ply-binary can",

@@ -60,7 +60,8 @@ pub(super) struct StateFile {
     serial: u64,
     digest: String,
     /// Bytes of the state of the first verifier, of stored positions; the rest is the second one's.
-    stored: u64,
+    #[serde(rename = "stored")]
+    stored_length: u64,
 }
 
 fn fault(path: &Path, reason: impl Into<String>) -> ExportError {
@@ -231,7 +232,7 @@ impl StateFile {
     ) -> Result<Self, ExportError> {
         let failed = |source| unjudged(target, source);
         let mut bytes = judges.stored.save().map_err(failed)?;
-        let stored = bytes.len() as u64;
+        let stored_length = bytes.len() as u64;
         if let Some(original) = &judges.original {
             // Errors of the original positions are reported only if they matter, but a checkpoint needs positions
             // without errors.
@@ -241,7 +242,7 @@ impl StateFile {
         let state = Self {
             serial: old.map_or(0, |old| old.serial + 1),
             digest: bytes_digest(&bytes),
-            stored,
+            stored_length,
         };
 
         let name = state.path(path);
@@ -261,11 +262,11 @@ impl StateFile {
         }
         // The verdict depends on each byte of the state.
         let bytes = read_file(&name)?;
-        if bytes_digest(&bytes) != self.digest || self.stored > bytes.len() as u64 {
+        if bytes_digest(&bytes) != self.digest || self.stored_length > bytes.len() as u64 {
             return Err(fault(&name, "it is not what the checkpoint names"));
         }
 
-        let (stored, original) = bytes.split_at(self.stored as usize);
+        let (stored, original) = bytes.split_at(self.stored_length as usize);
         let restored = |state: &[u8]| {
             let (region, radius) = (context.region, context.radius);
             StreamVerifier::restore(region, radius, &context.verify, state)
