@@ -166,7 +166,7 @@ impl Recipe {
     /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
     /// when it is cancelled.
     pub fn exact(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
-        // Its lengths are in r, so that every try for the radius has the same pattern.
+        // The pattern's lengths are in r, so that every try for the radius has the same pattern.
         let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
         let mut attempt = |radius| -> Result<_, SampleError> {
             let run = exact_sample_parallel(&self.with_radius(radius), &history, observer)?;

@@ -268,6 +268,7 @@ impl Parser<'_> {
                 );
             }
         };
+
         // The arguments come first, as they do on the stack.
         if self.take(b"(").is_none() {
             return Err(self.unexpected("("));

@@ -132,7 +132,7 @@ impl VaryingRecipe {
             let [x, y] = frame.origin;
             [x + column as f64 * pitch, y + row as f64 * pitch]
         };
-        // Nodes of a field are many, and each would ask for memory.
+        // One stack for all nodes, as each would ask for memory of its own.
         let mut stack = Vec::new();
         let mut value = |row: usize, column: usize| match radius {
             RadiusSource::Constant(radius) => *radius,
@@ -235,6 +235,7 @@ impl VaryingRecipe {
         let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits, least) >= f64::from(R));
         let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
+
         // A density has no largest radius: where it is too thin, it is as thin as possible.
         let is_capped = matches!(radius, RadiusSource::Density { .. });
         // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
@@ -272,7 +273,8 @@ impl VaryingRecipe {
         match &self.shape {
             None => Ok((Shape::rectangle(), JudgedShape::Rectangle, None)),
             Some(ShapeSource::Polygon(polygon)) => {
-                // Both sides get the corners in whole units, and the certificate the coordinates that these are rounded from.
+                // Sampler and judge get the corners in whole units, and the certificate the coordinates that these are rounded
+                // from.
                 let corner = |corner: &[f64; 2]| lattice_corner(*corner, frame.origin, domain);
                 let of_ring = |ring: &Vec<[f64; 2]>| ring.iter().map(corner).collect();
                 let rings: Vec<Vec<[i32; 2]>> = polygon.rings.iter().map(of_ring).collect();

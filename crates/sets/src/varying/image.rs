@@ -139,6 +139,7 @@ fn grey_of(words: &[u16], color: ColorType, columns: usize) -> GrayImage {
         ColorType::Rgb | ColorType::Indexed => (3, false),
         ColorType::Rgba => (4, true),
     };
+
     // Integers to the end: floating-point luminance would be rounded as the compiler likes.
     let pixels = words.chunks_exact(samples);
     let alpha = |pixel: &[u16]| {
@@ -159,6 +160,7 @@ fn grey_of(words: &[u16], color: ColorType, columns: usize) -> GrayImage {
         let white = u64::from(WHITE);
         ((u64::from(luminance) * alpha + white * (white - alpha) + white / 2) / white) as u16
     });
+
     // An alpha channel that is opaque everywhere says nothing, and grey is the mask.
     let is_transparent = pixels.clone().any(|pixel| alpha(pixel) < WHITE);
     let opaque = is_transparent.then(|| pixels.map(|pixel| alpha(pixel) > WHITE / 2).collect());

@@ -133,6 +133,7 @@ impl RadiusSource {
             let scale = number(&field["scale"], "radius-expression.scale")?;
             return Ok(Self::Expression { expression, scale });
         }
+
         // Neither images nor arrays are in the certificate.
         let (image, grid) = match given {
             GivenRadius::Image(image) => (Some(image), None),
@@ -147,6 +148,7 @@ impl RadiusSource {
                 scale,
             });
         }
+
         if let Some(field) = parameters.get("radius-image") {
             let option = "--radius-image";
             let image =
@@ -155,6 +157,7 @@ impl RadiusSource {
             let radii = [black?, white?];
             return Ok(Self::Image { image, radii });
         }
+
         if let Some(field) = parameters.get("density-image") {
             let option = "--density-image";
             let image =
