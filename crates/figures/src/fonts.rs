@@ -117,11 +117,12 @@ impl Fonts {
 
         // The inner border runs the other way round, so that only the line between the two is filled.
         to.scale = 1.0;
-        to.rectangle([left, bottom], [right, top], false);
+        let (outer_turned, inner_turned) = (false, true);
+        to.rectangle([left, bottom], [right, top], outer_turned);
         to.rectangle(
             [left + line, bottom + line],
             [right - line, top - line],
-            true,
+            inner_turned,
         );
 
         let face = self.face(Font::Mono);

@@ -222,14 +222,16 @@ impl Painter {
         if reaches_far(points) {
             self.segments(points.windows(2).map(|ends| [ends[0], ends[1]]), stroke);
         } else {
-            self.stroke(polyline(points, false), stroke);
+            let closed = false;
+            self.stroke(polyline(points, closed), stroke);
         }
     }
 
     fn polygon(&mut self, points: &[DVec2], style: Style) {
+        let closed = true;
         if !reaches_far(points) {
             let hatch = |spacing| hatch_polygon(points, spacing);
-            return self.area(polyline(points, true), style, hatch);
+            return self.area(polyline(points, closed), style, hatch);
         }
 
         // The cut adds sides along the edge of the picture, which must not get a stroke: the border is drawn apart, below.
@@ -239,7 +241,7 @@ impl Painter {
         };
         // Two pixels beyond the edge, where the cut itself is out of sight.
         let near = clip_polygon(points, self.frame.padded(2.0));
-        self.area(polyline(&near, true), fill, |spacing| {
+        self.area(polyline(&near, closed), fill, |spacing| {
             hatch_polygon(&near, spacing)
         });
 

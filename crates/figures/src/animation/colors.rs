@@ -51,12 +51,12 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
 
     // Where some pixels stay, `room` leaves an index of a byte for them.
     let transparent = some_stay.then_some(kept.len() as u8);
-    let of = |(pixel, stays): (&[u8], &bool)| match transparent {
+    let index_of = |(pixel, stays): (&[u8], &bool)| match transparent {
         Some(transparent) if *stays => transparent,
         _ => index[&on_white(pixel)],
     };
 
-    let buffer = pixels().map(of).collect();
+    let buffer = pixels().map(index_of).collect();
     let mut palette = kept.into_flattened();
     // The colour at the transparent index is never seen, but the table must have an entry there.
     palette.extend(transparent.map(|_| [0; 3]).into_iter().flatten());

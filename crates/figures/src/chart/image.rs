@@ -26,9 +26,10 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
     let rows = chart.values.len() / chart.columns;
     let size = frame.plot.size() / DVec2::new(chart.columns as f64, rows as f64);
 
-    // Edges between pixels would show the background through: cells lie a little over each other there.
-    let halves = (2.0 * size).fract().max_element() < 1e-6;
-    let over = if halves { 0.0 } else { OVER };
+    // Edges between pixels, of which a unit has two, would show the background through: there cells lie a little over each
+    // other.
+    let on_pixels = (2.0 * size).fract().max_element() < 1e-6;
+    let over = if on_pixels { 0.0 } else { OVER };
 
     let shades = runs(chart);
     for (shade, runs) in shades

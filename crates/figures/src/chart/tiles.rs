@@ -59,9 +59,20 @@ const LABEL: f64 = 13.0;
 
 /// Returns the room above and below the tiles of a row.
 pub(super) fn room(row: &[&TileChart]) -> [f64; 2] {
-    let some = |text: fn(&TileChart) -> &str| row.iter().any(|tile| !text(tile).is_empty());
-    let head = if some(|tile| &tile.title) { HEAD } else { 0.0 };
-    [head, if some(|tile| &tile.note) { NOTE } else { GAP }]
+    let any_has = |text: fn(&TileChart) -> &str| row.iter().any(|tile| !text(tile).is_empty());
+    let head = if any_has(|tile| &tile.title) {
+        HEAD
+    } else {
+        0.0
+    };
+    [
+        head,
+        if any_has(|tile| &tile.note) {
+            NOTE
+        } else {
+            GAP
+        },
+    ]
 }
 
 impl TileChart {
