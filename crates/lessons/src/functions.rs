@@ -573,7 +573,7 @@ impl Now {
     /// Returns the nearest place on an edge of a block, and its distance.
     fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
-        let mut best = (at, f64::INFINITY);
+        let mut nearest = (at, f64::INFINITY);
 
         for leaf in leaves {
             let corners = [leaf.rect.min, leaf.rect.max];
@@ -590,12 +590,12 @@ impl Now {
             ] {
                 let offset = place - at;
                 let distance = offset.x.hypot(offset.y);
-                if distance < best.1 {
-                    best = (place, distance);
+                if distance < nearest.1 {
+                    nearest = (place, distance);
                 }
             }
         }
-        best
+        nearest
     }
 
     fn same_points(&self, engine: &str) -> Found<bool> {

@@ -263,14 +263,14 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
 
 /// Returns the gains of votes. Each vote of a class weighs the same, as not all of them are counted.
 fn votes(votes: &[ClassVote]) -> Vec<Gain> {
-    let of = |concept: Concept, form: TestForm| {
+    let shares_of = |concept: Concept, form: TestForm| {
         let is_of = move |vote: &&ClassVote| vote.concept == concept && vote.form == form;
         let cast = votes.iter().filter(is_of);
         cast.map(|vote| vote.share).collect::<Vec<f64>>()
     };
 
     let pairs = both(|concept, form| {
-        let shares = of(concept, form);
+        let shares = shares_of(concept, form);
         (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
     });
     if pairs.is_empty() {
@@ -288,7 +288,7 @@ fn votes(votes: &[ClassVote]) -> Vec<Gain> {
         is_complete: true,
     };
 
-    let count = |concept: Concept| of(concept, TestForm::After).len();
+    let count = |concept: Concept| shares_of(concept, TestForm::After).len();
     let all = mean(&pairs.values().copied().collect::<Vec<_>>());
     let sum = pairs.keys().map(|&concept| count(concept)).sum();
 

@@ -363,7 +363,8 @@ impl Learner {
 
         let is_done = attempt.is_taken || attempt.state == Progress::Right;
         if is_done {
-            self.note(time, false);
+            let given_up = false;
+            self.note(time, given_up);
         }
 
         Ok(Feedback {
@@ -400,7 +401,8 @@ impl Learner {
             self.attempt.state = Progress::GivenUp;
         }
 
-        self.note(time, true);
+        let given_up = true;
+        self.note(time, given_up);
         true
     }
 

@@ -93,12 +93,12 @@ impl Lesson {
     /// Returns the step of a name.
     #[must_use]
     pub fn step_named(&self, name: &str) -> Option<usize> {
-        let of = |is_named: fn(&str, &str) -> bool| {
+        let first_named = |is_named: fn(&str, &str) -> bool| {
             let mut steps = self.steps.iter();
             steps.position(|step| is_named(&step.name, name))
         };
         // People type links, so capitals count only where they distinguish two steps.
-        of(|own, name| own == name).or_else(|| of(str::eq_ignore_ascii_case))
+        first_named(|own, name| own == name).or_else(|| first_named(str::eq_ignore_ascii_case))
     }
 
     /// Returns the seconds that a lecturer plans for each step: the lesson's minutes, of which a step with a question takes

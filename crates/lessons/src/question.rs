@@ -106,7 +106,7 @@ impl Question {
             line: gate.line,
             scene,
         })?;
-        // The last event of a trace decides.
+        // The last event of a trace decides: the cursor stands behind it then.
         let last = interaction.events().last();
         let decided = last.map_or(decided, |last| last.cursor + 1);
 

@@ -115,24 +115,30 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     };
 
     // Of the answered question, so that the right ones are among them.
+    let is_done = true;
+    let (chosen, not_chosen) = (true, false);
     let marks = question
         .interaction
-        .marks(&Draft::default(), true)
+        .marks(&Draft::default(), is_done)
         .into_iter();
     let listed = marks.map(|mark| match (mark.at, mark.kind) {
-        (Spot::Sample(sample), _) => of_sample(sample, true),
-        (Spot::Place(at), MarkKind::Right) => of_place("a right place", at, false),
-        (Spot::Place(at), _) => of_place("a place of the list", at, true),
+        (Spot::Sample(sample), _) => of_sample(sample, chosen),
+        (Spot::Place(at), MarkKind::Right) => of_place("a right place", at, not_chosen),
+        (Spot::Place(at), _) => of_place("a place of the list", at, chosen),
     });
     let mut named: Vec<Named> = listed.collect();
     let marked = question.marked.iter();
-    named.extend(marked.map(|&at| of_place("the mark", at, false)));
+    named.extend(marked.map(|&at| of_place("the mark", at, not_chosen)));
 
     let mut texts: Vec<&Text> = vec![&gate.ask];
     texts.extend(gate.kind.shown());
     for text in texts {
         let samples = scene.samples_in(text)?;
-        named.extend(samples.into_iter().map(|sample| of_sample(sample, false)));
+        named.extend(
+            samples
+                .into_iter()
+                .map(|sample| of_sample(sample, not_chosen)),
+        );
     }
     Ok(named)
 }

@@ -95,11 +95,11 @@ impl ChoiceGate {
                 .valid()?
                 .power()
                 .map_err(|error| asking.fault(error))?;
-            let best = sets::rms(&shown, own);
+            let own_distance = sets::rms(&shown, own);
 
             let all = drawn.iter().enumerate();
             let mut others = all.filter(|(other, _)| *other != right);
-            if others.any(|(_, curve)| sets::rms(&shown, curve) <= best) {
+            if others.any(|(_, curve)| sets::rms(&shown, curve) <= own_distance) {
                 return Err(asking.fault(
                     "another curve is nearer to the spectrum than that of the right option",
                 ));
