@@ -137,6 +137,7 @@ impl Engines {
 
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
+            // Runs on all threads, of which `threads` is the number.
             Engine::Combined { .. } => {
                 let pieces = nine(domain, parameters.seed, control)?;
                 combine(domain, &pieces, &CombineOptions::default(), observer)?.points
@@ -147,7 +148,7 @@ impl Engines {
             }
             Engine::Parallel { threads } => {
                 let mut pools = self.pools.iter();
-                // `open` starts no pool of all threads: without one of its own, the engine runs on the global pool.
+                // `open` starts a pool for each number of threads other than all; all threads are those of the global pool.
                 let pool = pools.find(|pool| pool.current_num_threads() == *threads);
                 let make = || by_bands(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
@@ -185,8 +186,9 @@ fn by_bands(
     control: &Control<'_>,
 ) -> Result<Vec<Point>> {
     let backend = Backend::new(engine, ASKED_FOR);
+    let sources = false;
     let (sampled, ..) = block_on(async {
-        let bands = Bands::new(parameters, pattern, false, &backend, |_| {}).await?;
+        let bands = Bands::new(parameters, pattern, sources, &backend, |_| {}).await?;
         bands.finish(&mut control.observer()).await
     })?;
     Ok(sampled.points)

@@ -216,8 +216,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         Summary::of(rounds.iter().filter_map(ratio))
     };
 
-    let all = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
-    let median = |value| all(value).map(|summary| summary.quartiles[1]);
+    let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
+    let median = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
     // The ratio to one thread says something of more threads, and of exact tiling, which runs on one as well.
     let is_compared = match key.0 {
@@ -233,7 +233,7 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         engine: key.0.clone(),
         leaf: times.first()?.leaf,
         count: median(|one| one.report.count as f64)?,
-        rate: all(EngineTime::rate)?,
+        rate: summary_of(EngineTime::rate)?,
         verify_rate: median(|one| one.report.count as f64 / one.verify_seconds)?,
         ratio: ratio(baseline)?,
         thread_ratio: ratio(one_thread)
@@ -241,8 +241,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
             .map(|ratio| ratio.quartiles[1]),
         density: median(|one| one.report.density)?,
         // The worst of all sets, since each of them has to be valid.
-        min_distance: all(|one| one.report.min_distance / one.report.radius)?.least,
-        covering_radius: all(|one| one.report.covering_radius / one.report.radius)?.most,
+        min_distance: summary_of(|one| one.report.min_distance / one.report.radius)?.least,
+        covering_radius: summary_of(|one| one.report.covering_radius / one.report.radius)?.most,
         times,
     })
 }

@@ -76,8 +76,9 @@ fn blocks(out: &Path) -> Vec<Block> {
         }
     }
 
-    blocks.extend(claims("What the paper says", &finished, true));
-    blocks.extend(claims("Beyond the paper", &finished, false));
+    let (of_the_paper, of_others) = (true, false);
+    blocks.extend(claims("What the paper says", &finished, of_the_paper));
+    blocks.extend(claims("Beyond the paper", &finished, of_others));
     blocks.extend(finished.iter().flat_map(section));
     blocks
 }

@@ -25,7 +25,8 @@ impl Set {
     /// Makes a set by randomized tiling, on all threads.
     pub fn kdrt(parameters: &Parameters, control: &Control<'_>) -> Result<(Self, Summary)> {
         let pattern = pattern(&parameters.pattern, control)?;
-        let sweep = Sweep::new(parameters, &pattern, false)?;
+        let sources = false;
+        let sweep = Sweep::new(parameters, &pattern, sources)?;
         let (sampled, summary) = sweep.finish(&mut control.observer())?;
         let set = Self::of(&parameters.validate()?, &sampled.points);
         Ok((set, summary))

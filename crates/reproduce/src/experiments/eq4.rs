@@ -78,9 +78,9 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
         found.alone += (width - 2.0) * (height - 2.0);
     }
 
-    let near = conflicts(run);
+    let are_in_conflict = conflicts(run);
     let samples = run.samples.origins.iter().zip(&run.samples.fates);
-    for ((origin, fate), in_conflict) in samples.zip(near) {
+    for ((origin, fate), in_conflict) in samples.zip(are_in_conflict) {
         if let Origin::Tiled { own, .. } = origin {
             found.tiled += 1;
             found.margin += usize::from(!own);
@@ -304,22 +304,26 @@ const SHARES: [Share; 6] = [
 
 /// Returns all shares by leaf, and their products with it.
 fn curves(found: &[LeafShares]) -> Result<Picture> {
-    let of = |value: &dyn Fn(&LeafShares) -> f64| {
+    let points_of = |value: &dyn Fn(&LeafShares) -> f64| {
         found.iter().map(|one| [one.leaf, value(one)]).collect()
     };
 
-    let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
+    let all_series = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
         let predicted = |one: &LeafShares| one.predicted() * scale(one);
-        let mut series = vec![reference("equation 4", of(&predicted))];
+        let mut series = vec![reference("equation 4", points_of(&predicted))];
         for (number, (name, share)) in SHARES.iter().enumerate() {
-            series.push(curve(name, number, of(&|one| share(one) * scale(one))));
+            series.push(curve(
+                name,
+                number,
+                points_of(&|one| share(one) * scale(one)),
+            ));
         }
         series
     };
 
-    let shares = chart("eq4/shares", all(&|_| 100.0));
+    let shares = chart("eq4/shares", all_series(&|_| 100.0));
     // Times N, a share that is inversely proportional to N is level.
-    let products = chart("eq4/products", all(&|one| one.leaf));
+    let products = chart("eq4/products", all_series(&|one| one.leaf));
     let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
     picture("eq4/shares", &json!({}), rows)
 }

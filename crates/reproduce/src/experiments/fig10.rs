@@ -23,11 +23,12 @@ use self::results::SamplerResults;
 use self::samplers::Sampler;
 
 pub fn units(settings: &Settings) -> usize {
-    let of = |sampler: Sampler| 1 + sampler.sets(plate::amounts(settings).2) as usize;
+    let units_beside_horizons =
+        |sampler: Sampler| 1 + sampler.sets(plate::amounts(settings).2) as usize;
     let horizons = horizon::per_pixel(settings).len();
     Sampler::ALL
         .into_iter()
-        .map(|sampler| of(sampler) + horizons)
+        .map(|sampler| units_beside_horizons(sampler) + horizons)
         .sum()
 }
 

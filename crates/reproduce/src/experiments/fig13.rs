@@ -61,11 +61,11 @@ fn methods(last: bool) -> Vec<Method> {
 fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
     let groups = groups(settings);
     let each = (1..).zip(&groups);
-    let of = |(number, group): (usize, &SetGroup)| {
+    let with_methods = |(number, group): (usize, &SetGroup)| {
         let (group, methods) = (*group, methods(number == groups.len()));
         methods.into_iter().map(move |method| (group, method))
     };
-    each.flat_map(of).collect()
+    each.flat_map(with_methods).collect()
 }
 
 fn plan(settings: &Settings) -> TimingPlan {
@@ -114,9 +114,9 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     let picture = |group: SetGroup, name: &str, title: &str, columns: Vec<(Method, Method)>| {
-        let of = |method: Method| spectra::find(found, group.radius, method);
-        let both = |(one, below)| Some((of(one)?, of(below)?));
-        let columns: Vec<_> = columns.into_iter().filter_map(both).collect();
+        let spectra_of = |method: Method| spectra::find(found, group.radius, method);
+        let spectra_of_column = |(one, below)| Some((spectra_of(one)?, spectra_of(below)?));
+        let columns: Vec<_> = columns.into_iter().filter_map(spectra_of_column).collect();
         let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);
         let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;
         shown::spectra(name, title, &columns, &sets)
@@ -163,9 +163,9 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
         &json!({ "leaf": ONE_LEAF, "excess": excess }),
     ));
 
-    let all = || rounds.iter().flat_map(|round| &round.patterns);
+    let all_patterns = || rounds.iter().flat_map(|round| &round.patterns);
     let pattern = |side: f64| {
-        let seconds = all().filter(|(of, _)| of.to_bits() == side.to_bits());
+        let seconds = all_patterns().filter(|(of, _)| of.to_bits() == side.to_bits());
         let median = median(seconds.map(|(_, seconds)| 1e3 * seconds));
         format!(
             "that of {side} r takes {} ms",
@@ -173,7 +173,7 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
         )
     };
 
-    let sides = distinct(all().map(|(side, _)| *side)).into_iter();
+    let sides = distinct(all_patterns().map(|(side, _)| *side)).into_iter();
     let patterns = sides.map(pattern).collect::<Vec<_>>().join(", ");
     notes.push(text("fig13/rates", &json!({ "patterns": patterns })));
     notes.extend(no_gpu().map(|why| text("fig13/no-gpu", &json!({ "why": why }))));

@@ -47,8 +47,8 @@ impl SearchCase {
 fn cases(settings: &Settings) -> Vec<SearchCase> {
     let leaves: &[f64] = settings.pick(&[10.0, 20.0, 40.0, 80.0], &[20.0, 40.0]);
     let variants = [Variant::Staged, Variant::AsPrinted].into_iter();
-    let of = |variant| leaves.iter().map(move |&leaf| SearchCase { leaf, variant });
-    variants.flat_map(of).collect()
+    let with_leaves = |variant| leaves.iter().map(move |&leaf| SearchCase { leaf, variant });
+    variants.flat_map(with_leaves).collect()
 }
 
 pub fn units(settings: &Settings) -> usize {
@@ -128,11 +128,12 @@ fn claims(found: &[GapStatistics]) -> Vec<Claim> {
         let sets = found.iter().filter(|one| one.printed == printed);
         judged(id, &sets.map(pick).collect::<Vec<_>>())
     };
+    let (staged, printed) = (false, true);
     vec![
-        one("search/two-printed", true, |one| &one.two),
-        one("search/four-printed", true, |one| &one.four),
-        one("search/two-staged", false, |one| &one.two),
-        one("search/four-staged", false, |one| &one.four),
+        one("search/two-printed", printed, |one| &one.two),
+        one("search/four-printed", printed, |one| &one.four),
+        one("search/two-staged", staged, |one| &one.two),
+        one("search/four-staged", staged, |one| &one.four),
     ]
 }
 

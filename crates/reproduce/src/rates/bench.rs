@@ -103,7 +103,7 @@ impl Bench {
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
 
-        // That of exact tiling has the side that the method chooses, and is among the kept ones for no caller yet.
+        // The pattern of exact tiling has the side that the method chooses, and is among the kept ones for no caller yet.
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
         let (history, history_seconds) = timed(tables);
@@ -208,7 +208,8 @@ impl Bench {
 
             // Beyond the timed window, the verdict needs the samples around it.
             let cut = plane.widened(&window, &mut control.observer())?;
-            let asked = (Region::new(cut.size, false), plane.domain().radius());
+            let is_periodic = false;
+            let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
             let options = VerifyOptions::default();
             let control = control.analysis();
             let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;

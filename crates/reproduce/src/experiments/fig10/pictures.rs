@@ -28,6 +28,9 @@ const NOTHING: f64 = 1e-9;
 const OFF_AXIS: f64 = 0.02;
 /// Side of the tile of a zone plate or a horizon.
 const LARGE: f64 = 512.0;
+/// Which of the shades of a plate are those of its image, and which those of its error.
+const IMAGE: usize = 0;
+const ERROR: usize = 1;
 
 /// Returns the pictures; `corners` are about a thousand samples of each sampler.
 pub fn pictures(
@@ -42,15 +45,16 @@ pub fn pictures(
 
     let exact = plate.exact();
     let sharp = json!({ "side": plate.side, "edge": EDGE });
-    let plates = plate_tiles(all, 0, "fig10/errors")?;
+    let plates = plate_tiles(all, IMAGE, "fig10/errors")?;
     let wrong = json!({ "error": ERROR_SHOWN });
-    let errors = plate_tiles(all, 1, "fig10/parts")?;
+    let errors = plate_tiles(all, ERROR, "fig10/parts")?;
     let nyquist = json!({ "nyquist": NYQUIST });
 
+    let lower = true;
     Ok(vec![
         comparison(all, corners)?,
-        sheet("fig10/zone-plate", &sharp, (&exact, true), plates)?,
-        sheet("fig10/zone-plate-error", &wrong, (&exact, true), errors)?,
+        sheet("fig10/zone-plate", &sharp, (&exact, lower), plates)?,
+        sheet("fig10/zone-plate-error", &wrong, (&exact, lower), errors)?,
         horizons(all, horizon::amounts(settings).0)?,
         picture("fig10/curves", &nyquist, curves::panels(all))?,
     ])
@@ -81,7 +85,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         samples.push(tile(Some(TILE), one.sampler.name(), note, dots));
         spectra.push(spectrum(&one.spectrum, reach)?);
 
-        let plate = plate_content(one, 0, TILE)?;
+        let plate = plate_content(one, IMAGE, TILE)?;
         plates.push(tile(Some(TILE), "", plate_note(one, "fig10/errors"), plate));
         let (note, board) = horizon_content(one, TILE)?;
         boards.push(tile(Some(TILE), "", note, board));
@@ -126,8 +130,9 @@ fn plate_note(one: &SamplerResults, id: &str) -> String {
 /// The image of the first set, or its error.
 fn plate_content(one: &SamplerResults, which: usize, side: f64) -> Result<TileContent> {
     let images = one.plates.first().and_then(|plate| plate.shades.as_ref());
+    let lower = true;
     images.map_or(Ok(TileContent::Empty), |images| {
-        shades(&images[which], side, true)
+        shades(&images[which], side, lower)
     })
 }
 
@@ -139,7 +144,8 @@ fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileConte
         return Ok((String::new(), TileContent::Empty));
     };
     let note = format!("RMSE {}", number(rmse, 3));
-    Ok((note, shades(image, side, false)?))
+    let lower = false;
+    Ok((note, shades(image, side, lower)?))
 }
 
 /// A spectrum, low powers white; it says so if it does not reach as far as the axis.
@@ -158,7 +164,8 @@ fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
         .collect();
-    Ok(tile(Some(TILE), "", note, shades(&image, TILE, true)?))
+    let lower = true;
+    Ok(tile(Some(TILE), "", note, shades(&image, TILE, lower)?))
 }
 
 /// Returns the picture of large tiles, two in a row, the exact image first.
@@ -202,7 +209,8 @@ fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {
         tiles.push(tile(Some(LARGE), one.sampler.name(), note, content));
     }
     let values = json!({ "side": horizon.side, "shown": SHOWN });
-    sheet("fig10/horizon", &values, (&horizon.exact(), false), tiles)
+    let lower = false;
+    sheet("fig10/horizon", &values, (&horizon.exact(), lower), tiles)
 }
 
 #[cfg(test)]

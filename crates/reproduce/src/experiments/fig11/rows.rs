@@ -29,17 +29,19 @@ impl LeafTimes {
     /// Returns the median share of elimination and first insertion together, and the largest one of any other
     /// procedure.
     pub fn shares(&self) -> [f64; 2] {
-        let others = self.medians(false).into_iter();
+        let is_first = false;
+        let others = self.medians(is_first).into_iter();
         [self.first_shares().iter().sum(), others.fold(0.0, f64::max)]
     }
 
     /// Returns the median shares of elimination and of the first insertion, or of the loop that does both.
     pub fn first_shares(&self) -> Vec<f64> {
-        self.medians(true)
+        let is_first = true;
+        self.medians(is_first)
     }
 
-    fn medians(&self, first: bool) -> Vec<f64> {
-        let each = (self.procedures.iter()).filter(|(of, _, _)| of.is_first() == first);
+    fn medians(&self, is_first: bool) -> Vec<f64> {
+        let each = (self.procedures.iter()).filter(|(of, _, _)| of.is_first() == is_first);
         each.map(|(_, _, share)| share.quartiles[1]).collect()
     }
 }
@@ -48,13 +50,13 @@ impl LeafTimes {
 /// time there.
 pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
     let leaves = rounds.first().map_or(0, |first| first.timed.len());
-    let of = |index: usize| {
+    let times_of = |index: usize| {
         rounds
             .iter()
             .filter_map(move |round| round.timed.get(index))
     };
     (0..leaves)
-        .filter_map(|index| row(&of(index).collect::<Vec<_>>()))
+        .filter_map(|index| row(&times_of(index).collect::<Vec<_>>()))
         .collect()
 }
 
@@ -64,7 +66,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let each = times.iter().flat_map(|one| &one.seconds).map(|(of, _)| *of);
     let procedures: BTreeSet<Procedure> = each.collect();
 
-    let of = |procedure: Procedure| {
+    let shares_of = |procedure: Procedure| {
         let seconds = |one: &StageTimes| {
             let found = one.seconds.iter().find(|(of, _)| *of == procedure);
             // A round without an iteration spent no time on it.
@@ -79,7 +81,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     Some(LeafTimes {
         leaf: first.leaf,
         printed: first.printed,
-        procedures: procedures.into_iter().filter_map(of).collect(),
+        procedures: procedures.into_iter().filter_map(shares_of).collect(),
         whole: Summary::of(times.iter().map(|one| whole(one)))?,
         // The algorithm as printed has no parallel time.
         parallel: Summary::of(times.iter().filter_map(|one| one.parallel)),

@@ -63,7 +63,7 @@ pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
             left: (square - chance.powi(2)).max(0.0).sqrt(),
             excess: one.excess - 0.5 * (a.excess + b.excess),
             apart: (a.excess - b.excess).abs(),
-            // Of a difference from the mean of two.
+            // That of a difference from the mean of both groups.
             reach: one
                 .excess_reach
                 .hypot(0.5 * a.excess_reach.hypot(b.excess_reach)),

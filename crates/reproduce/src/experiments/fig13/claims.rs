@@ -89,7 +89,7 @@ fn rates(rows: &[EngineRate]) -> [Claim; 2] {
 /// Returns each engine's ratios by leaf.
 fn by_name(rows: &[&EngineRate]) -> String {
     let names = distinct(rows.iter().map(|row| row.engine.name()));
-    let of = |name: &String| {
+    let ratios_of = |name: &String| {
         let rows = rows.iter().filter(|row| row.engine.name() == *name);
         let ratios = rows.map(|row| {
             let leaf = row.leaf.unwrap_or_default();
@@ -97,7 +97,7 @@ fn by_name(rows: &[&EngineRate]) -> String {
         });
         format!("{name} {}", ratios.collect::<Vec<_>>().join(", "))
     };
-    names.iter().map(of).collect::<Vec<_>>().join("; ")
+    names.iter().map(ratios_of).collect::<Vec<_>>().join("; ")
 }
 
 fn similar(each: &[Against]) -> Claim {

@@ -123,7 +123,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         count: [counts.mean, counts.deviation],
         min_distance: least / group.radius,
         covering_radius: largest(reports.iter().map(|one| one.covering_radius)) / group.radius,
-        // It is 0 where no frequency has little power, so that there is none to tell.
+        // A frequency of 0 says that none has little power: then there is none to tell.
         nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
         oscillation: smooth.oscillation(),
         excess: spectrum.profile.anisotropy_excess_db(),

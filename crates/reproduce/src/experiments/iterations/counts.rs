@@ -59,7 +59,7 @@ fn of(found: &[IterationCounts], case: InsertionCase) -> Vec<&IterationCounts> {
     found.iter().filter(|one| one.case == case).collect()
 }
 
-fn most(found: &[IterationCounts]) -> usize {
+fn most_iterations(found: &[IterationCounts]) -> usize {
     let iterations = found.iter().map(IterationCounts::iterations);
     iterations.max().unwrap_or(0)
 }
@@ -75,7 +75,8 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
         let samples = total(&|set| set.count) as f64;
         let inserted = total(&|set| set.inserted.iter().sum()) as f64;
         // All cases have the columns of the one with the most iterations.
-        let in_each = (0..most(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
+        let in_each =
+            (0..most_iterations(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
         let iterations = || sets.iter().map(|one| one.iterations());
 
         json!({
@@ -89,7 +90,8 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
 
 pub fn by_set(found: &[IterationCounts]) -> Table {
     table("iterations/sets", found, |one| {
-        let inserted = (0..most(found).max(COLUMNS)).map(|k| (k + 1, inserted_in(&one.summary, k)));
+        let columns = most_iterations(found).max(COLUMNS);
+        let inserted = (0..columns).map(|k| (k + 1, inserted_in(&one.summary, k)));
         json!({
             "order": one.case.order(), "leaf_r": one.case.leaf, "seed": one.seed,
             "samples": one.summary.count, "tiled": one.summary.tiled,
@@ -112,9 +114,9 @@ fn groups(cases: &[InsertionCase], bars: impl Fn(InsertionCase) -> Vec<Bar>) -> 
     cases.iter().enumerate().map(group).collect()
 }
 
-/// Returns bars of the samples by iteration.
+/// Returns a picture of how many samples each iteration inserts: means of the sets, with their extremes.
 pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Picture> {
-    let most = most(found);
+    let iterations = most_iterations(found);
     let bar = |case: InsertionCase, k: usize| {
         let sets = of(found, case);
         let counts: Vec<f64> = sets
@@ -131,11 +133,14 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
             value: mean,
             whisker: Some(whisker),
             text: format!("{} ({least} to {most})", drawn_mean(mean)),
+            // `groups` sets it.
             color: 0,
         }
     };
 
-    let groups = groups(cases, |case| (0..most).map(|k| bar(case, k)).collect());
+    let groups = groups(cases, |case| {
+        (0..iterations).map(|k| bar(case, k)).collect()
+    });
     let largest = found.iter().map(|one| one.summary.count).max().unwrap_or(0);
     let values = json!({ "sets": found.len(), "largest": largest });
     bar_picture("iterations/iterations", &values, groups)
@@ -165,12 +170,13 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
             value: sets as f64,
             whisker: None,
             text: format!("{sets} of {} sets", all.len()),
+            // `groups` sets it.
             color: 0,
         }
     };
 
     // One range for all cases, so that their bars can be compared.
-    let range = least.unwrap_or(0)..=most(found);
+    let range = least.unwrap_or(0)..=most_iterations(found);
     let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     bar_picture("iterations/needed", &json!({}), groups)
 }

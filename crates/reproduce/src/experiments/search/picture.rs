@@ -63,7 +63,8 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     };
     let mut scene = set_scene(&picture, &options);
 
-    let region = Region::new(size, false);
+    let is_periodic = false;
+    let region = Region::new(size, is_periodic);
     let parts = Tessellation::of(&points, region, radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
     // Positions of a picture point down; its middle stays where it is.

@@ -121,11 +121,11 @@ impl SamplerUniformity {
     fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
         // Cells and ranks have equal shares, and distances those of the area.
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
-        let own = |seed: &SeedCounts| seed.sets[way].clone();
+        let counts_of = |seed: &SeedCounts| seed.sets[way].clone();
 
         let test = |counts: &dyn Fn(SetCounts) -> Vec<u64>,
                     shares: &dyn Fn(&SeedCounts) -> Vec<f64>| {
-            uniformity(seeds, &|seed| counts(own(seed)), shares)
+            uniformity(seeds, &|seed| counts(counts_of(seed)), shares)
         };
 
         // Only runs whose gaps were looked at have ranks.
