@@ -54,7 +54,7 @@ fn examples() -> String {
         let keys: Vec<&str> = numbers.map(|number| number.key).collect();
         keys.join(", ")
     };
-    let [quick, of_spectrum] = [keys(false), keys(true)];
+    let [quick, of_spectrum] = [false, true].map(keys);
     format!(
         "\
 Each row is a moment: how many events have happened, the stage, and the numbers of the samples that are
@@ -137,12 +137,13 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);
     }
 
-    // Before the radius of a count is searched for, and before memory is asked for.
+    // Checked before the radius of a count is searched for, and before memory is asked for.
     Course::check(&recipe.parameters)?;
     match arguments.method {
         SamplingMethod::Kdrt => {
             // The course keeps all samples in memory, which limits how many there may be.
-            let run = arguments.run.settle(recipe, true, &mut watch)?;
+            let in_memory = true;
+            let run = arguments.run.settle(recipe, in_memory, &mut watch)?;
             ask_for_whole(Making::Sequential, &run.parameters)?;
             Ok(Course::of_run(&run, &mut watch)?)
         }

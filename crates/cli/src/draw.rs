@@ -215,7 +215,7 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
     let mut value = serde_json::to_value(&certificate.parameters).ok()?;
     match certificate.method.as_str() {
         "kdrt" => {}
-        // It states only what it uses, and blocks do not depend on the rest.
+        // Exact tiling states only what it uses, and blocks do not depend on the rest.
         "exact" => {
             let defaults = serde_json::to_value(Parameters::default()).ok()?;
             for parameter in NOT_OF_EXACT {

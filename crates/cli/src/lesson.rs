@@ -249,6 +249,7 @@ impl Source {
         let mut paths: Vec<PathBuf> = entries.filter(is_translation).collect();
         // Systems list a folder in any order; the report is to have one order.
         paths.sort();
+
         let translation = |path: &PathBuf| Ok((named(path), Translation::read(&read(path)?)));
         Ok(Self {
             name: named(file),
@@ -410,6 +411,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
         found.misconceived,
         if is_fine { "" } else { "; NOT FINE" },
     );
+
     let object = json!({
         "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults, "warnings": warnings,
         "perfect": found.perfect, "guessing": found.guessing, "misconceived": found.misconceived,

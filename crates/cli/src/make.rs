@@ -92,10 +92,11 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     // The memory is asked for before the work, as a failed allocation would end the program without a reason.
     ask_for_whole(making, &run.parameters)?;
 
+    let sources = true;
     let (made, backend) = if is_sequential {
-        (run.sequential(true, &mut watch)?, backend.clone())
+        (run.sequential(sources, &mut watch)?, backend.clone())
     } else {
-        let bands = bands(run, backend, true)?;
+        let bands = bands(run, backend, sources)?;
         let finished = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
         // The engine that was asked for may have given way to another one.
         let (sampled, summary, backend) = finished;

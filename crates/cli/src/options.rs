@@ -199,7 +199,7 @@ impl SetArguments {
         if let Ok(reader) = StreamReader::open(path, self.format) {
             return Ok(reader.certificate().cloned());
         }
-        // It is that of the file, whichever of its sets is chosen.
+        // A certificate is that of the file, whichever of its sets is chosen.
         let set = self.set.or(Some(0));
         Ok(self
             .read_as(path, set, CertificateUse::AsStated)?
@@ -218,12 +218,14 @@ impl SetArguments {
     /// Reads one set of the file, with the given format and columns. Fails if its certificate is false, unless that is left
     /// out.
     pub fn read(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
-        self.read_hinted(path, set, self.checked(), false)
+        let varying = false;
+        self.read_hinted(path, set, self.checked(), varying)
     }
 
     /// The same as [`Self::read`], also of sets whose radius varies or that cover a shape.
     pub fn read_varying(&self, path: &Path) -> Result<ReadSet> {
-        self.read_hinted(path, self.set, self.checked(), true)
+        let varying = true;
+        self.read_hinted(path, self.set, self.checked(), varying)
     }
 
     fn checked(&self) -> CertificateUse {
@@ -241,7 +243,8 @@ impl SetArguments {
         set: Option<usize>,
         certificate: CertificateUse,
     ) -> Result<ReadSet> {
-        self.read_hinted(path, set, certificate, false)
+        let varying = false;
+        self.read_hinted(path, set, certificate, varying)
     }
 
     fn read_hinted(

@@ -279,7 +279,8 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         Sequential::new(parameters, std::sync::Arc::clone(&pattern))?.finish(&mut Unobserved)?;
 
     let points = run.points();
-    let (swept, summary) = Sweep::new(parameters, &pattern, false)?.finish(&mut Unobserved)?;
+    let sources = false;
+    let (swept, summary) = Sweep::new(parameters, &pattern, sources)?.finish(&mut Unobserved)?;
     let engines_agree = swept.points == points && summary == run.summary();
     // Rounds run side by side, so that the memory of the run is given back before windows are made.
     drop(run);

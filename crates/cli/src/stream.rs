@@ -41,6 +41,7 @@ pub fn pass(
     let state = resumed
         .map(|path| state_of(path, &facts, arguments.no_verify))
         .transpose()?;
+
     // The interrupted process may have written all samples, and only its last renames may be left to do.
     if let Some(path) = resumed
         && let Some(count) = finish_interrupted(path)?

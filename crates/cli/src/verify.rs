@@ -129,7 +129,7 @@ fn checked(arguments: &VerifyArguments) -> Result<Check> {
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     let mut checked = check_or_unit_square(&overrides, check);
 
-    // Only then is the certificate read a second time, as few sets have such parts.
+    // Only for a field or a shape, which few sets have, is the certificate read a second time.
     if let Err(CheckError::NoField) = checked {
         let stated = set.certificate(file)?;
         overrides.varying = ground.judged(file, set, stated.as_ref())?;

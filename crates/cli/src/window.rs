@@ -35,7 +35,8 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
                 arguments.engine.makes_windows(arguments.run.asked.variant),
                 "--window needs the parallel engine: the others, also the GPU's, make whole sets"
             );
-            let run = arguments.run.settle(recipe, false, &mut watch)?;
+            let in_memory = false;
+            let run = arguments.run.settle(recipe, in_memory, &mut watch)?;
             let plane = Plane::new(&run.parameters, &run.pattern)?;
             show(arguments, corners, &plane, &run.facts)
         }
@@ -83,6 +84,7 @@ fn show(
         );
     }
     check_size(&window)?;
+
     // The time is that of the points alone, without their verdict.
     let began = Instant::now();
     let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
@@ -108,6 +110,7 @@ fn show(
         "valid": report.valid(),
         "file": file,
     });
+
     let mut text = text([left, bottom, right, top], &domain, count, seconds, &report);
     if let (Some(path), Some(file)) = (&arguments.out, &file) {
         ensure!(
@@ -166,7 +169,8 @@ fn text(
 /// Judges a window of a plane by the samples in it and around it.
 fn judge(plane: &impl WindowMaker, window: &Window) -> Result<CutReport> {
     let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
-    let asked = (Region::new(cut.size, false), plane.domain().radius());
+    let is_periodic = false;
+    let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
     let options = VerifyOptions::default();
     verifying(|control| verify_cut(&cut.positions, asked, cut.window, &options, control))
         .context(NO_VERDICT)

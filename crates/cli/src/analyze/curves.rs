@@ -57,7 +57,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
 /// Returns the figures of a page: curves, differences, and all periodograms.
 pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let subjects = &analysis.subjects;
-    // One figure then has all periodograms.
+    // Of two subjects one figure has all periodograms.
     if subjects.len() <= 2 {
         return vec![figure(analysis).0];
     }
@@ -96,7 +96,7 @@ fn periodogram(subject: &Subject) -> Panel {
 /// Returns the row of spectra, and the pair correlation.
 fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let subjects = &analysis.subjects;
-    let all = |curve: usize| {
+    let series_of_curve = |curve: usize| {
         let each = subjects.iter().enumerate();
         series(each.map(|(index, subject)| {
             // The reference comes first, with a look of its own, and the others count from 0.
@@ -107,7 +107,7 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     };
     let levels = levels_of_anisotropy(subjects);
     let axis = anisotropy_axis(subjects, &levels);
-    let [power, anisotropy, pairs] = [0, 1, 2].map(all);
+    let [power, anisotropy, pairs] = [0, 1, 2].map(series_of_curve);
     let power = spectra::radial_mean(FREQUENCY, cut("power P(\u{3bd})", &power), power);
     let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropy, levels);
     let (name, axis) = ("white noise".to_owned(), cut("g(r)", &pairs));

@@ -81,7 +81,7 @@ impl Analysis {
         }
 
         analysis.note_shared(arguments);
-        analysis.name();
+        analysis.assign_names();
         analysis.note_domains();
         analysis.note_two_sets();
         if arguments.frequencies.is_none() {
@@ -138,7 +138,8 @@ impl Analysis {
                 }
             }
         }
-        Ok(population.finish(true)?)
+        let is_average = true;
+        Ok(population.finish(is_average)?)
     }
 
     fn fail(&mut self, source: Source<'_>, error: anyhow::Error) -> Result<()> {
@@ -220,8 +221,9 @@ impl Analysis {
         }
     }
 
-    /// Gives every subject unique names; only the reference may share the name of a file.
-    fn name(&mut self) {
+    /// Gives every subject names that no other has. The reference may be one of the compared files: then its name says that
+    /// it is the reference.
+    fn assign_names(&mut self) {
         // The names of two averages differ by their files.
         let is_average = |subject: &&mut Subject| subject.average;
         if self.subjects.iter_mut().filter(is_average).count() > 1 {
@@ -246,8 +248,10 @@ impl Analysis {
             }
         }
 
-        let numbered = |all: &[String]| names::numbered(&all[reference.len()..]);
-        let unique = numbered(&names).into_iter().zip(numbered(&labels));
+        let numbered_others = |all: &[String]| names::numbered(&all[reference.len()..]);
+        let unique = numbered_others(&names)
+            .into_iter()
+            .zip(numbered_others(&labels));
         for (subject, (name, label)) in others.iter_mut().zip(unique) {
             subject.name = name;
             subject.title.clone_from(&label);

@@ -141,14 +141,14 @@ fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
 }
 
 fn mean_json(measure: &Measure) -> (&str, Value) {
-    let of = |value: fn(&Spread) -> f64| measure.spread.as_ref().map(value);
+    let spread_of = |value: fn(&Spread) -> f64| measure.spread.as_ref().map(value);
     let mean = json!({
         "mean": measure.value,
-        "standard_error": of(|spread| spread.standard_error),
-        "lower": of(|spread| spread.band[0]),
-        "upper": of(|spread| spread.band[1]),
-        "least": of(|spread| spread.least),
-        "most": of(|spread| spread.most),
+        "standard_error": spread_of(|spread| spread.standard_error),
+        "lower": spread_of(|spread| spread.band[0]),
+        "upper": spread_of(|spread| spread.band[1]),
+        "least": spread_of(|spread| spread.least),
+        "most": spread_of(|spread| spread.most),
     });
     (measure.key.as_str(), mean)
 }

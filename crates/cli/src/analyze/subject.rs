@@ -36,7 +36,8 @@ impl Subject {
     pub fn one(set: Measurement) -> Result<Option<Self>, MeasureError> {
         let mut alone = Population::default();
         alone.add(set)?;
-        alone.finish(false)
+        let average = false;
+        alone.finish(average)
     }
 
     /// Number of sets behind it.

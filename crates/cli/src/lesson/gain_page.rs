@@ -71,6 +71,8 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
             Some([low, high]) => format!("gain {} ({low:.2} to {high:.2})", gain.shown()),
             None => format!("gain {}", gain.shown()),
         };
+        // Places in the list of colours of bars.
+        let (color_before, color_after) = (1, 0);
         let bar = |name: &str, value: f64, text: String, color: usize| Bar {
             name: name.to_owned(),
             value: 100.0 * value,
@@ -86,13 +88,13 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
                     "before",
                     gain.before,
                     format!("{:.0}%", 100.0 * gain.before),
-                    1,
+                    color_before,
                 ),
                 bar(
                     "after",
                     gain.after,
                     format!("{:.0}%, {text}", 100.0 * gain.after),
-                    0,
+                    color_after,
                 ),
             ],
         }
