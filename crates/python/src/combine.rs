@@ -88,7 +88,8 @@ fn set_of(
         let path = folder.join(path);
         ask_to_read(&path)?;
         let control = watch.control("verify");
-        let read = of_file(&path, &Overrides::default(), true, &control)?.in_domain(None);
+        let certificate = true;
+        let read = of_file(&path, &Overrides::default(), certificate, &control)?.in_domain(None);
         let stated = read.certificate.as_ref().map(Into::into);
         let known = beside.over(stated).ok_or_else(missing)?;
         let set = known.set(&read.set.points).map_err(Failure::from);

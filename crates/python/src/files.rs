@@ -58,6 +58,7 @@ pub fn read<'py>(
         ask_to_read(&path)?;
         of_file(&path, &overrides, certificate, &watch.control("verify"))
     })?;
+
     let stated = found.certificate.as_ref();
     let region = given.region_over(stated.map(|stated| stated.region))?;
     let radius = given.radius.or(stated.map(|stated| stated.radius.least()));
@@ -139,7 +140,7 @@ fn certified(
         )));
     }
 
-    // One that is given is the stated one: another would be a difference.
+    // An origin that is given is the stated one: another would be a difference.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     Ok(Some(FoundSet {
         set,

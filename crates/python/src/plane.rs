@@ -115,7 +115,7 @@ impl PythonPlane {
         let window = self.rectangle(rectangle)?;
         run(py, progress, |watch| {
             ask_to_judge(expected(&window) as usize)?;
-            let mut found = (0, 0);
+            let (mut conflicts, mut gaps) = (0, 0);
             // Each level is a set with a radius of its own.
             for level in self.levels() {
                 let mut observer = watch.observer();
@@ -131,16 +131,17 @@ impl PythonPlane {
                     ),
                 };
 
-                let asked = (Region::new(cut.size, false), radius);
+                let is_periodic = false;
+                let asked = (Region::new(cut.size, is_periodic), radius);
                 let options = VerifyOptions::default();
                 let control = watch.control("verify");
                 let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
 
-                found.0 += report.whole.conflicts;
-                found.1 += report.gaps;
+                conflicts += report.whole.conflicts;
+                gaps += report.gaps;
             }
 
-            Ok(found)
+            Ok((conflicts, gaps))
         })
     }
 }
