@@ -318,9 +318,12 @@ async fn between(
 
     let sides = before.into_iter().zip(after);
     for ((name, access, bytes), (before, after)) in buffers.into_iter().zip(sides) {
-        let table = BufferTable::new(name, access, bytes, &before.0, &after.0);
+        let ((rows_before, places_before), (rows_after, places_after)) = (before, after);
+        let table = BufferTable::new(name, access, bytes, &rows_before, &rows_after);
         visit.buffers.push(table);
-        visit.placed.push(PlacedRows::new(before.1, after.1));
+        visit
+            .placed
+            .push(PlacedRows::new(places_before, places_after));
     }
 
     Ok(visit)
