@@ -60,7 +60,7 @@ impl ThinnedRadii<'_> {
     }
 }
 
-/// What was found of a thinned set.
+/// The findings of the judge of a thinned set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ThinnedReport {
     /// How many points there were.
@@ -84,7 +84,7 @@ impl ThinnedReport {
         self.conflicts == 0 && self.uncovered == 0
     }
 
-    /// Takes what was found in another part, of which `witnesses` are named.
+    /// Adds the findings in another part, of which `witnesses` are named.
     fn add(&mut self, other: Self, witnesses: usize) {
         self.conflicts += other.conflicts;
         self.uncovered += other.uncovered;
@@ -149,7 +149,7 @@ pub fn verify_thinned(
     })
 }
 
-/// Refuses what cannot be judged.
+/// Refuses sets that cannot be judged.
 fn check(set: &ThinnedSet<'_>) -> Result<(), VerifyError> {
     let count = set.given.len();
     assert_eq!(set.kept.len(), count, "one flag for each point");

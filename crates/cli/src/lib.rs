@@ -387,7 +387,7 @@ mod tests {
             (opened.open, opened.command.is_none()),
             (Some(file.clone()), true)
         );
-        // Commands stay commands, and what is misspelt or missing is named.
+        // Commands stay commands: a misspelt or missing one is named.
         assert!(of(&["verify", name]).expect("arguments").command.is_some());
         assert!(of(&[name, "--link", "#v=1"]).is_err());
         let missing = of(&["lecture-2.json"]).expect_err("no such file");

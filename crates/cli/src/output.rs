@@ -269,7 +269,7 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
         let _ = writeln!(out, "  {name:<12} {:>9.1} ms   {did}", time * 1e3);
     }
     if rest > 0.0 {
-        // What was inserted at once is in the row of elimination.
+        // Insertions at once are in the row of elimination.
         let inserted = |s: &Summary| s.inserted.iter().skip(at_once.into()).sum::<usize>();
         let did = (summary.map(|summary| format!("   {} inserted", inserted(summary))))
             .unwrap_or_default();

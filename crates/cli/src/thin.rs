@@ -132,7 +132,7 @@ fn make(arguments: &ThinArguments) -> Result<Outcome> {
     ask(bytes.len() as u64).in_file(&arguments.input)?;
     let name = file_name(&arguments.input);
     let file = PointFile::new(&bytes, arguments.hint(&name)).in_file(&arguments.input)?;
-    // Whoever states a domain knows in which units it is.
+    // A stated domain says in which units it is.
     if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
         return Err(ThinFileError::Degrees).in_file(&arguments.input);
     }
@@ -175,7 +175,7 @@ fn write(
     path: &Path,
 ) -> Result<Written> {
     let (name, mut rows) = (file_name(path), KeptRows::default());
-    // Only what is read back from the new bytes is certified.
+    // Only points that are read back from the new bytes are certified.
     let chosen = file.keep(kept, &mut rows, &name).in_file(path)?;
     let certificate = thinning.certificate(file.points(), &chosen, report);
     let certificate_path = write_certified(path, chosen.bytes, &certificate).in_file(path)?;
@@ -236,7 +236,7 @@ impl ThinArguments {
     }
 
     fn priority(&self) -> Result<ThinningPriority> {
-        // Clap takes one word or two, and knows nothing of what they say.
+        // Clap takes one word or two, and does not read them.
         let words: Vec<&str> = self.priority.iter().map(String::as_str).collect();
         let priority = match words[..] {
             ["order"] => ThinningPriority::Order,
@@ -325,7 +325,7 @@ struct Written {
     left_out: Vec<String>,
 }
 
-/// What came of it.
+/// The set that was kept, and how it was judged.
 struct Outcome {
     thinning: Thinning,
     report: ThinnedReport,

@@ -71,7 +71,7 @@ fn refuse_others(set: &SetArguments) -> Result<()> {
     }
 }
 
-/// What was found.
+/// The findings of the judge, as text or as data.
 struct Verdict {
     report: ThinnedReport,
     differences: Vec<CertificateDifference>,
@@ -197,7 +197,7 @@ impl Verdict {
             "passed": self.passed(),
         });
         output::add(&mut object, report_json(&self.report));
-        // Without the source nobody has looked.
+        // Without the source this was not judged.
         if !self.has_source {
             object["uncovered"] = json!(null);
         }

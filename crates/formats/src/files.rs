@@ -164,7 +164,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     temporary.put(None)
 }
 
-/// Like [`write_whole`], with a certificate beside the file, whose path is returned. What was written is read back and compared.
+/// Like [`write_whole`], with a certificate beside the file, whose path is returned. The written file is read back and compared.
 ///
 /// # Errors
 ///

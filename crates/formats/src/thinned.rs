@@ -17,7 +17,7 @@ pub struct ThinnedFacts<'a> {
     pub name: &'a str,
     /// The bytes of the file.
     pub data: &'a [u8],
-    /// What was read from these bytes, as [`decode`](crate::decode) returns it.
+    /// The set that was read from these bytes, as [`decode`](crate::decode) returns it.
     pub read: &'a ReadSet,
     /// A rectangle around all points given.
     pub region: Region,
@@ -40,7 +40,7 @@ impl ThinnedFacts<'_> {
         let (report, read) = (self.report, self.read);
         let count = read.set.len() as u64;
 
-        // What is measured of maximal sets alone stays null: it would say something of places without points.
+        // Measures of maximal sets alone stay null: they would say something of places without points.
         let stated = Certificate {
             format_version: 1,
             program: "tilescope".to_owned(),
@@ -110,7 +110,7 @@ impl Certificate {
 }
 
 /// Returns which of the points given are those of a thinned file; of copies of a point, the one of the least rank. The error is
-/// the index of the first point of the file that is none of them, or that stands there a second time.
+/// the index of the first point of the file that is not one of them, or that stands there a second time.
 ///
 /// # Errors
 ///
@@ -162,7 +162,7 @@ mod tests {
         let zeros = [false, false, false, true, true];
         assert_eq!(kept(&given[3..], None), Ok(zeros.to_vec()));
 
-        // One that is none of them, and one twice.
+        // One that is not one of them, and one twice.
         assert_eq!(kept(&[[3.0, 4.0], [3.0, 5.0]], None), Err(1));
         assert_eq!(kept(&[[3.0, 4.0], [1.0, 2.0], [3.0, 4.0]], None), Err(2));
     }

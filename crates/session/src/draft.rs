@@ -504,7 +504,7 @@ mod tests {
             let expected = draft.expected_samples().unwrap();
             assert!((expected / count - 1.0).abs() < 0.05, "{text}: {expected}");
         }
-        // What cannot be had leaves the radius as it is.
+        // A count that no radius gives leaves the radius as it is.
         let radius = draft.parameters.radius;
         for text in ["", "many", "0", "-5", "1e-6", "99999999999999999"] {
             draft.set_count(text.to_owned());

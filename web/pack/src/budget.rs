@@ -47,7 +47,7 @@ impl Table {
         Self { rows, first_page }
     }
 
-    /// Returns the total sizes of what is needed to start, without the first page.
+    /// Returns the total sizes of the files that the start needs, without the first page.
     pub fn to_start(&self) -> [usize; 3] {
         let mut sum = [0; 3];
         for row in self.rows.iter().filter(|row| row.to_start) {

@@ -394,7 +394,7 @@ fn lesson_page(
     let up = words.up;
     let path = |words: &Words| format!("lesson/{}/{}", entry.name, words.folder);
 
-    // First what is the same in every lesson.
+    // First the parts that every lesson shares.
     let mut values: Vec<(&str, String)> = Vec::new();
     for (name, word) in words.marks {
         values.push((name, escape(word)));
@@ -415,7 +415,7 @@ fn lesson_page(
         _ => &GERMAN,
     };
 
-    // Then what is the lesson's own. Texts are escaped where they are made, as some of them are HTML already.
+    // Then the lesson's own parts. Texts are escaped where they are made, as some of them are HTML already.
     values.extend([
         ("language", words.tag.to_owned()),
         ("title", title),
@@ -533,7 +533,7 @@ fn snippets(entry: &Entry, words: &Words, address: &str) -> String {
 
     let mut html = String::new();
     for StepSheet { name, title, .. } in asked {
-        // HTML to be pasted: what is escaped here is so in the page of somebody else, and once more in this one.
+        // HTML to be pasted: it is escaped for the page that it is pasted into, and once more for this one.
         let frame = format!(
             "<iframe src=\"{address}?embed=player&amp;origin=https://course.example#lesson={}&amp;step={name}{}\"\n  \
              title=\"Tilescope: {}\" width=\"100%\" height=\"640\" loading=\"lazy\" allow=\"fullscreen\"></iframe>",

@@ -55,7 +55,7 @@ mod tests {
             ("/a-1.js", "a-1.js"),
             ("/example/a%20b.js", "example/a b.js"),
             ("/%C3%A4.js", "\u{e4}.js"),
-            // Decoded once: what is left is a strange but plain name.
+            // Decoded once: the rest is a strange but plain name.
             ("/%252e%252e", "%2e%2e"),
         ] {
             assert_eq!(file(&folder, path), None, "{path}");

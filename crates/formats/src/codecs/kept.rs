@@ -182,7 +182,7 @@ pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
 fn flatten(value: &mut Value, is_place: bool) {
     match value {
         Value::Array(list) if is_place => {
-            // What is no position is refused when it is read.
+            // A line without a position is refused when it is read.
             if list.len() == 3 && list.iter().all(Value::is_number) {
                 list.truncate(2);
             }

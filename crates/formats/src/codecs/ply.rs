@@ -296,7 +296,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     }))
 }
 
-/// Returns the file with only those of its vertices that are kept, to the byte, and what is left out: elements with numbers of
+/// Returns the file with only those of its vertices that are kept, to the byte, and names the parts left out: elements with numbers of
 /// vertices, which would be those of others.
 pub(super) fn keep(
     bytes: &[u8],

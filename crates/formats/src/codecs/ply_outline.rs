@@ -1,4 +1,4 @@
-//! All elements of a PLY file, with their lines in the header and their lists: what is needed to write the file again without
+//! All elements of a PLY file, with their lines in the header and their lists: all that writing the file again needs, without
 //! some of its rows. Reading points needs less, which [`super::ply_header`] has.
 
 use std::ops::Range;

@@ -399,7 +399,7 @@ impl TableRows {
             row.split(|&b| b == by).nth(column)
         };
 
-        // NaN is a number to Rust, and to nobody who sorts.
+        // NaN is a number to Rust, but has no place in an order.
         let field = field.unwrap_or_default().trim_ascii();
         let value = std::str::from_utf8(field)
             .ok()

@@ -96,7 +96,7 @@ impl Grid {
     }
 }
 
-/// The points of an octave, and what is decided of them.
+/// The points of an octave, and which of them are decided.
 #[derive(Debug)]
 pub(super) struct Layer {
     pub grid: Grid,
@@ -200,7 +200,7 @@ impl Layer {
             self.kept[(self.starts[cell] + count) as usize].store(head, Ordering::Relaxed);
             self.counts[cell].store(count + 1, Ordering::Release);
         }
-        // Last, so that who sees the new head also sees what was kept.
+        // Last, so that a thread that reads the new head also reads the kept points.
         self.heads[cell].store(head + 1, Ordering::Release);
     }
 

@@ -84,7 +84,7 @@ pub struct PointFile<'a> {
     pub bytes: &'a [u8],
     /// How they are read.
     pub hint: Hint<'a>,
-    /// What was read, in the coordinates of the file.
+    /// The points as read, in the coordinates of the file.
     pub read: ReadSet,
 }
 
@@ -205,7 +205,7 @@ pub struct Thinning {
 }
 
 impl ThinRecipe {
-    /// Returns what is needed of a certificate's thinned set, with the radius that is given for it.
+    /// Returns the parts of a certificate's thinned set that a judge needs, with the radius that is given for it.
     ///
     /// # Errors
     ///
@@ -233,7 +233,7 @@ impl ThinRecipe {
         file: &PointFile<'_>,
         with_ranks: bool,
     ) -> Result<Thinning, ThinFileError> {
-        // Around a domain that is not given, nothing is said of what lies beyond the points.
+        // Around a domain that is not given, places beyond the points are not judged.
         let points = file.points();
         let (region, origin) = match self.domain {
             Some(domain) => domain,
@@ -299,7 +299,7 @@ impl ThinRecipe {
 fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2]), ThinFileError> {
     let (origin, size) = bounds(points);
     let longer = size[0].max(size[1]);
-    // Of a field nobody knows the radius yet.
+    // A field has no radius before it is evaluated.
     let least = radius.unwrap_or(longer / 1024.0);
     let region = Region::new(size.map(|side| side.max(least)), false);
     if region.is_supported() {

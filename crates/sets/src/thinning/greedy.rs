@@ -223,14 +223,14 @@ impl Visitor<'_> {
         let place = layer.place(cell.number);
         let mut is_known = false;
         while let Some(open) = layer.head(cell.number) {
-            // Where radii differ, what is around depends on the point; else it is the same for all points of a cell.
+            // Where radii differ, the cells around depend on the point; else it is the same for all points of a cell.
             if !(is_known && self.choice.reach.is_some()) {
                 self.look_around(cell, place, layer.points[open as usize]);
                 is_known = true;
             }
 
             let earliest = match self.meets(layer, open) {
-                // That holds whatever else is open: what is kept near a point came before it.
+                // That holds whatever else is open: a kept point near another came before it.
                 Meeting::Kept => {
                     layer.decide(cell.number, false);
                     self.decided += 1;
@@ -282,7 +282,7 @@ impl Visitor<'_> {
         let mut earliest: Option<(u32, Cell)> = None;
         for &cell in &self.around {
             let layer_there = &choice.layers[cell.layer];
-            // The head before the kept points: what is kept meanwhile comes later than this head.
+            // The head before the kept points: points that are kept meanwhile come later than this head.
             if let Some(head) = layer_there.head(cell.number) {
                 let before = layer_there.ranks[head as usize];
                 if before < rank && earliest.is_none_or(|(least, _)| before < least) {

@@ -82,7 +82,7 @@ mod tests {
             assert!((found - exponent).abs() < 1e-9, "{exponent}: {found}");
         }
 
-        // What lies beyond the range counts for nothing, and what lies within counts.
+        // Frequencies beyond the range do not count.
         assert!((of_power(1.0, 3.0, MAX_NU).unwrap() - 1.0).abs() < 1e-9);
         assert!((of_power(1.0, 3.0, 0.8 * MAX_NU).unwrap() - 1.0).abs() > 0.1);
     }
