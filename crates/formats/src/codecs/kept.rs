@@ -182,7 +182,7 @@ pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
 fn flatten(value: &mut Value, is_place: bool) {
     match value {
         Value::Array(list) if is_place => {
-            // A line without a position is refused when it is read.
+            // Other lists are no positions, and are refused when they are read.
             if list.len() == 3 && list.iter().all(Value::is_number) {
                 list.truncate(2);
             }
