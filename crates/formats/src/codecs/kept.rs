@@ -181,14 +181,16 @@ pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
 /// Cuts positions to two numbers: those among coordinates or points, which `is_place` says of this value.
 fn flatten(value: &mut Value, is_place: bool) {
     match value {
-        Value::Array(list) if is_place => {
+        Value::Array(list) => {
             // Other lists are no positions, and are refused when they are read.
-            if list.len() == 3 && list.iter().all(Value::is_number) {
+            if is_place && list.len() == 3 && list.iter().all(Value::is_number) {
                 list.truncate(2);
             }
-            list.iter_mut().for_each(|inner| flatten(inner, true));
+            for inner in list {
+                flatten(inner, is_place);
+            }
         }
-        Value::Array(list) => list.iter_mut().for_each(|inner| flatten(inner, false)),
+
         Value::Object(members) => {
             for (name, member) in members {
                 // Lists of three numbers elsewhere, as in properties, stay.

@@ -138,12 +138,14 @@ fn mesh(encoding: &str) -> Vec<u8> {
     }
     for face in [[0, 1, 2], [2, 1, 0_i32]] {
         put(&[3]);
-        face.iter().for_each(|at| put(&at.to_le_bytes()));
+        for at in face {
+            put(&at.to_le_bytes());
+        }
     }
     put(&2_u16.to_le_bytes());
-    [0.5_f32, 0.25]
-        .iter()
-        .for_each(|value| put(&value.to_le_bytes()));
+    for value in [0.5_f32, 0.25] {
+        put(&value.to_le_bytes());
+    }
     put(&0_u16.to_le_bytes());
     file
 }
