@@ -21,6 +21,7 @@ mod darts;
 mod engine;
 mod ground;
 mod history;
+mod lists;
 mod pieces;
 mod plane;
 mod present;

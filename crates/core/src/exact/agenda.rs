@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::exact::darts::PlacedDart;
+use crate::exact::darts::{Arrival, PlacedDart};
 use crate::stages::darts::LAST_LEVEL;
 
 /// A question whose answer may differ from that in the pattern, to be decided when its dart arrives.
@@ -29,6 +29,8 @@ pub(crate) struct Agenda {
     /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
     deciding: Option<u32>,
+    /// The arrivals of what is known of it, in their order, each with its index in the level.
+    order: Vec<(Arrival, u32)>,
     /// How much of the level that is being decided is done.
     done: usize,
     /// The questions of that level that came up since it began.
@@ -59,8 +61,15 @@ impl Agenda {
     /// Begins a level, and returns how much arrives with it as far as that is known.
     pub(crate) fn begin(&mut self, level: u32) -> usize {
         // Nearly everything is known when a level begins: to sort it once costs less than a heap of all.
-        let known = &mut self.levels[level as usize];
-        known.sort_unstable();
+        let known = &self.levels[level as usize];
+        let arrivals = known.iter().map(|arriving| arriving.dart.arrival);
+        self.order.clear();
+        self.order.extend(arrivals.zip(0..));
+        // Nearly always arrivals differ, so that only they are moved and compared.
+        self.order.sort_unstable_by(|(a, i), (b, j)| {
+            a.cmp(b)
+                .then_with(|| known[*i as usize].cmp(&known[*j as usize]))
+        });
         self.deciding = Some(level);
         self.done = 0;
         known.len()
@@ -74,7 +83,8 @@ impl Agenda {
     /// Returns what arrives next with the level.
     pub(crate) fn next(&mut self) -> Option<Arriving> {
         let level = self.deciding?;
-        let known = self.levels[level as usize].get(self.done);
+        let known = self.order.get(self.done);
+        let known = known.map(|&(_, index)| &self.levels[level as usize][index as usize]);
         let sudden = self.sudden.peek().map(|Reverse(sudden)| sudden);
         // A question that came up late still comes in its turn: an earlier dart has its answer first.
         if sudden.is_some_and(|sudden| known.is_none_or(|known| sudden < known)) {

@@ -3,12 +3,9 @@
 
 use std::ops::Range;
 
-use glam::IVec2;
-
 use crate::exact::pieces::SourcePiece;
-use crate::exact::present::{SamplesBefore, SamplesNear};
-use crate::lattice::{Point, R, Rect, covers_offset};
-use crate::stages::disks::farthest;
+use crate::exact::present::{Presence, SamplesBefore};
+use crate::lattice::{Point, R, Rect};
 
 /// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
 pub(crate) const MARK_SIDE: i32 = R / 2;
@@ -144,61 +141,38 @@ impl MarkedCells {
     }
 
     /// Appends to `out` the cells of side `to` within a cell of `side` that none of `decided` covers alone: all darts of the
-    /// others are refused. `near` is a buffer.
+    /// others are refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,
         side: i32,
         to: i32,
-        decided: SamplesBefore<'_, '_>,
-        near: &mut SamplesNear,
-        out: &mut OpenCells,
-    ) {
-        if let Some(placed) = self.placed(cell, side) {
-            let tile = self.pieces[cell.piece as usize].tile;
-            // Most marked cells are covered by one sample.
-            if !decided.near_rect(tile, &placed, near) {
-                self.cut_among(cell, side, to, placed.min, near, out);
-            }
-        }
-    }
-
-    /// The same among samples that are given by their offsets from a place.
-    fn cut_among(
-        &self,
-        cell: PieceCell,
-        side: i32,
-        to: i32,
-        from: Point,
-        near: &SamplesNear,
+        decided: &mut SamplesBefore<'_, '_>,
         out: &mut OpenCells,
     ) {
         let Some(placed) = self.placed(cell, side) else {
             return;
         };
-
-        let extent = IVec2::new(placed.width() - 1, placed.height() - 1);
-        let corner = placed.min - from;
-        let covers = |offset: &IVec2| covers_offset(farthest(*offset - corner, extent));
-
-        if near.certain.iter().any(covers) {
-            return;
-        }
-
-        // What one doubtful sample covers is not looked at again: without the sample, any dart there may be one.
-        if near.doubtful.iter().any(covers) {
-            out.doubtful.push((cell, side));
-            return;
-        }
-        if side == to {
-            out.cells.push(cell);
-            return;
+        let tile = self.pieces[cell.piece as usize].tile;
+        match decided.covers_rect(tile, &placed) {
+            // Most marked cells are covered by one sample.
+            Some(Presence::Certain | Presence::Lost) => return,
+            // What one doubtful sample covers is not looked at again: without the sample, any dart there may be one.
+            Some(Presence::Doubtful) => {
+                out.doubtful.push((cell, side));
+                return;
+            }
+            None if side == to => {
+                out.cells.push(cell);
+                return;
+            }
+            None => {}
         }
 
         let half = side / 2;
         for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
             let min = Point::new(cell.min.x + right, cell.min.y + up);
-            self.cut_among(PieceCell { min, ..cell }, half, to, from, near, out);
+            self.cut(PieceCell { min, ..cell }, half, to, decided, out);
         }
     }
 

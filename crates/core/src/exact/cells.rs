@@ -30,6 +30,8 @@ impl CellPart {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NumberCells {
     columns: usize,
+    count: usize,
+    /// First of all one part of each cell, then what crowded ones have more.
     parts: Vec<CellPart>,
 }
 
@@ -38,12 +40,19 @@ impl NumberCells {
     pub(crate) fn reset(&mut self, end: Point) {
         let cells = |end: i32| ((end - 1) / R + 1) as usize;
         self.columns = cells(end.x);
+        self.count = self.columns * cells(end.y);
         self.parts.clear();
-        self.parts
-            .resize(self.columns * cells(end.y), CellPart::EMPTY);
+        self.parts.resize(self.count, CellPart::EMPTY);
     }
 
-    fn index(&self, place: Point) -> usize {
+    /// Returns how many cells there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Returns the index of the cell of a place.
+    #[inline]
+    pub(crate) const fn index(&self, place: Point) -> usize {
         (place.y / R) as usize * self.columns + (place.x / R) as usize
     }
 
@@ -89,6 +98,23 @@ impl NumberCells {
             }
             debug_assert_ne!(*next, 0, "{number} is in no part of its cell");
             part = *next as usize;
+        }
+    }
+
+    /// Calls `visit` with the numbers of a cell, and their places.
+    #[inline]
+    pub(crate) fn each_in(&self, column: i32, row: i32, mut visit: impl FnMut(u32, Point)) {
+        let mut part = &self.parts[row as usize * self.columns + column as usize];
+        loop {
+            for (&number, &place) in part.numbers.iter().zip(&part.places) {
+                if number != FREE {
+                    visit(number, place);
+                }
+            }
+            if part.next == 0 {
+                return;
+            }
+            part = &self.parts[part.next as usize];
         }
     }
 

@@ -34,6 +34,12 @@ impl Arrival {
         (self.0 >> 32) as u32 % 4
     }
 
+    /// Returns the first bits: level and throw, and 26 of the rank. Of two darts the one with less arrived earlier; if they
+    /// are equal, which hardly ever happens, all bits must be compared.
+    pub(crate) const fn when(self) -> u32 {
+        (self.0 >> 6) as u32
+    }
+
     /// Returns the rank in the throw.
     #[must_use]
     pub const fn rank(self) -> u32 {
@@ -131,8 +137,9 @@ impl PatternDarts {
 
     /// Returns the throws of a level, in the sequence of arrival.
     fn level(&self, level: u32) -> &[Throw] {
-        let first = self.throws.partition_point(|throw| throw.level < level);
-        &self.throws[first..first + throws(level) as usize]
+        // Each level after the first has one.
+        let first = if level == 0 { 0 } else { throws(0) + level - 1 };
+        &self.throws[first as usize..(first + throws(level)) as usize]
     }
 
     /// Returns the darts of a level in a cell of side `R >> level` that begins at `min`, a multiple of the side, in no

@@ -13,7 +13,6 @@ use self::recorded::KeptLevels;
 use crate::engine::parallel::claim::tiled_tag;
 use crate::engine::parallel::clip::{Clipper, PlacedBlock};
 use crate::engine::parallel::counts::WindowCounts;
-use crate::engine::parallel::frame::Frame;
 use crate::engine::parallel::gaps::inserted_tag;
 use crate::engine::parallel::sweep::sampled;
 use crate::engine::parallel::window_maker::WindowSamples;
@@ -24,7 +23,7 @@ use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
-use crate::exact::present::{ArrivedSample, Presence, PresentSamples, SamplesNear};
+use crate::exact::present::{ArrivedSample, Presence, PresentSamples};
 use crate::lattice::{Point, R, Rect, Rect64};
 use crate::parameters::Parameters;
 use crate::pattern::Symmetry;
@@ -121,7 +120,6 @@ pub(crate) struct ExactTiling<'a> {
     /// The side of the cells to throw darts into, of the level that is being decided, and these cells.
     side: i32,
     open: OpenCells,
-    near: SamplesNear,
     /// Of a recorded tiling, what it keeps of each level.
     kept: KeptLevels,
 }
@@ -139,7 +137,6 @@ impl<'a> ExactTiling<'a> {
             fresh: Vec::new(),
             side: R,
             open: OpenCells::default(),
-            near: SamplesNear::default(),
             kept: KeptLevels::default(),
         }
     }
@@ -398,7 +395,7 @@ impl<'a> ExactTiling<'a> {
 
         // Samples laid down that arrive later may be covered by it: they are decided again when their turn comes.
         let mut later = Vec::new();
-        self.present.later(dart, tile, |id| later.push(id));
+        self.present.later(dart, tile, &mut later);
         self.await_samples(&later);
 
         let id = self.present.insert(*dart, tile, presence);
@@ -448,9 +445,9 @@ impl<'a> ExactTiling<'a> {
 
     fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
         let first = self.open.cells.len();
-        let decided = self.present.before(Arrival::new(level, 0, 0));
-        let (near, open) = (&mut self.near, &mut self.open);
-        self.cells.cut(cell, side, R >> level, decided, near, open);
+        let mut decided = self.present.before(Arrival::new(level, 0, 0));
+        let open = &mut self.open;
+        self.cells.cut(cell, side, R >> level, &mut decided, open);
 
         if T::ENABLED {
             let square = self.square(cell, side);
@@ -525,7 +522,7 @@ impl<'a> ExactTiling<'a> {
 
             // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its
             // turn.
-            let decided = self.present.before(Arrival::new(level, 0, 0));
+            let mut decided = self.present.before(Arrival::new(level, 0, 0));
             let is_covered = decided.covers(piece.tile, dart.place);
             if T::ENABLED {
                 recorder.record(RunEvent::Dart {
@@ -551,30 +548,32 @@ impl<'a> ExactTiling<'a> {
     pub(crate) fn emit(&self, with_tags: bool, out: &mut WindowSamples) {
         out.clear();
         self.count(&mut out.counts);
-        let Frame { window, .. } = self.present.ground().frame;
-        let cells = self.present.ground().frame.window_cells();
+        let frame = &self.present.ground().frame;
+        let (window, cells) = (frame.window, frame.window_cells());
+        // No window crosses the domain's ends, so that all places are moved alike.
+        let first = frame.point(window.min.x, window.min.y);
+        let (right, up) = (first.x - window.min.x, first.y - window.min.y);
 
         let mut held = Vec::new();
         for row in cells.min.y..cells.max.y {
             for column in cells.min.x..cells.max.x {
                 held.clear();
-                self.present.in_cell(column, row, |sample| {
+                self.present.in_cell(column, row, |id, place| {
                     // The outermost cells reach beyond the window.
-                    if window.contains(sample.place) {
-                        held.push(*sample);
+                    if window.contains(place) {
+                        held.push((place, id));
                     }
                 });
 
                 // Most cells have one.
                 if held.len() > 1 {
-                    held.sort_unstable_by_key(|sample| sample.place.row_major());
+                    held.sort_unstable_by_key(|(place, _)| place.row_major());
                 }
 
-                for sample in &held {
-                    out.points
-                        .push(self.present.in_domain(sample.tile, sample.place));
+                for &(place, id) in &held {
+                    out.points.push(Point::new(place.x + right, place.y + up));
                     if with_tags {
-                        out.tags.push(self.tag(sample));
+                        out.tags.push(self.tag(self.present.get(id)));
                     }
                 }
             }
@@ -603,8 +602,10 @@ impl<'a> ExactTiling<'a> {
         let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));
         counts.blocks = inside.count() as u64;
 
+        // Nearly all are the pattern's own, and stay.
         let samples = self.present.samples().iter();
-        for sample in samples.filter(|sample| window.contains(sample.place)) {
+        let others = samples.filter(|sample| !sample.is_own());
+        for sample in others.filter(|sample| window.contains(sample.place)) {
             match (sample.presence, sample.pattern()) {
                 (Presence::Lost, _) => counts.eliminated += 1,
                 (Presence::Certain, None) => counts.insert(self.iteration(sample) as usize - 1, 1),

@@ -8,6 +8,7 @@ use crate::exact::cells::NumberCells;
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
+use crate::exact::lists::{CoverLists, Covering};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::stages::disks::farthest;
 
@@ -38,6 +39,11 @@ pub(crate) struct ArrivedSample {
 const FIRST_INSERTED: u32 = 1 << 31;
 
 impl ArrivedSample {
+    /// Returns whether it is one of the pattern's and present.
+    pub(crate) const fn is_own(&self) -> bool {
+        self.number < FIRST_INSERTED && matches!(self.presence, Presence::Certain)
+    }
+
     /// Returns its index in the pattern; none of a dart that is a sample here alone.
     pub(crate) const fn pattern(&self) -> Option<u32> {
         if self.number < FIRST_INSERTED {
@@ -67,6 +73,8 @@ pub(crate) struct PresentSamples<'a> {
     inserted: Vec<PlacedDart>,
     /// The ids of those that are not lost.
     cells: NumberCells,
+    /// Of the cells that were asked about, the samples that cover places of them.
+    lists: CoverLists,
     zones: Vec<Zone>,
     /// The indices of the zones, at their lowest places.
     zone_cells: NumberCells,
@@ -82,6 +90,7 @@ impl<'a> PresentSamples<'a> {
             samples: Vec::new(),
             inserted: Vec::new(),
             cells: NumberCells::default(),
+            lists: CoverLists::default(),
             zones: Vec::new(),
             zone_cells: NumberCells::default(),
         }
@@ -91,6 +100,7 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn reset(&mut self, ground: Ground) {
         let end = ground.rect().max;
         self.cells.reset(end);
+        self.lists.reset(self.cells.count());
         if ground.has_unknown() {
             self.zone_cells.reset(end);
         }
@@ -146,13 +156,10 @@ impl<'a> PresentSamples<'a> {
         &self.samples
     }
 
-    /// Calls `visit` with the samples of a cell that are not lost.
-    pub(crate) fn in_cell(&self, column: i32, row: i32, mut visit: impl FnMut(&ArrivedSample)) {
-        self.cells
-            .any_in(&single(Point::new(column * R, row * R)), |id, _| {
-                visit(self.get(id));
-                false
-            });
+    /// Calls `visit` with the ids of a cell's samples that are not lost, and with their places.
+    #[inline]
+    pub(crate) fn in_cell(&self, column: i32, row: i32, visit: impl FnMut(u32, Point)) {
+        self.cells.each_in(column, row, visit);
     }
 
     pub(crate) fn get(&self, id: u32) -> &ArrivedSample {
@@ -201,12 +208,19 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32, presence: Presence) -> u32 {
         let number = FIRST_INSERTED + self.inserted.len() as u32;
         self.inserted.push(dart);
-        self.push(ArrivedSample {
-            place: self.on_ground(tile, dart.place),
+        let place = self.on_ground(tile, dart.place);
+        let id = self.push(ArrivedSample {
+            place,
             tile,
             number,
             presence,
-        })
+        });
+
+        let when = dart.arrival.when();
+        self.visit_lists(place, |lists, cell, at| {
+            lists.add(cell, Covering { at, when, id });
+        });
+        id
     }
 
     #[inline]
@@ -221,7 +235,58 @@ impl<'a> PresentSamples<'a> {
     pub(crate) fn lose(&mut self, id: u32) {
         let sample = &mut self.samples[id as usize];
         sample.presence = Presence::Lost;
-        self.cells.remove(sample.place, id);
+        let place = sample.place;
+        self.cells.remove(place, id);
+        self.visit_lists(place, |lists, cell, _| lists.remove(cell, id));
+    }
+
+    /// Calls `visit` with each cell that has a list and is touched by the disk around `place`, and with the offset of the
+    /// place from the cell's lowest one.
+    fn visit_lists(&mut self, place: Point, mut visit: impl FnMut(&mut CoverLists, usize, IVec2)) {
+        let Self {
+            ground,
+            lists,
+            cells,
+            ..
+        } = self;
+        ground.any_part(&around(&single(place)), |part, moved| {
+            for row in part.min.y / R..=(part.max.y - 1) / R {
+                for column in part.min.x / R..=(part.max.x - 1) / R {
+                    let cell = cells.index(Point::new(column * R, row * R));
+                    let at = IVec2::new(place.x - column * R, place.y - row * R) - moved;
+                    if lists.has(cell) && touches_cell(at) {
+                        visit(lists, cell, at);
+                    }
+                }
+            }
+            false
+        });
+    }
+
+    /// Returns the cell of a place, which has a list from now on, and the place's offset from the cell's lowest one.
+    #[inline]
+    fn listed(&mut self, place: Point) -> (usize, IVec2) {
+        let cell = self.cells.index(place);
+        if !self.lists.has(cell) {
+            self.list(cell, place);
+        }
+        (cell, IVec2::new(place.x & (R - 1), place.y & (R - 1)))
+    }
+
+    /// Makes the list of the cell of a place.
+    #[inline(never)]
+    fn list(&mut self, cell: usize, place: Point) {
+        let min = Point::new(place.x & -R, place.y & -R);
+        let max = Point::new(min.x + R, min.y + R);
+        let mut found = self.lists.begin();
+        self.any_near(&Rect { min, max }, |id, at| {
+            if touches_cell(at) {
+                let when = self.arrival(self.get(id)).when();
+                found.push(Covering { at, when, id });
+            }
+            false
+        });
+        self.lists.put(cell, found);
     }
 
     /// Makes a sample a doubtful one.
@@ -230,28 +295,33 @@ impl<'a> PresentSamples<'a> {
     }
 
     /// Returns those that arrived before `end`.
-    pub(crate) const fn before(&self, end: Arrival) -> SamplesBefore<'_, 'a> {
+    pub(crate) const fn before(&mut self, end: Arrival) -> SamplesBefore<'_, 'a> {
         SamplesBefore { all: self, end }
     }
 
     /// Returns the presence of a dart once everything earlier is decided. It is lost if an earlier sample covers it.
-    pub(crate) fn presence(&self, dart: &PlacedDart, tile: u32) -> Presence {
+    pub(crate) fn presence(&mut self, dart: &PlacedDart, tile: u32) -> Presence {
         let place = self.on_ground(tile, dart.place);
+        let (cell, offset) = self.listed(place);
+        let when = dart.arrival.when();
         let mut is_doubtful = false;
-
-        let is_lost = self.any_near(&single(place), |id, offset| {
-            covers_offset(offset) && {
-                let sample = self.get(id);
-                // A later sample covers the dart in vain.
-                let is_met = self.order(sample, dart).is_lt();
-                is_doubtful |= is_met && sample.presence == Presence::Doubtful;
-                is_met && sample.presence == Presence::Certain
+        for other in self.lists.of(cell) {
+            if other.when > when || !covers_offset(other.at - offset) {
+                continue;
             }
-        });
+            let sample = self.get(other.id);
+            // Nearly always the first bits differ.
+            if other.when == when && self.order(sample, dart).is_ge() {
+                continue;
+            }
+            match sample.presence {
+                Presence::Certain => return Presence::Lost,
+                Presence::Doubtful => is_doubtful = true,
+                Presence::Lost => {}
+            }
+        }
 
-        if is_lost {
-            Presence::Lost
-        } else if is_doubtful || self.is_in_doubt(place, dart.arrival) {
+        if is_doubtful || self.is_in_doubt(place, dart.arrival) {
             Presence::Doubtful
         } else {
             Presence::Certain
@@ -327,32 +397,29 @@ impl<'a> PresentSamples<'a> {
     }
 
     /// Returns whether a dart is present already.
-    pub(crate) fn has(&self, dart: &PlacedDart, tile: u32) -> bool {
-        let place = self.on_ground(tile, dart.place);
-        self.cells.any_in(&single(place), |id, at| {
-            at == place && self.order(self.get(id), dart).is_eq()
-        })
+    pub(crate) fn has(&mut self, dart: &PlacedDart, tile: u32) -> bool {
+        let (cell, offset) = self.listed(self.on_ground(tile, dart.place));
+        let mut there = self.lists.of(cell).iter().filter(|held| held.at == offset);
+        there.any(|held| self.order(self.get(held.id), dart).is_eq())
     }
 
-    /// Calls `visit` with the ids of the samples that are present, later than `dart`, and covered by it.
-    pub(crate) fn later(&self, dart: &PlacedDart, tile: u32, mut visit: impl FnMut(u32)) {
-        let place = self.on_ground(tile, dart.place);
-        self.any_near(&single(place), |id, offset| {
-            if covers_offset(offset) && self.order(self.get(id), dart).is_gt() {
-                visit(id);
-            }
-            false
-        });
+    /// Appends to `out` the ids of the samples that are present, later than `dart`, and covered by it.
+    pub(crate) fn later(&mut self, dart: &PlacedDart, tile: u32, out: &mut Vec<u32>) {
+        let (cell, offset) = self.listed(self.on_ground(tile, dart.place));
+        let when = dart.arrival.when();
+        let covered = |other: &&Covering| {
+            other.when >= when
+                && covers_offset(other.at - offset)
+                && self.order(self.get(other.id), dart).is_gt()
+        };
+        let later = self.lists.of(cell).iter().filter(covered);
+        out.extend(later.map(|other| other.id));
     }
 
     /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place, until it returns `true`; returns whether it did. Lost ones are left out.
     #[inline]
     fn any_near(&self, rect: &Rect, mut visit: impl FnMut(u32, IVec2) -> bool) -> bool {
-        let around = Rect {
-            min: Point::new(rect.min.x - R, rect.min.y - R),
-            max: Point::new(rect.max.x + R, rect.max.y + R),
-        };
-        self.ground.any_part(&around, |part, moved| {
+        self.ground.any_part(&around(rect), |part, moved| {
             let from = IVec2::new(rect.min.x, rect.min.y) - moved;
             self.cells.any_in(part, |id, place| {
                 visit(id, IVec2::new(place.x, place.y) - from)
@@ -369,68 +436,62 @@ const fn single(place: Point) -> Rect {
     }
 }
 
+/// Returns the places within R of a rectangle on both axes.
+const fn around(rect: &Rect) -> Rect {
+    Rect {
+        min: Point::new(rect.min.x - R, rect.min.y - R),
+        max: Point::new(rect.max.x + R, rect.max.y + R),
+    }
+}
+
+/// Returns whether a sample so far from a cell's lowest place covers some place of the cell.
+#[inline]
+fn touches_cell(at: IVec2) -> bool {
+    covers_offset(at - at.clamp(IVec2::ZERO, IVec2::splat(R - 1)))
+}
+
 /// Returns the place of a rectangle that is nearest to another one; both are offsets from the rectangle's lowest place.
 fn nearest(offset: IVec2, rect: &Rect) -> IVec2 {
     offset.clamp(IVec2::ZERO, IVec2::new(rect.width() - 1, rect.height() - 1))
 }
 
-/// The present samples that arrived before some arrival. Once all darts before it are decided, they stay.
-#[derive(Clone, Copy)]
+/// The present samples that arrived before a throw. Once all darts before it are decided, they stay.
 pub(crate) struct SamplesBefore<'a, 'h> {
-    all: &'a PresentSamples<'h>,
+    all: &'a mut PresentSamples<'h>,
     end: Arrival,
-}
-
-/// The samples that may cover a part of a rectangle, by their offsets from its lowest place.
-#[derive(Default)]
-pub(crate) struct SamplesNear {
-    pub(crate) certain: Vec<IVec2>,
-    pub(crate) doubtful: Vec<IVec2>,
 }
 
 impl SamplesBefore<'_, '_> {
     /// Returns whether one of them that is certain covers a place of a tile in the domain.
-    pub(crate) fn covers(&self, tile: u32, place: Point) -> bool {
+    pub(crate) fn covers(&mut self, tile: u32, place: Point) -> bool {
         let place = self.all.on_ground(tile, place);
-        self.all.any_near(&single(place), |id, offset| {
-            covers_offset(offset) && {
-                let sample = self.all.get(id);
-                sample.presence == Presence::Certain && self.all.arrival(sample) < self.end
-            }
-        })
+        let (cell, offset) = self.all.listed(place);
+        self.covering(cell, |at| covers_offset(at - offset)) == Some(Presence::Certain)
     }
 
-    /// Returns whether one that is certain covers a tile's rectangle of the domain. If not, those that may cover a part of it
-    /// are put into `near`.
-    pub(crate) fn near_rect(&self, tile: u32, rect: &Rect, near: &mut SamplesNear) -> bool {
-        near.certain.clear();
-        near.doubtful.clear();
-
-        let rect = self.all.rect_on_ground(tile, rect);
+    /// Returns whether one of them covers all of a tile's rectangle of the domain, which is at most R / 2 wide and high, and
+    /// whether one that does is certain.
+    pub(crate) fn covers_rect(&mut self, tile: u32, rect: &Rect) -> Option<Presence> {
         let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
-        self.all.any_near(&rect, |id, offset| {
-            // Not even its nearest place is covered.
-            if !covers_offset(offset - nearest(offset, &rect)) {
-                return false;
-            }
+        // What covers the whole rectangle covers its lowest place, and so is listed there.
+        let (cell, offset) = self.all.listed(self.all.on_ground(tile, rect.min));
+        self.covering(cell, |at| covers_offset(farthest(at - offset, extent)))
+    }
 
-            let sample = self.all.get(id);
-            // Such a sample may yet be lost.
-            if self.all.arrival(sample) >= self.end {
-                return false;
-            }
-
-            match sample.presence {
-                Presence::Certain => {
-                    near.certain.push(offset);
-                    covers_offset(farthest(offset, extent))
+    #[inline]
+    fn covering(&self, cell: usize, covers: impl Fn(IVec2) -> bool) -> Option<Presence> {
+        let end = self.end.when();
+        let mut found = None;
+        for other in self.all.lists.of(cell) {
+            // A throw's first arrival differs from those before in its first bits.
+            if other.when < end && covers(other.at) {
+                match self.all.get(other.id).presence {
+                    Presence::Certain => return Some(Presence::Certain),
+                    Presence::Doubtful => found = Some(Presence::Doubtful),
+                    Presence::Lost => {}
                 }
-                Presence::Doubtful => {
-                    near.doubtful.push(offset);
-                    false
-                }
-                Presence::Lost => false,
             }
-        })
+        }
+        found
     }
 }
