@@ -71,8 +71,8 @@ pub use number::Number;
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use squares::{
-    LatticeRegion, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError, SquaresJudge,
-    SquaresReport, UncoveredPlace, VaryingRegion,
+    LatticeRegion, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,
+    SquaresJudge, SquaresReport, UncoveredPlace, VaryingRegion,
 };
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;

@@ -40,6 +40,10 @@ pub struct Report {
     /// out whether every place is covered.
     #[serde(with = "finite_or_null")]
     pub covering_radius: f64,
+    /// Of a set that is claimed to be the beginning of a larger one: the factor of their radius within which all places are
+    /// covered, as measured. `gaps` then counts none, as each is within that factor.
+    #[serde(default)]
+    pub covering_factor: Option<f64>,
     /// `N r^2 / area`.
     pub density: f64,
     /// `min_distance / r_max`, where `r_max = sqrt(2 area / (sqrt(3) N))` is that of the densest
@@ -88,6 +92,7 @@ impl Report {
             worst_gaps: gaps.into_iter().map(gap).collect(),
             min_distance,
             covering_radius: found.covering_radius / scale,
+            covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,
         }
@@ -123,6 +128,11 @@ impl Report {
     /// radius, up to the tolerance (equation 3 of the paper, with the border of a bounded region).
     #[must_use]
     pub fn maximal(&self) -> bool {
+        self.covers() && self.covering_factor.is_none_or(|factor| factor <= 1.0)
+    }
+
+    /// Whether every place is covered within the radius or, of the beginning of a set, within the factor of it.
+    fn covers(&self) -> bool {
         let limit = covering_limit(self.covering_tolerance, self.radius);
         self.gaps == 0 && (self.is_of_squares() || self.covering_radius <= limit)
     }
@@ -132,10 +142,11 @@ impl Report {
         self.judges == [Judge::Subdivision]
     }
 
-    /// Whether the set is both conflict-free and maximal.
+    /// Whether the set is both conflict-free and maximal; whether it is conflict-free and covers within a factor that can be
+    /// measured, if it is claimed to be the beginning of a larger one.
     #[must_use]
     pub fn valid(&self) -> bool {
-        self.conflict_free() && self.maximal()
+        self.conflict_free() && self.covers()
     }
 }
 

@@ -33,6 +33,7 @@ use radii::RadiusTable;
 use shape::ShapeIndex;
 
 pub use error::SquaresError;
+pub use search::MAX_FACTOR;
 pub use varying_region::VaryingRegion;
 
 /// The largest radius: squared distances and the products of the rule stay within 64 bits, and so do bilinear sums with a
@@ -211,6 +212,29 @@ impl SquaresJudge {
         witnesses: usize,
         control: Control<'_>,
     ) -> Result<SquaresReport, SquaresError> {
+        self.check(samples)?;
+        search::search(self, samples, witnesses, control)
+    }
+
+    /// Returns the factor within which samples cover, as one measures a set that is the beginning of a larger one: the least
+    /// number, at least 1, such that each lattice point of the domain is at most that many times as far from some sample as
+    /// places that are near each other may be. It does not depend on the number of threads. `None` stands for more than
+    /// [`MAX_FACTOR`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::judge`].
+    pub fn covering_factor(
+        &self,
+        samples: &[[i32; 2]],
+        control: Control<'_>,
+    ) -> Result<Option<f64>, SquaresError> {
+        self.check(samples)?;
+        search::covering_factor(self, samples, control)
+    }
+
+    /// Refuses samples outside of the domain, and more than can be numbered.
+    fn check(&self, samples: &[[i32; 2]]) -> Result<(), SquaresError> {
         let limit = u32::MAX as usize;
         if samples.len() >= limit {
             let count = samples.len();
@@ -218,12 +242,13 @@ impl SquaresJudge {
         }
 
         let outside = samples.iter().position(|&place| !self.contains(place));
-        if let Some(index) = outside {
-            let place = samples[index];
-            return Err(SquaresError::Outside { index, place });
+        match outside {
+            None => Ok(()),
+            Some(index) => Err(SquaresError::Outside {
+                index,
+                place: samples[index],
+            }),
         }
-
-        search::search(self, samples, witnesses, control)
     }
 
     /// Returns whether a place is a lattice point of the domain.

@@ -155,6 +155,7 @@ impl LiveMoment {
             worst_gaps: Vec::new(),
             min_distance,
             covering_radius: cover.covering_radius_in_radii() * radius,
+            covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,
         })

@@ -1,5 +1,7 @@
 //! The search: tiles of the region, each cut into squares until every square is proven or has an uncovered place.
 
+mod factor;
+
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -15,6 +17,9 @@ use super::radii::RadiusRange;
 use super::rule::is_near;
 use super::shape::Share;
 use super::{PointSpan, SquaresJudge, SquaresReport, UncoveredPlace};
+
+pub use factor::MAX_FACTOR;
+pub(super) use factor::covering_factor;
 
 /// About so many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
 const TILE_SAMPLES: usize = 512;
@@ -290,7 +295,7 @@ impl<'a> TileSearch<'a> {
         if self.judge.shape.share(span, self.bits) == Share::Nothing {
             return;
         }
-        let near = self.gather(tiles, &tile, &span);
+        let near = self.gather(tiles, &tile, &span, 1);
         self.visit(&tile, Share::Some, near);
     }
 
@@ -303,12 +308,18 @@ impl<'a> TileSearch<'a> {
         PointSpan { min, max }
     }
 
-    /// Lists the samples that may be near a place of the tile.
-    fn gather(&mut self, tiles: &SampleTiles, tile: &TileSquare, span: &PointSpan) -> List {
+    /// Lists the samples that may be near a place of the tile, or no more than `times` as far from it.
+    fn gather(
+        &mut self,
+        tiles: &SampleTiles,
+        tile: &TileSquare,
+        span: &PointSpan,
+        times: i64,
+    ) -> List {
         let Self { judge, corner, .. } = *self;
         // No reach is larger than the larger radius, nor than twice the smaller one.
         let greatest = judge.radii.range(*span, self.bits).greatest;
-        let reach = judge.radii.greatest().min(2 * greatest);
+        let reach = times * judge.radii.greatest().min(2 * greatest);
         let wide = PointSpan {
             min: span.min.map(|value| value - reach),
             max: span.max.map(|value| value + reach),
@@ -418,11 +429,7 @@ impl<'a> TileSearch<'a> {
         near: List,
     ) -> Option<List> {
         let own = self.list_own(square, near);
-        let offset = PointSpan {
-            min: [0, 1].map(|axis| span.min[axis] - self.corner[axis]),
-            max: [0, 1].map(|axis| span.max[axis] - self.corner[axis]),
-        };
-
+        let offset = self.offset(span);
         for index in near.all() {
             let sample = self.lists[index];
             let radius = i64::from(sample.radius);
@@ -444,6 +451,14 @@ impl<'a> TileSearch<'a> {
             outside: own.end,
             end: self.lists.len(),
         })
+    }
+
+    /// Returns a span as it is seen from the tile's lowest place.
+    fn offset(&self, span: &PointSpan) -> PointSpan {
+        PointSpan {
+            min: [0, 1].map(|axis| span.min[axis] - self.corner[axis]),
+            max: [0, 1].map(|axis| span.max[axis] - self.corner[axis]),
+        }
     }
 
     /// Lists the samples in a square, given those of a larger one.

@@ -88,21 +88,45 @@ impl VaryingRegion {
     ) -> Result<Report, VerifyError> {
         check_choice(options.judges)?;
         check_points(points, self.region)?;
-
-        let samples: Vec<[i32; 2]> = points.iter().map(|&p| self.lattice_point(p)).collect();
+        let samples = self.samples(points);
         let judged = self.judge.judge(&samples, options.witnesses, control);
-        let found = judged.map_err(|error| match error {
-            SquaresError::Cancelled => VerifyError::Cancelled,
-            // Named as the caller gave it, not as a lattice point.
-            SquaresError::Outside { index, .. } => VerifyError::OutOfShape {
-                index,
-                point: points[index],
-            },
-            other => unjudged(&other),
-        })?;
+        let found = judged.map_err(|error| Self::fault(error, points))?;
 
         let min_distance = self.min_distance(points, control)?;
         Ok(self.report(points, &found, min_distance, options.covering_tolerance))
+    }
+
+    /// Judges points that are claimed to be the beginning of a larger set: whether they are conflict-free, and within which
+    /// factor of their radii all places are covered. Where no factor up to [`MAX_FACTOR`](crate::MAX_FACTOR) does, the report
+    /// is that of [`Self::verify`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::verify`].
+    pub fn verify_prefix(
+        &self,
+        points: &[[f64; 2]],
+        options: &VerifyOptions,
+        control: Control<'_>,
+    ) -> Result<Report, VerifyError> {
+        let report = self.verify(points, options, control)?;
+        let samples = self.samples(points);
+        let factor = self.judge.covering_factor(&samples, control);
+        match factor.map_err(|error| Self::fault(error, points))? {
+            None => Ok(report),
+            // No place is farther than the factor that was measured.
+            Some(factor) => Ok(Report {
+                gaps: 0,
+                worst_gaps: Vec::new(),
+                covering_factor: Some(factor),
+                ..report
+            }),
+        }
+    }
+
+    /// Returns the lattice points that samples stand for.
+    fn samples(&self, points: &[[f64; 2]]) -> Vec<[i32; 2]> {
+        points.iter().map(|&p| self.lattice_point(p)).collect()
     }
 
     fn report(
@@ -144,8 +168,21 @@ impl VaryingRegion {
             min_distance,
             // Squares tell whether a place is covered, not how far its nearest sample is.
             covering_radius: f64::INFINITY,
+            covering_factor: None,
             density: count as f64 * self.radius * self.radius / area,
             relative_radius: min_distance / r_max,
+        }
+    }
+
+    /// Returns the error of points without a verdict.
+    fn fault(error: SquaresError, points: &[[f64; 2]]) -> VerifyError {
+        match error {
+            SquaresError::Cancelled => VerifyError::Cancelled,
+            SquaresError::Outside { index, .. } => VerifyError::OutOfShape {
+                index,
+                point: points[index],
+            },
+            other => unjudged(&other),
         }
     }
 
@@ -268,6 +305,31 @@ mod tests {
         let report = verify(&more, JudgeChoice::Subdivision).expect("a report");
         assert!(!report.conflict_free() && report.maximal());
         assert!((report.worst_conflicts[0].distance - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_beginning_of_a_set_is_judged_by_its_factor() {
+        let options = VerifyOptions::default();
+        let judged = |points: &[[f64; 2]]| {
+            let report = region().verify_prefix(points, &options, &|_| ControlFlow::Continue(()));
+            report.expect("a report")
+        };
+        let points = [[1.0, 1.0], [1.5, 3.5], [3.5, 1.5], [8.0, 1.5]];
+        let whole = judged(&points);
+        assert!(whole.valid() && whole.maximal() && whole.covering_factor == Some(1.0));
+
+        // Without the last one the places at the right, of radius 4, are farther from the third one.
+        let fewer = judged(&points[..3]);
+        assert!(fewer.valid() && !fewer.maximal() && fewer.gaps == 0);
+        let factor = fewer.covering_factor.expect("a factor");
+        // From (16, 8) to (7, 3) in units, of radii 8 and 5: ceil(80 / 13) is 7.
+        assert!(
+            (factor - 9.0_f64.hypot(5.0) / 7.0).abs() < 1e-12,
+            "{factor}"
+        );
+
+        let conflict = judged(&[[1.0, 1.0], [1.0, 1.5], [3.5, 1.5], [8.0, 1.5]]);
+        assert!(!conflict.valid() && conflict.conflicts > 0);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use tilescope_analysis::{
-    Boundary, LatticeRegion, Radii, Shape, SquaresError, SquaresJudge, SquaresReport,
+    Boundary, LatticeRegion, MAX_FACTOR, Radii, Shape, SquaresError, SquaresJudge, SquaresReport,
 };
 
 use crate::support::{Random, go_on, on_threads};
@@ -89,6 +89,12 @@ impl Case {
     }
 
     fn is_near(&self, a: [i32; 2], b: [i32; 2]) -> bool {
+        let (squared, reach) = self.apart(a, b);
+        squared <= reach * reach
+    }
+
+    /// How far two places are apart, squared, and how far they may be to be near.
+    fn apart(&self, a: [i32; 2], b: [i32; 2]) -> (i64, i64) {
         let [width, height] = [self.region.width, self.region.height];
         let across = |a: i32, b: i32, side: i32| {
             let plain = i64::from((a - b).abs());
@@ -101,8 +107,21 @@ impl Case {
         };
         let (x, y) = (across(a[0], b[0], width), across(a[1], b[1], height));
         let (r, s) = (self.radius(a), self.radius(b));
-        let reach = (2 * r * s + r + s - 1) / (r + s);
-        x * x + y * y <= reach * reach
+        (x * x + y * y, (2 * r * s + r + s - 1) / (r + s))
+    }
+
+    /// The factor by the definition: of each place that of the best sample, and the largest of these.
+    fn factor(&self, samples: &[[i32; 2]]) -> Option<f64> {
+        let of_place = |place: [i32; 2]| {
+            let of_sample = |&sample: &[i32; 2]| {
+                let (squared, reach) = self.apart(place, sample);
+                squared as f64 / (reach * reach) as f64
+            };
+            let all = samples.iter().map(of_sample);
+            all.fold(f64::INFINITY, f64::min)
+        };
+        let largest = self.places().into_iter().map(of_place).fold(1.0, f64::max);
+        Some(largest.sqrt()).filter(|&factor| factor <= MAX_FACTOR as f64)
     }
 
     /// A set that is maximal by the definition: all places in a random sequence, each taken if no earlier one is near.
@@ -124,7 +143,10 @@ impl Case {
 
     /// Compares the judge's report with all pairs and all places.
     fn check(&self, samples: &[[i32; 2]]) -> SquaresReport {
-        let report = self.judge().judge(samples, 16, &go_on).expect("a report");
+        let judge = self.judge();
+        let factor = judge.covering_factor(samples, &go_on);
+        assert_eq!(factor, Ok(self.factor(samples)), "{self:?} {samples:?}");
+        let report = judge.judge(samples, 16, &go_on).expect("a report");
         let pairs = (0..samples.len()).flat_map(|k| (0..k).map(move |j| [samples[j], samples[k]]));
         let conflicts = pairs.filter(|&[a, b]| self.is_near(a, b)).count();
         assert_eq!(report.conflicts, conflicts as u64, "{self:?} {samples:?}");
@@ -135,6 +157,7 @@ impl Case {
         let covered = |place| samples.iter().any(|&sample| self.is_near(sample, place));
         let holes = self.places().into_iter().any(|place| !covered(place));
         assert_eq!(report.uncovered > 0, holes, "{self:?} {samples:?}");
+        assert_eq!(factor != Ok(Some(1.0)), holes);
         for found in &report.uncovered_places {
             assert!(
                 self.inside(found.place) && !covered(found.place),
@@ -289,7 +312,11 @@ fn tiles_and_threads_make_no_difference() {
         assert_eq!(report.conflicts, 1);
         assert_eq!(report.worst_conflicts[0].first, 3);
         assert!((1..20).contains(&report.uncovered));
+        let factor = judge.covering_factor(&samples, &go_on);
+        assert!(factor.clone().unwrap().unwrap() > 1.0);
         for threads in [1, 3] {
+            let again = on_threads(threads, || judge.covering_factor(&samples, &go_on));
+            assert_eq!(again, factor);
             let again = on_threads(threads, || judge.judge(&samples, 16, &go_on));
             assert_eq!(again.as_ref(), Ok(&report));
         }
@@ -311,6 +338,7 @@ fn the_largest_numbers_do_not_overflow() {
     assert_eq!(report.conflicts, 0);
     assert!(report.uncovered > 4 && report.uncovered_places.len() == 4);
     assert!(report.squares < 10_000, "{}", report.squares);
+    assert_eq!(judge.covering_factor(&[[0, 0]], &go_on), Ok(None));
 }
 
 #[test]
