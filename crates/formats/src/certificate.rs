@@ -110,8 +110,8 @@ impl CertifiedLevel {
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
-/// Of these, this version judges sets with an origin, a shape, a radius that varies and thinned sets, and refuses certificates
-/// with any of the others.
+/// Of these, this version judges sets with an origin, a shape and a radius that varies, of the latter two also prefixes, and
+/// thinned sets, and refuses certificates with any of the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
@@ -170,7 +170,7 @@ pub struct Certificate {
     /// `min_distance / r_max`; null where `min_distance` is.
     #[serde(deserialize_with = "stated")]
     pub relative_radius: Option<f64>,
-    /// The verdict: conflict-free and maximal.
+    /// The verdict: conflict-free and maximal; of a prefix, conflict-free and covering within its factor.
     pub valid: bool,
     /// The judges that gave this verdict.
     pub judges: Vec<Judge>,
@@ -284,9 +284,11 @@ impl Certificate {
 
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
         let rounded = self.rounding.as_ref().map(|_| "rounding");
+        let made = self.prefix.map(|_| "prefix.made");
         (["program", "program_version", "method", "file", "judges"].into_iter())
             .chain(shuffled)
             .chain(rounded)
+            .chain(made)
             .map(str::to_owned)
             .chain(parameters)
             .collect()
@@ -372,6 +374,11 @@ impl Certificate {
             _ if self.covering_radius.is_none() && !self.is_counted() => {
                 "`covering_radius` is null, which it may be only where the radius varies, where there is a shape or in a \
                  thinned set"
+                    .to_owned()
+            }
+            // Only subdivision measures a factor.
+            _ if self.prefix.is_some() && !self.is_varying() => {
+                "it has the part `prefix`, which is judged only where the radius varies or there is a shape"
                     .to_owned()
             }
             // Passed over, the part would be lost from the next certificate of these points.

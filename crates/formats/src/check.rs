@@ -307,6 +307,8 @@ pub(crate) struct Judged {
     pub mapping: Mapping,
     pub origin: [f64; 2],
     pub varying: Option<Arc<VaryingDomain>>,
+    /// Whether the certificate claims that the set is the beginning of a larger one.
+    is_prefix: bool,
 }
 
 impl Judged {
@@ -352,6 +354,7 @@ impl Judged {
             },
             mapping: Mapping::new(format, Some(region), precision).with_origin(origin),
             varying,
+            is_prefix: certificate.is_some_and(|c| c.prefix.is_some()),
         })
     }
 
@@ -363,7 +366,7 @@ impl Judged {
         control: Control<'_>,
     ) -> Result<Report, CheckError> {
         let report = match &self.varying {
-            Some(varying) => varying.verify(points, &self.options, control),
+            Some(varying) => varying.verify(points, self.is_prefix, &self.options, control),
             None => verify(points, self.region, self.radius, &self.options, control),
         };
         report.map_err(|error| self.fault(error, format))
@@ -476,6 +479,7 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     let density = found.count as f64 * stated.radius.least().powi(2) / stated.region.area();
     list.measure("density", Some(stated.density), Some(density));
 
+    prefix_kept(&mut list, stated, found.count);
     list.exact("valid", &stated.valid, &implied_verdict(stated));
     list.0
 }
@@ -533,6 +537,7 @@ fn differences(
         described(stated.shape.as_ref()),
         described(judged.shape().as_ref()),
     );
+    prefix_kept(&mut list, stated, found.count);
     let tolerance = report.covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     list.exact("scale", &stated.scale, &judged.mapping.scale());
@@ -596,6 +601,13 @@ fn compare_levels(
     }
 }
 
+/// Compares the number of points that a prefix is said to have.
+fn prefix_kept(list: &mut Differences, stated: &Certificate, count: u64) {
+    if let Some(prefix) = &stated.prefix {
+        list.exact("prefix.kept", &prefix.kept, &count);
+    }
+}
+
 /// Compares parameters with the region and radius that the certificate states beside them.
 fn parameters(list: &mut Differences, stated: &Certificate) {
     for (name, field, found) in stated.known_parameters() {
@@ -626,6 +638,8 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     for (field, stated, found) in measured {
         list.measure(field, stated, finite(found));
     }
+    let factor = stated.prefix.map(|prefix| prefix.factor);
+    list.measure("prefix.factor", factor, report.covering_factor);
 
     // Older certificates have no such upper limit.
     let counted = stated.conflicts.min(MAX_CONFLICTS);

@@ -4,6 +4,7 @@
 //! codecs need not. They open no file and do not verify sets.
 
 mod csv;
+mod drawing;
 mod geojson;
 mod json;
 mod kept;
@@ -32,6 +33,7 @@ use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
 use crate::text::as_utf8;
 
+pub use self::drawing::{Dots, Drawing};
 pub use self::geojson::may_be_degrees;
 pub use self::kept::{KeptRows, keep_rows, read_column};
 
@@ -290,6 +292,8 @@ pub(crate) struct Columns {
     pub levels: Vec<u32>,
     /// Its radius; nothing if all have the same.
     pub radii: Vec<f64>,
+    /// How a picture shows it.
+    pub drawing: Option<Drawing>,
 }
 
 impl Columns {
@@ -326,7 +330,7 @@ pub(crate) fn encode_certified(
         Format::PlyBinary => Ok(ply::write_binary(&points, provenance, columns, precision)),
         Format::Xyz => Ok(xyz::write(&points)),
         Format::Json => json::write(&points, provenance, certificate),
-        Format::Svg => Ok(svg::write(&points, target)),
+        Format::Svg => Ok(svg::write(&points, target, columns)),
     }
 }
 

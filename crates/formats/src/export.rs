@@ -13,8 +13,12 @@ use tilescope_analysis::{
     Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
-use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, NoOther, Rounding, finite};
-use crate::codecs::{Columns, Hint, ReadSet, Target, decode, encode_certified, level_column};
+use crate::certificate::{
+    Certificate, CertifiedLevel, CertifiedPrefix, CertifiedRadius, NoOther, Rounding, finite,
+};
+use crate::codecs::{
+    Columns, Drawing, Hint, ReadSet, Target, decode, encode_certified, level_column,
+};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
@@ -52,6 +56,11 @@ pub struct ExportContext {
     /// What the set is judged in, if its radius varies or it covers a shape: in the place of `region`, `radius` and other
     /// judges. Formats with columns then have one that is named radius. Streams leave it out.
     pub varying: Option<Arc<VaryingDomain>>,
+    /// How many points were made, if the set is the beginning of those: the certificate then claims so, with the factor of the
+    /// radius within which it covers, as measured. For sets that are judged in `varying`. Streams leave it out.
+    pub made: Option<u64>,
+    /// How pictures (SVG) show a set whose radius varies; without it they have disks of the least radius. Streams leave it out.
+    pub drawing: Option<Drawing>,
 }
 
 impl ExportContext {
@@ -72,6 +81,8 @@ impl ExportContext {
             verify: VerifyOptions::default(),
             levels: Vec::new(),
             varying: None,
+            made: None,
+            drawing: None,
         }
     }
 
@@ -82,6 +93,7 @@ impl ExportContext {
         Columns {
             levels: level_column(&ends, points.len()),
             radii: varying.map_or_else(Vec::new, |varying| varying.column(points)),
+            drawing: self.drawing.clone(),
         }
     }
 }
@@ -370,7 +382,7 @@ fn judge(
     let precision = target.format.precision(target.precision);
     let (region, radius, options) = (context.region, context.radius, &context.verify);
     let report = match &context.varying {
-        Some(varying) => varying.verify(points, options, control),
+        Some(varying) => varying.verify(points, context.made.is_some(), options, control),
         None => verify(points, region, radius, options, control),
     };
     report.map_err(|source| ExportError::Verify { precision, source })
@@ -488,7 +500,12 @@ pub(crate) fn certificate(
         valid: report.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),
-        prefix: None,
+        // Beyond every factor that is measured a set is no beginning, and not valid as a whole either.
+        prefix: (context.made.zip(report.covering_factor)).map(|(made, factor)| CertifiedPrefix {
+            made,
+            kept: report.count as u64,
+            factor,
+        }),
         thinned: None,
 
         file: name.to_owned(),

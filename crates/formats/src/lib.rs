@@ -49,8 +49,8 @@ pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
 pub use codecs::{
-    CertificateUse, Hint, KeptRows, ReadSet, Target, decode, encode, keep_rows, may_be_degrees,
-    read_column, refuse_degrees,
+    CertificateUse, Dots, Drawing, Hint, KeptRows, ReadSet, Target, decode, encode, keep_rows,
+    may_be_degrees, read_column, refuse_degrees,
 };
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};

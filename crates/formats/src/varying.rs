@@ -17,10 +17,11 @@ pub struct VaryingDomain {
 }
 
 impl VaryingDomain {
-    /// Judges points in domain units. In WebAssembly it refuses.
+    /// Judges points in domain units, as a whole set or as the beginning of a larger one. In WebAssembly it refuses.
     pub(crate) fn verify(
         &self,
         points: &[[f64; 2]],
+        is_prefix: bool,
         options: &VerifyOptions,
         control: Control<'_>,
     ) -> Result<Report, VerifyError> {
@@ -29,7 +30,11 @@ impl VaryingDomain {
             let reason = "a set of a field or a shape is judged by the command line alone";
             return Err(VerifyError::WrongJudge(reason));
         }
-        self.judged.verify(points, options, control)
+        if is_prefix {
+            self.judged.verify_prefix(points, options, control)
+        } else {
+            self.judged.verify(points, options, control)
+        }
     }
 
     /// Returns the radius at each point, if it is not the same everywhere.

@@ -165,7 +165,7 @@ pub struct CertifiedPrefix {
     pub made: u64,
     /// How many of them the set has.
     pub kept: u64,
-    /// The factor of the radius within which they cover.
+    /// The factor of the radius within which they cover, as measured.
     pub factor: f64,
 }
 
@@ -228,7 +228,13 @@ fn broken_raster(digest: &str, pitch: f64) -> Option<&'static str> {
 }
 
 /// The parts that judges take into account.
-pub(super) const JUDGED: [&str; 4] = [<[f64; 2]>::NAME, CertifiedShape::NAME, FIELD, Thinned::NAME];
+pub(super) const JUDGED: [&str; 5] = [
+    <[f64; 2]>::NAME,
+    CertifiedShape::NAME,
+    FIELD,
+    CertifiedPrefix::NAME,
+    Thinned::NAME,
+];
 
 /// What a field is called beside other parts: the radius itself is none.
 pub(super) const FIELD: &str = "radius that varies";

@@ -2,10 +2,14 @@
 //!
 //! Each point is a disk of half the sampling radius, so the disks of a conflict-free set do not overlap. Reads back the
 //! circles that are drawn, in user units. What would draw them elsewhere, or draw points in another way, is refused.
+//!
+//! A picture of dots on paper stands upright: its circles are in a group that is reflected in the middle of the view, where
+//! y points up. They are read as they are there.
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::{Raw, Target};
+use super::drawing::hex;
+use super::{Columns, Drawing, Raw, Target};
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::{number, push, without_bom};
@@ -90,6 +94,8 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
     let mut points = Vec::new();
     // The outermost element of those around the next circle that draws its content elsewhere.
     let mut mover: Option<Node<'_, '_>> = None;
+    // The group that turns the circles so far, if one does.
+    let mut turned: Option<Node<'_, '_>> = None;
     let root = document.root_element();
     let mut next = Some(root);
 
@@ -106,9 +112,17 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
 
             if name == "circle" {
                 let index = points.len() as u64;
-                if let Some(mover) = mover {
+                let upward = mover.filter(|&mover| {
+                    let is_inside = node.parent_element() == Some(mover);
+                    is_inside && turns_upward(mover, root) && !moves(node, root)
+                });
+                // Where only some are turned, their units are not those of the others.
+                let are_alike = index == 0 || upward.is_some() == turned.is_some();
+                let mixed = upward.or(turned).filter(|_| !are_alike);
+                if let Some(mover) = mover.filter(|_| upward.is_none()).or(mixed) {
                     return Err(moved(mover, index));
                 }
+                turned = upward;
                 points.push(circle(node, index)?);
             } else if OTHER_MARKS.contains(&name) {
                 let what = format!("<{name}> (line {})", line_of(node));
@@ -138,6 +152,23 @@ fn moves(node: Node<'_, '_>, root: Node<'_, '_>) -> bool {
     let is_styled = style.is_some_and(|style| moving(&style).is_some());
     // A drawing within the drawing has user units of its own.
     is_transformed || is_styled || (node.tag_name().name() == "svg" && node != root)
+}
+
+/// Whether a group of the root is reflected in the middle of the root's view, so that y points up in it.
+fn turns_upward(group: Node<'_, '_>, root: Node<'_, '_>) -> bool {
+    let view = root.attribute("viewBox").unwrap_or_default().split(' ');
+    let view: Vec<f64> = view.filter_map(|number| number.parse().ok()).collect();
+    let [_, y, _, height] = view[..] else {
+        return false;
+    };
+    let is_plain = group.tag_name().name() == "g" && group.attribute("style").is_none();
+    let is_own = group.parent_element() == Some(root);
+    is_plain && is_own && group.attribute("transform") == Some(upward(y, height).as_str())
+}
+
+/// Returns the transform that turns a view around, from its lowest y and its height.
+fn upward(y: f64, height: f64) -> String {
+    format!("matrix(1 0 0 -1 0 {})", 2.0 * y + height)
 }
 
 fn moved(mover: Node<'_, '_>, index: u64) -> FormatError {
@@ -226,7 +257,7 @@ fn circle(node: Node<'_, '_>, index: u64) -> Result<[f64; 2], FormatError> {
     Ok([axis("cx")?, axis("cy")?])
 }
 
-pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
+pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> Vec<u8> {
     let [width, height] = match target.region {
         Some(region) => [region.width, region.height],
         None => bounds(points),
@@ -242,11 +273,28 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
         &mut out,
         format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{x} {y} {width} {height}\">\n\
-             <title>{} samples</title>\n<g fill=\"#0072b2\">\n",
+             <title>{} samples</title>\n",
             points.len()
         ),
     );
-    for [x, y] in points {
+    match &columns.drawing {
+        None => push(&mut out, format_args!("<g fill=\"#0072b2\">\n")),
+        Some(Drawing { paper, ink, .. }) => {
+            let ([paper, ink], turned) = ([paper, ink].map(|&color| hex(color)), upward(y, height));
+            push(
+                &mut out,
+                format_args!(
+                    "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n\
+                     <g fill=\"{ink}\" transform=\"{turned}\">\n"
+                ),
+            );
+        }
+    }
+
+    for (index, [x, y]) in points.iter().enumerate() {
+        let own = columns.radii.get(index).copied();
+        let dot = columns.drawing.as_ref().zip(own);
+        let disk = dot.map_or(disk, |(drawing, own)| drawing.dots.radius(own));
         push(
             &mut out,
             format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{disk}\"/>\n"),
@@ -268,6 +316,7 @@ fn bounds(points: &[[f64; 2]]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codecs::Dots;
 
     fn points(text: &str) -> Vec<[f64; 2]> {
         read(text.as_bytes()).expect(text).set.points
@@ -395,9 +444,52 @@ mod tests {
     fn the_drawing_has_disjoint_disks_and_the_region_as_view() {
         let mut target = Target::new(Format::Svg);
         target.radius = Some(0.5);
-        let text = String::from_utf8(write(&[[0.25, 1.0]], &target)).expect("text");
+        let bytes = write(&[[0.25, 1.0]], &target, &Columns::default());
+        let text = String::from_utf8(bytes).expect("text");
         assert!(text.contains("viewBox=\"0 0 0.25 1\""));
         assert!(text.contains("<circle cx=\"0.25\" cy=\"1\" r=\"0.25\"/>"));
+    }
+
+    #[test]
+    fn dots_on_paper_stand_upright_and_are_read_as_they_are() {
+        let drawing = |dots| Drawing {
+            paper: [0, 16, 255],
+            ink: [255, 255, 255],
+            dots,
+        };
+        let target = Target {
+            region: Some(tilescope_analysis::Region::new([4.0, 3.0], false)),
+            origin: [0.0, 10.0],
+            ..Target::new(Format::Svg)
+        };
+        let set = [[1.0, 10.5], [2.0, 12.0]];
+        let text = |dots| {
+            let columns = Columns {
+                radii: vec![0.5, 0.25],
+                drawing: Some(drawing(dots)),
+                ..Columns::default()
+            };
+            String::from_utf8(write(&set, &target, &columns)).expect("text")
+        };
+
+        let constant = text(Dots::Constant(0.125));
+        assert!(constant.contains("fill=\"#0010ff\"/>\n<g fill=\"#ffffff\""));
+        assert!(constant.contains("transform=\"matrix(1 0 0 -1 0 23)\""));
+        assert!(constant.contains("<circle cx=\"1\" cy=\"10.5\" r=\"0.125\"/>"));
+        assert_eq!(points(&constant), set);
+        let dense = text(Dots::ByDensity(0.0625));
+        assert!(dense.contains("r=\"0.125\"/>\n") && dense.contains("r=\"0.25\"/>\n"));
+        assert_eq!(points(&dense), set);
+
+        // Another reflection, a circle that is moved in the group, and one outside of it are refused.
+        let other = constant.replace("0 23)", "0 24)");
+        assert!(message(&other).contains("a transform of <g>"), "{other}");
+        let moved = constant.replacen("cx=\"1\"", "transform=\"scale(2)\" cx=\"1\"", 1);
+        assert!(message(&moved).contains("a transform of <g>"));
+        let outside = constant.replace("</svg>", "<circle/></svg>");
+        assert!(message(&outside).contains("in which circle 2 lies"));
+        let before = constant.replace("<title>", "<circle/><title>");
+        assert!(message(&before).contains("in which circle 1 lies"));
     }
 
     #[test]
