@@ -22,13 +22,13 @@ use crate::paths::InFile;
     next_help_heading = "A radius that varies, and shapes (bounded, unless --boundary says otherwise)"
 )]
 pub struct GroundArguments {
-    /// Radii from the grey of a PNG image: of black the first of --radius MIN..MAX, of white the second, between them in
+    /// Radii from the grey of a PNG or JPEG image: of black the first of --radius MIN..MAX, of white the second, between them in
     /// proportion. Its pixels fill the domain. Two places of radii a and b are then as near as 2ab / (a + b)
-    #[arg(long, value_name = "PNG", conflicts_with_all = ["density_image", "radius_expression"])]
+    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["density_image", "radius_expression"])]
     pub radius_image: Option<PathBuf>,
-    /// Samples as dense as a PNG image is dark: --radius is that of black, or --count chooses it. The radius is at most 64 times
+    /// Samples as dense as a PNG or JPEG image is dark: --radius is that of black, or --count chooses it. The radius is at most 64 times
     /// as large, also where the image is white: --mask leaves places out
-    #[arg(long, value_name = "PNG", conflicts_with = "radius_expression")]
+    #[arg(long, value_name = "IMAGE", conflicts_with = "radius_expression")]
     pub density_image: Option<PathBuf>,
     /// The radius as a function of x and y, such as '0.006 + 0.024*x', with + - * / ^ pi abs atan2 cos exp floor hypot log max
     /// min pow sin sqrt tanh; with --count it is scaled
@@ -38,8 +38,8 @@ pub struct GroundArguments {
     /// --height and --origin the domain is the rectangle around them. Distances are straight, also through holes
     #[arg(long, value_name = "GEOJSON", conflicts_with = "mask")]
     pub shape: Option<PathBuf>,
-    /// Cover only the opaque pixels of a PNG image; of an image without transparency, those lighter than half grey
-    #[arg(long, value_name = "PNG")]
+    /// Cover only the opaque pixels of an image, PNG or JPEG; of one without transparency, those lighter than half grey
+    #[arg(long, value_name = "IMAGE")]
     pub mask: Option<PathBuf>,
 }
 
@@ -182,7 +182,7 @@ pub fn file_name(path: &Path) -> String {
 /// Reads an image, and adds the option that gave it to errors.
 pub fn image(path: &Path, option: &'static str) -> Result<GrayImage> {
     let bytes = read_whole(path)?;
-    GrayImage::from_png(&file_name(path), &bytes).context(option)
+    GrayImage::read(&file_name(path), &bytes).context(option)
 }
 
 fn expression(text: &str) -> Result<Expression> {

@@ -43,6 +43,8 @@ pub struct Facts {
     pub origin: [f64; 2],
     /// What the set is judged in, if its radius varies or it covers a shape.
     pub varying: Option<Arc<VaryingDomain>>,
+    /// How many samples were made, if the set is the first of those.
+    pub made: Option<u64>,
     /// The counts of the run, once it is made and if its method has them.
     pub summary: Option<Summary>,
 }
@@ -59,6 +61,7 @@ impl Facts {
             levels: Vec::new(),
             origin: [0.0; 2],
             varying: None,
+            made: None,
             summary: None,
         }
     }
@@ -72,6 +75,7 @@ impl Facts {
             levels: self.levels.clone(),
             origin: self.origin,
             varying: self.varying.clone(),
+            made: self.made,
             ..ExportContext::new(self.region, self.radius)
         }
     }

@@ -44,6 +44,7 @@ pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
 pub use varying::{
-    Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION,
-    MAX_PIXELS, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+    DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS,
+    MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusSource, ShapeSource, Stipple, StippleRecipe,
+    Tone, VaryingError, VaryingRecipe,
 };

@@ -57,7 +57,11 @@ impl Made {
         control: Control<'_>,
     ) -> Result<Report, VerifyError> {
         if let Some(varying) = &self.facts.varying {
-            return varying.judged.verify(&self.set.points, options, control);
+            let (judged, points) = (&varying.judged, &self.set.points);
+            return match self.facts.made {
+                None => judged.verify(points, options, control),
+                Some(_) => judged.verify_prefix(points, options, control),
+            };
         }
         let (region, radius) = (self.facts.region, self.facts.radius);
         verify(&self.set.points, region, radius, options, control)

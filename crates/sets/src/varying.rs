@@ -10,8 +10,9 @@ mod ground;
 mod image;
 mod polygon;
 mod source;
+mod stipple;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
@@ -24,9 +25,10 @@ use crate::made::Made;
 pub use error::VaryingError;
 pub use expression::{Expression, MAX_EXPRESSION};
 pub use ground::Ground;
-pub use image::{GrayImage, MAX_PIXELS};
+pub use image::{GrayImage, MAX_PIXELS, Tone};
 pub use polygon::{MAX_CORNERS, PlanarPolygon};
 pub use source::{RadiusSource, ShapeSource};
+pub use stipple::{DEFAULT_WHITE, Stipple, StippleRecipe};
 
 /// Sets of a count are within a hundredth of it.
 const TOLERANCE: u64 = 100;
@@ -63,6 +65,8 @@ impl VaryingRecipe {
     /// [`VaryingError::Needed`] when a file is not given, [`VaryingError::Unstated`] when the certificate does not say, and
     /// those of an expression.
     pub fn of_certificate(stated: &Certificate, given: GivenGround) -> Result<Self, VaryingError> {
+        let radius = RadiusSource::of_certificate(stated, given.radius)?;
+        let dark = || ShapeSource::dark_of_certificate(stated, &radius);
         let shape = match (given.shape, &stated.shape) {
             (Some(shape), _) => Some(shape),
             (None, Some(CertifiedShape::Polygon { rings })) => {
@@ -70,14 +74,16 @@ impl VaryingRecipe {
                 Some(ShapeSource::Polygon(polygon))
             }
             (None, Some(CertifiedShape::Mask { .. })) => {
-                return Err(needed("a mask", &stated.parameters, "mask", "--mask"));
+                let needed = || needed("a mask", &stated.parameters, "mask", "--mask");
+                Some(dark().ok_or_else(needed)?)
             }
             (None, None) => None,
         };
+
         // Both sides and the corner are stated, so that nothing follows from the shape.
         let region = stated.region;
         Ok(Self {
-            radius: RadiusSource::of_certificate(stated, given.radius)?,
+            radius,
             shape,
             size: region.size().map(Some),
             origin: Some(stated.origin.unwrap_or_default()),

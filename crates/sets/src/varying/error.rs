@@ -1,5 +1,7 @@
 //! Why a field or a shape is refused: each names the value, the limit and what helps.
 
+use std::ops::RangeInclusive;
+
 use thiserror::Error;
 use tilescope_analysis::{Number, VerifyError};
 use tilescope_core::{FieldError, ParameterError, SampleError, ShapeError};
@@ -79,6 +81,34 @@ pub enum VaryingError {
         columns: u32,
         /// How many pixels a column has.
         rows: u32,
+    },
+    /// A number of a tone is out of range.
+    #[error("the {name} is {value}; it must be from {} to {}", .range.start(), .range.end())]
+    Tone {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is possible.
+        range: RangeInclusive<f64>,
+    },
+    /// Blocks of pixels do not fill an image.
+    #[error("blocks of {block} x {block} pixels do not fill {} x {}", .pixels[0], .pixels[1])]
+    Block {
+        /// The side of a block.
+        block: usize,
+        /// The pixels of a row and of a column.
+        pixels: [usize; 2],
+    },
+    /// Nothing of an image is dark enough for dots.
+    #[error(
+        "{name}: no place of the image is darker than white ({white} of black), so that it has no dots; make it darker, or white less"
+    )]
+    White {
+        /// Its file.
+        name: String,
+        /// The darkness below which there are no dots.
+        white: f64,
     },
     /// Pixels would not be squares.
     #[error(

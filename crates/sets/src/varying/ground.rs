@@ -40,6 +40,10 @@ pub struct Ground {
     pub varying: Arc<VaryingDomain>,
     /// Where the lower corner of the domain lies.
     pub origin: [f64; 2],
+    /// Nodes of the field, and pixels of a mask, are two to this power apart.
+    pub(super) bits: u32,
+    /// The largest radius that there can be beside the least one.
+    pub(super) limit: f64,
 }
 
 /// The domain in user units, and the squares at whose corners its field has nodes.
@@ -55,6 +59,8 @@ struct Nodes {
     domain: Domain,
     bits: u32,
     units: Vec<i32>,
+    /// The largest radius that is possible beside the least, in user units.
+    limit: f64,
 }
 
 impl VaryingRecipe {
@@ -99,6 +105,8 @@ impl VaryingRecipe {
                 shape: stated_shape,
             }),
             origin: frame.origin,
+            bits,
+            limit: nodes.limit,
         })
     }
 
@@ -218,6 +226,7 @@ impl VaryingRecipe {
             domain,
             bits: 0,
             units: vec![R],
+            limit: radius * MAX_CONTRAST,
         })
     }
 
@@ -260,6 +269,7 @@ impl VaryingRecipe {
             domain,
             bits,
             units: asked.iter().map(unit).collect(),
+            limit: limit * least,
         })
     }
 
@@ -288,23 +298,32 @@ impl VaryingRecipe {
                 };
                 Ok((shape, JudgedShape::Polygon { rings }, Some(stated)))
             }
-            Some(ShapeSource::Mask(image)) => {
-                // Its pixels are the squares of the field, 2^bits units wide.
-                let (pixels, columns) = (image.inside(), image.columns);
-                let shape = Shape::mask(bits, columns, &pixels)?;
-                let stated = CertifiedShape::Mask {
-                    digest: mask_digest(columns, &pixels),
-                    pitch: frame.squares.map_or(1.0, |(_, pitch)| pitch),
-                };
-                let judged = JudgedShape::Mask {
-                    pitch_bits: bits,
-                    columns,
-                    pixels,
-                };
-                Ok((shape, judged, Some(stated)))
+            Some(ShapeSource::Mask(image)) => masked(frame, bits, image.columns, image.inside()),
+            Some(ShapeSource::Dark { image, white }) => {
+                masked(frame, bits, image.columns, image.darker_than(*white))
             }
         }
     }
+}
+
+/// Returns the shape of chosen pixels, which are the squares of the field, 2^bits units wide.
+fn masked(
+    frame: &Frame,
+    bits: u32,
+    columns: usize,
+    pixels: Vec<bool>,
+) -> Result<(Shape, JudgedShape, Option<CertifiedShape>), VaryingError> {
+    let shape = Shape::mask(bits, columns, &pixels)?;
+    let stated = CertifiedShape::Mask {
+        digest: mask_digest(columns, &pixels),
+        pitch: frame.squares.map_or(1.0, |(_, pitch)| pitch),
+    };
+    let judged = JudgedShape::Mask {
+        pitch_bits: bits,
+        columns,
+        pixels,
+    };
+    Ok((shape, judged, Some(stated)))
 }
 
 /// Returns the side of the pixels of a domain; fails unless they are squares.

@@ -1,20 +1,19 @@
-//! Images as grey values, from PNG files: the same values on every machine, which decoders of JPEG do not give.
+//! Images as grey values, from PNG and JPEG files: the same values on every machine.
 
-use std::io::Cursor;
+mod jpeg_file;
+mod png_file;
+mod tone;
 
-use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
+use std::sync::Arc;
+
 use tilescope_formats::bytes_digest;
 
 use super::error::VaryingError;
 
+pub use tone::Tone;
+
 /// The most pixels of an image, 8192 x 8192: the field, the judge's copy and their tables then take about 2 GB.
 pub const MAX_PIXELS: u64 = 1 << 26;
-
-/// The first bytes of a PNG file.
-const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
-
-/// Where the header of a PNG file has width and height.
-const DIMENSIONS: usize = 16;
 
 /// White, in 16 bits.
 pub(super) const WHITE: u32 = 65_535;
@@ -26,71 +25,107 @@ pub struct GrayImage {
     pub(super) name: String,
     pub(super) digest: String,
     pub(super) columns: usize,
-    pub(super) grey: Vec<u16>,
-    /// Whether each pixel is at least half opaque; `None` if all are wholly.
-    opaque: Option<Vec<bool>>,
+    /// What is seen: the tone of the light, on white paper where the image is transparent.
+    pub(super) grey: Arc<[u16]>,
+    /// How grey values follow from the light of the pixels.
+    pub(super) tone: Tone,
+    /// The side of the squares of pixels whose mean each grey value is.
+    pub(super) block: usize,
+    pixels: Arc<Pixels>,
+}
+
+/// The pixels of a file, row by row from the highest row down.
+#[derive(Debug)]
+struct Pixels {
+    columns: usize,
+    /// Luminance.
+    light: Vec<u16>,
+    /// Opacity; `None` if all pixels are wholly opaque.
+    alpha: Option<Vec<u16>>,
 }
 
 impl GrayImage {
-    /// Reads a PNG image of any colour type and depth. Colours become grey by their luminance (Rec. 709), without a change of
-    /// gamma; transparent pixels lie before white.
+    /// Reads a PNG image of any colour type and depth, or a JPEG image. Colours of PNG become grey by their luminance (Rec.
+    /// 709), without a change of gamma; the grey of JPEG is its luma, as it is stored. Transparent pixels lie before white. A
+    /// JPEG image is turned upright, if it says how.
     ///
     /// # Errors
     ///
     /// [`VaryingError::Image`] for other files, animated images and damaged ones; [`VaryingError::Pixels`].
-    pub fn from_png(name: &str, bytes: &[u8]) -> Result<Self, VaryingError> {
-        let fault = |reason: String| VaryingError::Image {
-            name: name.to_owned(),
-            reason,
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, VaryingError> {
+        let file = ImageFile { name, bytes };
+        let pixels = if bytes.starts_with(png_file::SIGNATURE) {
+            png_file::read(&file)?
+        } else if bytes.starts_with(jpeg_file::SIGNATURE) {
+            jpeg_file::read(&file)?
+        } else {
+            return Err(file.fault(other_kind(bytes)));
         };
-        if !bytes.starts_with(SIGNATURE) {
-            return Err(fault(no_png(bytes).to_owned()));
-        }
-        // Before anything is decoded, as the decoder refuses some sizes with other words.
-        let side = |at: usize| {
-            bytes
-                .get(at..at + 4)
-                .and_then(|side| side.try_into().ok())
-                .map(u32::from_be_bytes)
-        };
-        if let (Some(columns), Some(rows)) = (side(DIMENSIONS), side(DIMENSIONS + 4))
-            && !(1..=MAX_PIXELS).contains(&(u64::from(columns) * u64::from(rows)))
-        {
-            let name = name.to_owned();
-            return Err(VaryingError::Pixels {
-                name,
-                columns,
-                rows,
-            });
-        }
 
-        let limits = Limits { bytes: 1 << 30 };
-        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
-        // Palettes become colours, and depths below 8 bits 8 bits; 16 bits stay.
-        decoder.set_transformations(Transformations::EXPAND);
-        let damaged = |error: png::DecodingError| fault(format!("the image is damaged: {error}"));
-        let mut reader = decoder.read_info().map_err(damaged)?;
-        if reader.info().is_animated() {
-            return Err(fault(
-                "the image is animated; save one picture of it".to_owned(),
-            ));
-        }
-        // No more than 8 bytes for each of the pixels, which were counted above.
-        let size = reader.output_buffer_size().unwrap_or(0);
-        let mut data = vec![0; size];
-        let info = reader.next_frame(&mut data).map_err(damaged)?;
-
-        let words = words(&data[..info.buffer_size()], info.bit_depth);
-        let columns = info.width as usize;
+        // What an image is like until somebody asks for another tone.
+        let tone = Tone::default();
         Ok(Self {
             name: name.to_owned(),
             digest: bytes_digest(bytes),
-            columns,
-            ..grey_of(&words, info.color_type, columns)
+            columns: pixels.columns,
+            grey: pixels.grey(&tone).into(),
+            tone,
+            block: 1,
+            pixels: Arc::new(pixels),
         })
     }
 
-    /// Returns the pixels of a row and of a column.
+    /// Returns the same image in another tone, of all its pixels.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Tone`] when a number of the tone is out of range.
+    pub fn toned(&self, tone: Tone) -> Result<Self, VaryingError> {
+        tone.check()?;
+        Ok(Self {
+            columns: self.pixels.columns,
+            grey: self.pixels.grey(&tone).into(),
+            tone,
+            block: 1,
+            ..self.clone()
+        })
+    }
+
+    /// Returns the image with the mean grey of squares of `block` x `block` pixels in their place.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Block`] unless such squares fill the image.
+    pub(super) fn in_blocks(&self, block: usize) -> Result<Self, VaryingError> {
+        let pixels = self.pixels();
+        if block == 0 || pixels.iter().any(|count| count % block != 0) {
+            return Err(VaryingError::Block { block, pixels });
+        }
+
+        // A band of rows at a time, so that the sums of a row of blocks are all that is held.
+        let columns = self.columns / block;
+        let bands = self.grey.chunks_exact(self.columns * block);
+        let mut grey = Vec::with_capacity(self.grey.len() / (block * block));
+        for band in bands {
+            let mut sums = vec![0_u64; columns];
+            for row in band.chunks_exact(self.columns) {
+                for (sum, values) in sums.iter_mut().zip(row.chunks_exact(block)) {
+                    *sum += values.iter().map(|&grey| u64::from(grey)).sum::<u64>();
+                }
+            }
+            // Rounded to the nearest.
+            let area = (block * block) as u64;
+            grey.extend(sums.iter().map(|sum| ((sum + area / 2) / area) as u16));
+        }
+        Ok(Self {
+            columns,
+            grey: grey.into(),
+            block: self.block * block,
+            ..self.clone()
+        })
+    }
+
+    /// Returns the grey values of a row and of a column.
     #[must_use]
     pub fn pixels(&self) -> [usize; 2] {
         [self.columns, self.grey.len() / self.columns]
@@ -98,79 +133,106 @@ impl GrayImage {
 
     /// Returns which pixels are inside as a mask: the opaque ones; if all are opaque, those lighter than half grey.
     pub(super) fn inside(&self) -> Vec<bool> {
-        let light = || {
-            self.grey
+        match &self.pixels.alpha {
+            Some(alpha) => {
+                let opaque = alpha.iter().map(|&alpha| u32::from(alpha) > WHITE / 2);
+                upside_down(&opaque.collect::<Vec<bool>>(), self.columns)
+            }
+            None => self
+                .grey
                 .iter()
                 .map(|&grey| u32::from(grey) > WHITE / 2)
-                .collect()
+                .collect(),
+        }
+    }
+
+    /// Returns which grey values are at least so dark: 0 is white, and 1 black.
+    pub(super) fn darker_than(&self, least: f64) -> Vec<bool> {
+        self.grey
+            .iter()
+            .map(|&grey| darkness(grey) >= least)
+            .collect()
+    }
+
+    /// Returns the sum of the darkness of the pixels that are at least so dark, in black pixels.
+    pub(super) fn darkness(&self, least: f64) -> f64 {
+        let dark = self.grey.iter().filter(|&&grey| darkness(grey) >= least);
+        // A sum of integers has no rounding that depends on its order.
+        let sum: u64 = dark.map(|&grey| u64::from(WHITE - u32::from(grey))).sum();
+        sum as f64 / f64::from(WHITE)
+    }
+
+    /// Returns how many pixels are at least so dark, but not as dark as something else.
+    pub(super) fn lighter_than(&self, least: f64, most: f64) -> usize {
+        let between = |&&grey: &&u16| (least..most).contains(&darkness(grey));
+        self.grey.iter().filter(between).count()
+    }
+}
+
+impl Pixels {
+    /// Returns the grey values in a tone, from the lowest row up.
+    fn grey(&self, tone: &Tone) -> Vec<u16> {
+        let of = tone.table();
+        let shown = |&light: &u16| of[usize::from(light)];
+        let grey: Vec<u16> = match &self.alpha {
+            None => self.light.iter().map(shown).collect(),
+            Some(alpha) => (self.light.iter().zip(alpha))
+                .map(|(light, &alpha)| before_white(shown(light), alpha))
+                .collect(),
         };
-        self.opaque.clone().unwrap_or_else(light)
+        upside_down(&grey, self.columns)
+    }
+}
+
+/// Returns a grey value of some opacity before white.
+fn before_white(grey: u16, alpha: u16) -> u16 {
+    let [grey, alpha, white] = [grey.into(), alpha.into(), u64::from(WHITE)];
+    ((grey * alpha + white * (white - alpha) + white / 2) / white) as u16
+}
+
+/// Returns how dark a grey value is: 0 is white, and 1 black.
+fn darkness(grey: u16) -> f64 {
+    f64::from(WHITE - u32::from(grey)) / f64::from(WHITE)
+}
+
+/// A file that is to be an image.
+struct ImageFile<'a> {
+    name: &'a str,
+    bytes: &'a [u8],
+}
+
+impl ImageFile<'_> {
+    fn fault(&self, reason: impl Into<String>) -> VaryingError {
+        VaryingError::Image {
+            name: self.name.to_owned(),
+            reason: reason.into(),
+        }
+    }
+
+    /// Refuses an image without pixels, or with too many.
+    fn check_size(&self, columns: u32, rows: u32) -> Result<(), VaryingError> {
+        if (1..=MAX_PIXELS).contains(&(u64::from(columns) * u64::from(rows))) {
+            return Ok(());
+        }
+        Err(VaryingError::Pixels {
+            name: self.name.to_owned(),
+            columns,
+            rows,
+        })
     }
 }
 
 /// Says of a file what it is instead.
-fn no_png(bytes: &[u8]) -> &'static str {
+fn other_kind(bytes: &[u8]) -> &'static str {
     match bytes {
-        [0xff, 0xd8, ..] => {
-            "it is a JPEG image, whose pixels depend on the program that reads it; save it as PNG"
-        }
         [b'G', b'I', b'F', b'8', ..] => "it is a GIF image; save one picture of it as PNG",
-        _ => "it is no PNG image",
-    }
-}
-
-/// Returns the values of a decoded image in 16 bits.
-fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
-    if depth == BitDepth::Sixteen {
-        let pairs = data.chunks_exact(2);
-        return pairs
-            .map(|pair| u16::from_be_bytes([pair[0], pair[1]]))
-            .collect();
-    }
-    data.iter().map(|&byte| u16::from(byte) * 257).collect()
-}
-
-/// Returns an image without a name.
-fn grey_of(words: &[u16], color: ColorType, columns: usize) -> GrayImage {
-    let (samples, has_alpha) = match color {
-        ColorType::Grayscale => (1, false),
-        ColorType::GrayscaleAlpha => (2, true),
-        // Palettes are expanded.
-        ColorType::Rgb | ColorType::Indexed => (3, false),
-        ColorType::Rgba => (4, true),
-    };
-
-    // Integers to the end: floating-point luminance would be rounded as the compiler likes.
-    let pixels = words.chunks_exact(samples);
-    let alpha = |pixel: &[u16]| {
-        if has_alpha {
-            u32::from(pixel[samples - 1])
-        } else {
-            WHITE
+        _ if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => {
+            "it is a WebP image; save it as PNG"
         }
-    };
-    let grey = pixels.clone().map(|pixel| {
-        let luminance = match *pixel {
-            [r, g, b] | [r, g, b, _] => {
-                (2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000
-            }
-            _ => u32::from(pixel[0]),
-        };
-        let alpha = u64::from(alpha(pixel));
-        let white = u64::from(WHITE);
-        ((u64::from(luminance) * alpha + white * (white - alpha) + white / 2) / white) as u16
-    });
-
-    // An alpha channel that is opaque everywhere says nothing, and grey is the mask.
-    let is_transparent = pixels.clone().any(|pixel| alpha(pixel) < WHITE);
-    let opaque = is_transparent.then(|| pixels.map(|pixel| alpha(pixel) > WHITE / 2).collect());
-
-    GrayImage {
-        name: String::new(),
-        digest: String::new(),
-        columns,
-        grey: upside_down(&grey.collect::<Vec<u16>>(), columns),
-        opaque: opaque.map(|opaque: Vec<bool>| upside_down(&opaque, columns)),
+        [_, _, _, _, b'f', b't', b'y', b'p', ..] => {
+            "it is a video, or an image as HEIC or AVIF; save it as PNG"
+        }
+        _ => "it is no PNG or JPEG image",
     }
 }
 
@@ -185,67 +247,4 @@ fn upside_down<T: Copy>(values: &[T], columns: usize) -> Vec<T> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    /// Returns the bytes of a PNG image.
-    pub fn png(size: [u32; 2], color: ColorType, depth: BitDepth, data: &[u8]) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
-        encoder.set_color(color);
-        encoder.set_depth(depth);
-        let mut writer = encoder.write_header().expect("a header");
-        writer.write_image_data(data).expect("pixels");
-        writer.finish().expect("an end");
-        bytes
-    }
-
-    fn read(bytes: &[u8]) -> Result<GrayImage, String> {
-        GrayImage::from_png("a.png", bytes).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn all_sixteen_bits_are_read_from_the_bottom() {
-        let data = [0, 1, 255, 254, 18, 52, 0, 0];
-        let bytes = png([2, 2], ColorType::Grayscale, BitDepth::Sixteen, &data);
-        let image = read(&bytes).expect("an image");
-        assert_eq!(image.pixels(), [2, 2]);
-        assert_eq!(image.grey, [0x1234, 0, 1, 0xfffe]);
-        assert_eq!(image.inside(), [false, false, false, true]);
-    }
-
-    #[test]
-    fn colours_have_their_luminance_and_transparent_pixels_are_white() {
-        let data = [255, 0, 0, 255, 0, 0, 0, 0, 255, 255, 255, 255];
-        let bytes = png([3, 1], ColorType::Rgba, BitDepth::Eight, &data);
-        let image = read(&bytes).expect("an image");
-        assert_eq!(image.grey, [13_933, 65_535, 65_535]);
-        // With transparency the colour does not count.
-        assert_eq!(image.inside(), [true, false, true]);
-    }
-
-    #[test]
-    fn what_is_no_image_to_use_is_refused_in_words() {
-        let refusal = |bytes: &[u8]| read(bytes).expect_err("refused");
-        assert_eq!(refusal(b"hello"), "a.png: it is no PNG image");
-        assert!(refusal(b"\xff\xd8\xff\xee").contains("JPEG"));
-
-        let mut bytes = png([2, 1], ColorType::Grayscale, BitDepth::Eight, &[1, 2]);
-        bytes[16..24].copy_from_slice(&[0, 0, 0, 0, 0, 0, 0, 1]);
-        assert!(refusal(&bytes).contains("0 x 1 pixels; from 1 to 67108864"));
-        bytes[16..24].copy_from_slice(&[0, 0, 0x75, 0x30, 0, 0, 0x75, 0x30]);
-        assert!(refusal(&bytes).contains("30000 x 30000 pixels"));
-        let whole = png([2, 1], ColorType::Grayscale, BitDepth::Eight, &[1, 2]);
-        assert!(refusal(&whole[..40]).contains("the image is damaged"));
-
-        let mut animated = Vec::new();
-        let mut encoder = png::Encoder::new(&mut animated, 1, 1);
-        encoder.set_animated(2, 0).expect("frames");
-        let mut writer = encoder.write_header().expect("a header");
-        for _ in 0..2 {
-            writer.write_image_data(&[0]).expect("a frame");
-        }
-        writer.finish().expect("an end");
-        assert!(refusal(&animated).contains("animated"));
-    }
-}
+pub(super) mod tests;

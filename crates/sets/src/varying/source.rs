@@ -5,12 +5,12 @@ use tilescope_formats::Certificate;
 
 use super::error::VaryingError;
 use super::expression::Expression;
-use super::image::{GrayImage, WHITE};
+use super::image::{GrayImage, Tone, WHITE};
 use super::polygon::PlanarPolygon;
 use super::{GivenRadius, needed, stated_file};
 
 /// The largest radius of a density, in the least: the density of white, which is none, cannot be reached.
-const DENSITY_CAP: f64 = 64.0;
+pub(super) const DENSITY_CAP: f64 = 64.0;
 
 /// Where the radius at each place comes from.
 #[derive(Clone, Debug)]
@@ -163,6 +163,10 @@ impl RadiusSource {
             let image =
                 image.ok_or_else(|| needed("a field", parameters, "density-image", option))?;
             let black = number(&field["black"], "density-image.black")?;
+            let mut image = image.toned(Tone::of_stated(field))?;
+            if let Some(block) = field["block"].as_u64() {
+                image = image.in_blocks(usize::try_from(block).unwrap_or(usize::MAX))?;
+            }
             return Ok(Self::Density { image, black });
         }
         Err(VaryingError::Unstated(
@@ -189,6 +193,10 @@ impl RadiusSource {
             Self::Density { image, black } => {
                 let mut value = stated_file(&image.name, &image.digest);
                 value["black"] = json!(black);
+                image.tone.state(&mut value);
+                if image.block > 1 {
+                    value["block"] = json!(image.block);
+                }
                 ("density-image", value)
             }
             Self::Grid {
@@ -217,6 +225,9 @@ pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
     (black / darkness.sqrt()).min(DENSITY_CAP * black)
 }
 
+/// The parameter that states white.
+const WHITE_KEY: &str = "white";
+
 /// The area to cover, in a form that is no rectangle.
 #[derive(Clone, Debug)]
 pub enum ShapeSource {
@@ -224,14 +235,36 @@ pub enum ShapeSource {
     Polygon(PlanarPolygon),
     /// The chosen pixels of an image.
     Mask(GrayImage),
+    /// The pixels of the image of a density that are no lighter than white.
+    Dark {
+        /// The image.
+        image: GrayImage,
+        /// White: the least darkness of what is covered, 1 being black.
+        white: f64,
+    },
 }
 
 impl ShapeSource {
+    /// Returns the pixels that are no lighter than white, if a certificate states it of the image of a density.
+    pub(super) fn dark_of_certificate(stated: &Certificate, radius: &RadiusSource) -> Option<Self> {
+        let white = stated.parameters.get(WHITE_KEY)?.as_f64()?;
+        match radius {
+            RadiusSource::Density { image, .. } => Some(Self::Dark {
+                image: image.clone(),
+                white,
+            }),
+            RadiusSource::Constant(_)
+            | RadiusSource::Expression { .. }
+            | RadiusSource::Image { .. }
+            | RadiusSource::Grid { .. } => None,
+        }
+    }
+
     /// Returns the pixels of a row and of a column, if there are pixels.
     pub(super) fn pixels(&self) -> Option<[usize; 2]> {
         match self {
             Self::Polygon(_) => None,
-            Self::Mask(image) => Some(image.pixels()),
+            Self::Mask(image) | Self::Dark { image, .. } => Some(image.pixels()),
         }
     }
 
@@ -243,6 +276,8 @@ impl ShapeSource {
                 Some(("shape", stated_file(name, digest)))
             }
             Self::Mask(image) => Some(("mask", stated_file(&image.name, &image.digest))),
+            // The image is that of the density, which is stated.
+            Self::Dark { white, .. } => Some((WHITE_KEY, json!(white))),
         }
     }
 }

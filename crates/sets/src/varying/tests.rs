@@ -31,7 +31,7 @@ fn recipe(radius: RadiusSource) -> VaryingRecipe {
 }
 
 /// An image whose grey of 16 bits follows from a place of the unit square, which is counted from the top left corner.
-fn image(size: [u32; 2], grey: impl Fn(f64, f64) -> f64) -> GrayImage {
+pub fn image(size: [u32; 2], grey: impl Fn(f64, f64) -> f64) -> GrayImage {
     let mut data = Vec::new();
     for row in 0..size[1] {
         for column in 0..size[0] {
@@ -41,7 +41,7 @@ fn image(size: [u32; 2], grey: impl Fn(f64, f64) -> f64) -> GrayImage {
         }
     }
     let bytes = png(size, ColorType::Grayscale, BitDepth::Sixteen, &data);
-    GrayImage::from_png("grey.png", &bytes).expect("an image")
+    GrayImage::read("grey.png", &bytes).expect("an image")
 }
 
 fn disk(radius: f64) -> ShapeSource {

@@ -308,7 +308,7 @@ const REFUSED: [(&str, &str); 23] = [
     ),
     (
         "--radius-image text.png --radius 0.01..0.1",
-        "text.png: it is no PNG image",
+        "text.png: it is no PNG or JPEG image",
     ),
     (
         "--radius-image grey.png --radius 0.02..0.1 --width 2 --height 1",
