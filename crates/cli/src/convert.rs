@@ -139,6 +139,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
         context.method = certificate.method;
         context.parameters = certificate.parameters;
         context.precision = certificate.precision;
+        context.made = certificate.prefix.map(|prefix| prefix.made);
     }
     Ok((set, context))
 }

@@ -38,6 +38,7 @@ mod sample;
 mod sample_arguments;
 mod script;
 mod soak;
+mod stipple;
 mod stream;
 mod thin;
 mod thinned;
@@ -88,6 +89,8 @@ pub struct Arguments {
 pub enum Command {
     /// Make a maximal Poisson-disk set, verify it and save it
     Sample(Box<sample_arguments::SampleArguments>),
+    /// Draw an image in dots: exactly as many as are asked for, verified, as a picture or as a point set
+    Stipple(Box<stipple::StippleArguments>),
     /// Verify a point set, against its certificate if it has one
     Verify(verify::VerifyArguments),
     /// Measure point sets: spectra, distances, order; as a table and as a report
@@ -133,6 +136,7 @@ Examples:
   tilescope lecture.json                               open it with a session, a set, a lesson or a layout
   tilescope sample --count 10000 --out set.csv         a verified set with its certificate
   tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
+  tilescope stipple photo.jpg --dots 50000 --out photo.svg
   tilescope verify set.csv
   tilescope analyze set.csv --out report.html          spectra, distances and order, in one page
   tilescope curve --radius 0.01 --out run.csv          conflicts and gaps at every change of a run
@@ -260,6 +264,7 @@ pub fn refusal(why: &'static str) -> anyhow::Error {
 pub fn run(command: &Command, window: FromWindow) -> ExitCode {
     let outcome = match command {
         Command::Sample(arguments) => sample::run(arguments),
+        Command::Stipple(arguments) => stipple::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
         Command::Analyze(arguments) => analyze::run(arguments),
         Command::Curve(arguments) => curve::run(arguments),

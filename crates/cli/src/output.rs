@@ -214,6 +214,7 @@ pub fn verdict_json(report: &Report) -> Value {
         "gaps": report.gaps,
         "conflict_free": report.conflict_free(),
         "maximal": report.maximal(),
+        "covering_factor": report.covering_factor,
         "valid": report.valid(),
         "judges": report.judges,
     })
@@ -368,17 +369,25 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
 
 /// Returns the verdict on a set whose radius varies or that covers a shape. No length of it is a radius.
 fn subdivision_text(report: &Report) -> String {
+    let covers = match report.covering_factor {
+        // Rounded up, as every place is within it.
+        Some(factor) => format!(
+            "prefix         yes   every place is within {:.6} times its radius",
+            (factor * 1e6).ceil() / 1e6
+        ),
+        None => format!("maximal        {}", answer(report.maximal(), report.gaps)),
+    };
     let mut out = format!(
         "samples        {}\n\
          conflict-free  {}   min distance {}\n\
-         maximal        {}\n\
+         {covers}\n\
          verified by    {}\n",
         report.count,
         conflicts_answer(report.conflicts),
         Number(report.min_distance),
-        answer(report.maximal(), report.gaps),
         Judge::joined(&report.judges),
     );
+
     for conflict in report.worst_conflicts.iter().take(3) {
         let (a, b, apart) = (conflict.first, conflict.second, Number(conflict.distance));
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} apart");

@@ -45,9 +45,11 @@ const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
 the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
 always 2^-15. Of a set whose radius varies, or that covers a shape, the certificate states an expression
-and polygons; images must be given. A file does not show how its set was made: to check the fields listed as stated
-only, make the set again. A set of nested levels is verified level by level. A thinned set is judged against
-the points from which it was chosen, which --source has; without them, that no two of its points are near.
+and polygons; images must be given. A stipple is the beginning of a set: it may cover within more than the
+radius, as its certificate states, and that factor is measured again. A file does not show how its set was
+made: to check the fields listed as stated only, make the set again. A set of nested levels is verified
+level by level. A thinned set is judged against the points from which it was chosen, which --source has;
+without them, that no two of its points are near.
 
 Examples:
   tilescope verify set.csv
@@ -57,6 +59,7 @@ Examples:
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify field.ply --radius-image grey.png
   tilescope verify thinned.ply --source cloud.ply
+  tilescope verify photo.svg --density-image photo.jpg
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
@@ -156,6 +159,7 @@ fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
         "radius": check.report.radius,
         "certificate": check.certificate.is_some(),
         "levels": check.levels,
+        "prefix": check.certificate.as_ref().and_then(|stated| stated.prefix),
         "unchecked": check.certificate.as_ref().map(Certificate::unchecked),
         "differences": check.differences,
         "passed": check.passed(),

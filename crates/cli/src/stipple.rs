@@ -1,0 +1,345 @@
+//! `tilescope stipple`: dots as dense as an image is dark, exactly as many as are asked for.
+
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, ensure};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use tilescope_analysis::VaryingRegion;
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, grouped};
+use tilescope_figures::{FigureError, Group, Scene, Shape, Style, View, to_png_controlled};
+use tilescope_formats::{Dots, Drawing, ExportContext, Format, Precision, write_whole};
+use tilescope_sets::{DEFAULT_WHITE, Made, Stipple, StippleRecipe, Tone};
+
+use crate::engine::ThreadArguments;
+use crate::ground::image;
+use crate::interrupt;
+use crate::make::Worked;
+use crate::options::{PRECISIONS, formats, named};
+use crate::output::{self, Outcome, Work};
+use crate::paths::{check_file, check_inputs_stay, check_target, extension};
+use crate::progress::Stopwatch;
+
+/// Arguments of `tilescope stipple`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
+pub struct StippleArguments {
+    /// The image: JPEG or PNG
+    image: PathBuf,
+    /// How many dots there are to be: exactly so many
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    dots: u64,
+    /// The picture or the point set to write: .svg is both, .png a picture alone, and other extensions are point sets
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Seed of the dots; the same one gives the same dots
+    #[arg(long, value_name = "SEED", default_value_t = Parameters::default().seed)]
+    seed: u64,
+    #[command(flatten)]
+    tone: ToneArguments,
+    #[command(flatten)]
+    look: LookArguments,
+    /// Make dots beyond the frame, too, and drop them: at a border there are a few more dots otherwise. Places at the frame
+    /// are then covered less well, as the certificate says
+    #[arg(long)]
+    run_on: bool,
+    /// Width of the image in the units of the dots' positions and radii; if not given its width in pixels
+    #[arg(long, value_name = "W")]
+    width: Option<f64>,
+    /// Format of the file, if its extension does not name one
+    #[arg(long, value_name = "FORMAT", value_parser = formats(), requires = "out")]
+    format: Option<Format>,
+    /// Number type, for formats that leave the choice: f32 or f64
+    #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
+    precision: Precision,
+    #[command(flatten)]
+    threads: ThreadArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// How dark the places of an image are.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Tone")]
+struct ToneArguments {
+    /// Raise the light of pixels to this power: 2.2 gives dots by the light that a screen sends, which is darker
+    #[arg(long, value_name = "G", default_value_t = 1.0)]
+    gamma: f64,
+    /// Multiply differences from half grey by this
+    #[arg(long, value_name = "C", default_value_t = 1.0)]
+    contrast: f64,
+    /// Dots where the image is light. Paper is then black and ink white, unless they are given
+    #[arg(long)]
+    invert: bool,
+    /// No dots at all where the image is lighter than this share of black: white stays clean. 0 leaves nothing out
+    #[arg(long, value_name = "D", default_value_t = DEFAULT_WHITE)]
+    white: f64,
+}
+
+/// How pictures look.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Pictures")]
+struct LookArguments {
+    /// Colour of the paper, as #rrggbb
+    #[arg(long, value_name = "COLOR", value_parser = color)]
+    paper: Option<[u8; 3]>,
+    /// Colour of the ink, as #rrggbb
+    #[arg(long, value_name = "COLOR", value_parser = color)]
+    ink: Option<[u8; 3]>,
+    /// How large dots are
+    #[arg(long, value_enum, default_value = "constant")]
+    dot_size: DotSize,
+    /// Radius of a dot where the image is black, in the units of --width; if not given, such that all dots together have
+    /// as much ink as the image is dark
+    #[arg(long, value_name = "R")]
+    dot_radius: Option<f64>,
+    /// Width of a PNG picture in pixels
+    #[arg(long, value_name = "PX", default_value_t = 1600)]
+    size: u32,
+}
+
+/// How large dots are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum DotSize {
+    /// All the same: darkness is the number of dots
+    Constant,
+    /// The darker the larger: more contrast
+    Darkness,
+}
+
+const EXAMPLES: &str = "\
+The set is the first N dots of a larger one, and certified as such: no two dots are near each other, and every place
+is within the stated factor of its radius, as it was measured. `tilescope verify` says \"prefix\", not \"maximal\", and
+needs the image.
+
+Examples:
+  tilescope stipple photo.jpg --dots 50000 --out photo.svg
+  tilescope verify photo.svg --density-image photo.jpg
+  tilescope stipple photo.jpg --dots 20000 --gamma 1.5 --contrast 1.2 --dot-size darkness --out photo.png --size 3000
+  tilescope stipple moon.png --dots 30000 --invert --run-on --out moon.svg
+  tilescope stipple photo.jpg --dots 50000 --width 200 --out plotter.csv";
+
+pub fn run(arguments: &StippleArguments) -> Result<u8> {
+    interrupt::listen();
+    arguments.threads.set()?;
+    arguments.check_out()?;
+    let recipe = arguments.recipe()?;
+
+    let mut watch = Stopwatch::start();
+    let stipple = recipe.make(&mut watch)?;
+    watch.drop_tries();
+    let drawing = arguments.look.drawing(&stipple, arguments.tone.invert)?;
+    let remarks = remarks(&stipple);
+    let worked = Worked {
+        made: stipple.made,
+        work: Work::on_cpu(&mut watch),
+    };
+
+    let mut outcome = arguments.saved(worked, drawing)?;
+    outcome.warnings.extend(remarks);
+    output::report(
+        arguments.json,
+        || to_json(&outcome, stipple.black, stipple.capped),
+        || outcome.text(),
+    )?;
+    Ok(outcome.code())
+}
+
+impl StippleArguments {
+    /// Refuses a file that could not be written at its end, or that is the image.
+    fn check_out(&self) -> Result<()> {
+        let Some(path) = &self.out else {
+            return Ok(());
+        };
+        if self.is_picture() {
+            check_file(path)?;
+        } else {
+            check_target(path, self.format, "--format")?;
+        }
+        check_inputs_stay(path, [self.image.as_path()])
+    }
+
+    /// Returns whether the output is a picture without points, which has no certificate.
+    fn is_picture(&self) -> bool {
+        let is_png = |path: &PathBuf| extension(path) == "png";
+        self.format.is_none() && self.out.as_ref().is_some_and(is_png)
+    }
+
+    fn recipe(&self) -> Result<StippleRecipe> {
+        let tone = Tone {
+            gamma: self.tone.gamma,
+            contrast: self.tone.contrast,
+            is_inverted: self.tone.invert,
+        };
+        Ok(StippleRecipe {
+            image: image(&self.image, "IMAGE")?.toned(tone)?,
+            white: self.tone.white,
+            dots: self.dots,
+            width: self.width,
+            runs_on: self.run_on,
+            seed: self.seed,
+        })
+    }
+
+    /// Verifies a stipple and writes it, if it is to be written.
+    fn saved(&self, worked: Worked, drawing: Drawing) -> Result<Outcome> {
+        let context = ExportContext {
+            format: self.format,
+            precision: self.precision,
+            drawing: Some(drawing),
+            ..worked.made.facts.context()
+        };
+        let Some(path) = self.out.as_deref().filter(|_| self.is_picture()) else {
+            return worked.finish(self.out.as_deref(), &context);
+        };
+
+        let picture = picture(&worked.made, &context, self.look.size)?;
+        let outcome = worked.finish(None, &context)?;
+        interrupt::check("the picture")?;
+        write_whole(path, &picture)?;
+        Ok(outcome)
+    }
+}
+
+impl LookArguments {
+    /// Returns how pictures show a stipple.
+    fn drawing(&self, stipple: &Stipple, is_inverted: bool) -> Result<Drawing> {
+        if let Some(radius) = self.dot_radius {
+            ensure!(
+                radius > 0.0 && radius.is_finite(),
+                "--dot-radius is {radius}; it must be above 0"
+            );
+        }
+        let black = stipple.black;
+        // A dot of this radius has as much ink as there is darkness in the area that each dot stands for where all is black.
+        let even = black / (MAXIMAL_DENSITY * PI).sqrt();
+        let dots = match self.dot_size {
+            DotSize::Constant => Dots::Constant(self.dot_radius.unwrap_or(even)),
+            DotSize::Darkness => {
+                let radii = radii(&stipple.made);
+                let darkness = radii.iter().map(|radius| (black / radius).powi(2));
+                let mean = darkness.sum::<f64>() / radii.len().max(1) as f64;
+                let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
+                Dots::ByDensity(of_black * black)
+            }
+        };
+
+        let [paper, ink] = if is_inverted {
+            [BLACK, WHITE]
+        } else {
+            [WHITE, BLACK]
+        };
+        Ok(Drawing {
+            paper: self.paper.unwrap_or(paper),
+            ink: self.ink.unwrap_or(ink),
+            dots,
+        })
+    }
+}
+
+/// Returns the radius at each dot.
+fn radii(made: &Made) -> Vec<f64> {
+    let judged = made.facts.varying.as_ref().map(|varying| &varying.judged);
+    let points = judged.map(|judged| (judged, &made.set.points));
+    let of = |(judged, points): (&VaryingRegion, &Vec<[f64; 2]>)| {
+        points
+            .iter()
+            .map(|&point| judged.radius_at(point))
+            .collect()
+    };
+    points.map(of).unwrap_or_default()
+}
+
+/// Returns the picture of a stipple as a PNG file.
+fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>> {
+    let [width, height] = context.region.size();
+    let scale = f64::from(columns) / width;
+    let drawing = (context.drawing.as_ref()).context("no colours are chosen")?;
+    let color = |[red, green, blue]: [u8; 3]| [red, green, blue, u8::MAX];
+
+    let mut dots = Group {
+        view: View {
+            scale,
+            ..View::PIXELS
+        },
+        ..Group::new("dots")
+    };
+    let style = Style::filled(color(drawing.ink));
+    for ([x, y], own) in made.set.points.iter().zip(radii(made)) {
+        // The scene's y points down.
+        let center = [*x, height - y];
+        let radius = drawing.dots.radius(own);
+        dots.shapes.push(Shape::circle(center, radius, style));
+    }
+
+    let rows = (height * scale).round().max(1.0);
+    let mut scene = Scene::new(f64::from(columns), rows, color(drawing.paper));
+    scene.title = format!("{} dots", made.set.len());
+    scene.groups.push(dots);
+    match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
+        // The request to end is the reason, and no error of the picture.
+        Err(FigureError::Cancelled) => Ok(Vec::new()),
+        drawn => Ok(drawn?),
+    }
+}
+
+/// Returns what is to be said of a stipple besides its verdict.
+fn remarks(stipple: &Stipple) -> Vec<String> {
+    let kept = grouped(stipple.made.set.len() as u64);
+    let made = stipple.made.facts.made.map(grouped).unwrap_or_default();
+    let mut remarks = vec![format!(
+        "note: the dots are the first {kept} of {made}, by their arrival"
+    )];
+    if stipple.capped > 0 {
+        let capped = grouped(stipple.capped as u64);
+        remarks.push(format!(
+            "note: {capped} pixels are too light for the largest radius, 64 times the least at most, and have that radius: \
+             dots are denser there than the image is dark; --white leaves light places out"
+        ));
+    }
+    remarks
+}
+
+fn to_json(outcome: &Outcome, black: f64, capped: usize) -> serde_json::Value {
+    let mut object = outcome.json();
+    object["made"] = json!(outcome.facts.made);
+    object["black_radius"] = json!(black);
+    object["capped_pixels"] = json!(capped);
+    object
+}
+
+const BLACK: [u8; 3] = [0; 3];
+const WHITE: [u8; 3] = [u8::MAX; 3];
+
+/// Reads a colour: #rrggbb, black or white.
+fn color(text: &str) -> Result<[u8; 3], String> {
+    match text {
+        "black" => return Ok(BLACK),
+        "white" => return Ok(WHITE),
+        _ => {}
+    }
+    let digits = text.strip_prefix('#').unwrap_or_default();
+    let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
+    let number = number.ok_or("a colour is written as #rrggbb, or as black or white")?;
+    let [_, red, green, blue] = number.to_be_bytes();
+    Ok([red, green, blue])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_read_and_other_words_are_not() {
+        assert_eq!(color("#0a10ff"), Ok([10, 16, 255]));
+        assert_eq!(color("black"), Ok(BLACK));
+        for word in [
+            "", "#12345", "#1234567", "123456", "#+12345", "red", "#12345g",
+        ] {
+            assert!(color(word).is_err(), "{word}");
+        }
+    }
+}
