@@ -112,6 +112,10 @@ pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
 }
 
 /// Returns the words after four rounds. After them the key is injected again, turned and numbered, so that rounds differ.
+#[expect(
+    clippy::inline_always,
+    reason = "rotations are constants only where it is inlined"
+)]
 #[inline(always)]
 const fn four_rounds(
     [mut x0, mut x1]: [u32; 2],
