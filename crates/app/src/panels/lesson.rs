@@ -236,7 +236,7 @@ impl LessonPanel<'_> {
                 let gate = step.gate.as_ref();
                 let score = gate.and_then(|gate| lessons.shown_score(lesson, &gate.name));
                 let is_here = index == learner.index();
-                // The colour says where the learner is, and otherwise what was answered: in full, in part, or not yet.
+                // The colour says where the learner is, and otherwise how the question was answered: in full, in part, or not yet.
                 let color = match (is_here, score) {
                     (true, _) => self.palette.accent,
                     (false, Some(score)) if score > FULL_MARKS => self.palette.inserted,

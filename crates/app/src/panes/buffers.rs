@@ -189,6 +189,7 @@ impl RowPainter<'_> {
                 RowPlace::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),
             }
         }
+
         self.painter.add(squares);
         self.painter.add(rings);
     }
