@@ -72,8 +72,12 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
 
         // Samples on one circle share a vertex: their polygon is a fan of triangles.
         for pair in around.windows(2).skip(1) {
-            let [a, b, c] = [around[0], pair[0], pair[1]];
-            triangles.push(Triangle::new([a.0, b.0, c.0], [a.1, b.1, c.1]));
+            let corners = [around[0], pair[0], pair[1]];
+            let (samples, places) = (
+                corners.map(|corner| corner.0),
+                corners.map(|corner| corner.1),
+            );
+            triangles.push(Triangle::new(samples, places));
         }
     }
     triangles

@@ -59,20 +59,9 @@ const LABEL: f64 = 13.0;
 
 /// Returns the room above and below the tiles of a row.
 pub(super) fn room(row: &[&TileChart]) -> [f64; 2] {
-    let any_has = |text: fn(&TileChart) -> &str| row.iter().any(|tile| !text(tile).is_empty());
-    let head = if any_has(|tile| &tile.title) {
-        HEAD
-    } else {
-        0.0
-    };
-    [
-        head,
-        if any_has(|tile| &tile.note) {
-            NOTE
-        } else {
-            GAP
-        },
-    ]
+    let has = |text: fn(&TileChart) -> &str| row.iter().any(|tile| !text(tile).is_empty());
+    let head = if has(|tile| &tile.title) { HEAD } else { 0.0 };
+    [head, if has(|tile| &tile.note) { NOTE } else { GAP }]
 }
 
 impl TileChart {

@@ -180,7 +180,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
     let full = classes
         .iter()
         .enumerate()
-        .filter(|one| one.1.1 >= MIN_PIXELS);
+        .filter(|(_, (_, pixels))| *pixels >= MIN_PIXELS);
     let middle = |class: usize| (class as f64 + 0.5) * CLASS;
 
     PlateErrors {
