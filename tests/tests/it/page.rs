@@ -12,33 +12,33 @@ const LONG: usize = 25;
 /// From how many lines on the comments of a body are counted.
 const BODY: usize = 15;
 
-/// For each crate the most long functions without a blank line, and the fewest comments in 1,000 lines of bodies. They are the
-/// counts of the day when the crate was last gone through: lower the first and raise the second with each pass.
-const LIMITS: [(&str, usize, usize); 24] = [
-    ("crates/analysis", 12, 32),
-    ("crates/app", 2, 30),
-    ("crates/canvas", 0, 43),
-    ("crates/classroom", 0, 46),
-    ("crates/cli", 35, 15),
-    ("crates/core", 27, 42),
-    ("crates/debugger", 30, 5),
-    ("crates/drawing", 3, 48),
-    ("crates/figures", 2, 50),
-    ("crates/formats", 2, 48),
-    ("crates/gpu", 0, 52),
-    ("crates/lessons", 0, 37),
-    ("crates/live", 0, 34),
-    ("crates/passes", 0, 42),
-    ("crates/python", 9, 20),
-    ("crates/reproduce", 1, 41),
-    ("crates/session", 18, 14),
-    ("crates/sets", 0, 46),
-    ("crates/tilescope", 1, 57),
-    ("crates/trusted", 0, 45),
-    ("crates/ui", 0, 33),
-    ("crates/workbench", 91, 16),
-    ("web/app", 4, 16),
-    ("web/pack", 0, 46),
+/// For each crate the fewest comments in 1,000 lines of bodies: the counts of the day when the crate was last gone through. Raise
+/// them with each pass.
+const LIMITS: [(&str, usize); 24] = [
+    ("crates/analysis", 52),
+    ("crates/app", 38),
+    ("crates/canvas", 55),
+    ("crates/classroom", 51),
+    ("crates/cli", 48),
+    ("crates/core", 59),
+    ("crates/debugger", 59),
+    ("crates/drawing", 54),
+    ("crates/figures", 50),
+    ("crates/formats", 52),
+    ("crates/gpu", 53),
+    ("crates/lessons", 48),
+    ("crates/live", 62),
+    ("crates/passes", 53),
+    ("crates/python", 50),
+    ("crates/reproduce", 52),
+    ("crates/session", 52),
+    ("crates/sets", 53),
+    ("crates/tilescope", 55),
+    ("crates/trusted", 45),
+    ("crates/ui", 50),
+    ("crates/workbench", 53),
+    ("web/app", 41),
+    ("web/pack", 49),
 ];
 
 /// What is counted in a crate.
@@ -120,20 +120,17 @@ fn pages() -> BTreeMap<String, Page> {
 fn worse(pages: &BTreeMap<String, Page>) -> Vec<String> {
     let mut found = Vec::new();
     for (name, page) in pages {
-        let Some((_, bare, density)) = LIMITS.iter().find(|(limited, ..)| limited == name) else {
+        if page.bare > 0 {
             found.push(format!(
-                "{name} has no limit: {} and {}",
-                page.bare,
-                page.density()
-            ));
-            continue;
-        };
-        if page.bare > *bare {
-            found.push(format!(
-                "{name}: {} functions of {LONG} lines and more have no blank line; the limit is {bare}",
+                "{name}: {} functions of {LONG} lines and more have no blank line",
                 page.bare
             ));
         }
+
+        let Some((_, density)) = LIMITS.iter().find(|(limited, _)| limited == name) else {
+            found.push(format!("{name} has no limit: {}", page.density()));
+            continue;
+        };
         if page.density() < *density {
             found.push(format!(
                 "{name}: {} comments in 1,000 lines of bodies; the limit is {density}",
