@@ -49,6 +49,7 @@ impl Tone {
     }
 
     /// Returns the grey of each light, both in 16 bits.
+    #[expect(clippy::float_cmp, reason = "1 is given, and leaves all as it is")]
     pub(super) fn table(&self) -> Vec<u16> {
         let white = WHITE as u16;
         let shown = |light: u16| {
@@ -72,6 +73,7 @@ impl Tone {
     }
 
     /// Adds the numbers that are not those of every image.
+    #[expect(clippy::float_cmp, reason = "1 is given, and leaves all as it is")]
     pub(in crate::varying) fn state(&self, value: &mut Value) {
         if self.gamma != 1.0 {
             value["gamma"] = json!(self.gamma);

@@ -75,6 +75,7 @@ fn the_first_dots_are_spread_over_the_image() {
 }
 
 #[test]
+#[expect(clippy::float_cmp, reason = "sizes are whole numbers of pixels")]
 fn fine_images_are_taken_in_blocks_and_coarse_ones_are_not() {
     let fine = recipe(image([512, 256], |x, _| 0.9 * x), 300);
     let (stipple, report) = stippled(&fine);
