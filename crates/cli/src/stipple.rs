@@ -3,14 +3,14 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use tilescope_analysis::VaryingRegion;
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, grouped};
 use tilescope_figures::{FigureError, Group, Scene, Shape, Style, View, to_png_controlled};
 use tilescope_formats::{Dots, Drawing, ExportContext, Format, Precision, write_whole};
-use tilescope_sets::{DEFAULT_WHITE, Made, Stipple, StippleRecipe, Tone};
+use tilescope_sets::{DEFAULT_WHITE, Made, Stipple, StippleRecipe, Tone, VaryingError};
 
 use crate::engine::ThreadArguments;
 use crate::ground::image;
@@ -125,12 +125,13 @@ pub fn run(arguments: &StippleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     arguments.check_out()?;
+    arguments.look.check()?;
     let recipe = arguments.recipe()?;
 
     let mut watch = Stopwatch::start();
-    let stipple = recipe.make(&mut watch)?;
-    watch.drop_tries();
-    let drawing = arguments.look.drawing(&stipple, arguments.tone.invert)?;
+    let made = recipe.make(&mut watch);
+    let stipple = made.map_err(|error| of_dots(error, arguments.dots))?;
+    let drawing = arguments.look.drawing(&stipple, arguments.tone.invert);
     let remarks = remarks(&stipple);
     let worked = Worked {
         made: stipple.made,
@@ -204,14 +205,19 @@ impl StippleArguments {
 }
 
 impl LookArguments {
-    /// Returns how pictures show a stipple.
-    fn drawing(&self, stipple: &Stipple, is_inverted: bool) -> Result<Drawing> {
+    /// Refuses dots that no picture can show.
+    fn check(&self) -> Result<()> {
         if let Some(radius) = self.dot_radius {
             ensure!(
                 radius > 0.0 && radius.is_finite(),
                 "--dot-radius is {radius}; it must be above 0"
             );
         }
+        Ok(())
+    }
+
+    /// Returns how pictures show a stipple.
+    fn drawing(&self, stipple: &Stipple, is_inverted: bool) -> Drawing {
         let black = stipple.black;
         // A dot of this radius has as much ink as there is darkness in the area that each dot stands for where all is black.
         let even = black / (MAXIMAL_DENSITY * PI).sqrt();
@@ -231,11 +237,20 @@ impl LookArguments {
         } else {
             [WHITE, BLACK]
         };
-        Ok(Drawing {
+        Drawing {
             paper: self.paper.unwrap_or(paper),
             ink: self.ink.unwrap_or(ink),
             dots,
-        })
+        }
+    }
+}
+
+/// Names the option that a radius follows from, where the radius is refused.
+fn of_dots(error: VaryingError, dots: u64) -> anyhow::Error {
+    match error {
+        VaryingError::Domain(_) => anyhow!(error).context(format!("--dots {dots} are too few")),
+        VaryingError::Fine { .. } => anyhow!(error).context(format!("--dots {dots} are too many")),
+        _ => error.into(),
     }
 }
 

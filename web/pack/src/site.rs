@@ -361,7 +361,7 @@ fn first_page_head(entries: &[Entry], address: &str) -> String {
         "hasPart": lessons.collect::<Vec<_>>(),
     });
 
-    own_address(address, "") + &data_element(&data)
+    format!("{}{}", own_address(address, ""), data_element(&data))
 }
 
 /// Returns the canonical address of a page in the head, if the site's is known.
@@ -451,7 +451,12 @@ fn alternates(address: &str, up: &str, path: &dyn Fn(&Words) -> String) -> Strin
         format!("<link rel=\"alternate\" hreflang=\"{tag}\" href=\"{from}{path}\" />\n")
     };
     let default = link(&ENGLISH, "x-default");
-    link(&ENGLISH, ENGLISH.tag) + &link(&GERMAN, GERMAN.tag) + &default
+    [
+        link(&ENGLISH, ENGLISH.tag),
+        link(&GERMAN, GERMAN.tag),
+        default,
+    ]
+    .concat()
 }
 
 /// Returns what search engines and catalogues of teaching material read about a lesson.

@@ -338,7 +338,8 @@ fn what_cannot_be_stippled_is_refused_and_nothing_is_lost() {
             "a colour is written as #rrggbb",
         ),
         ("photo.jpg --dots 9 --dot-radius 0", "--dot-radius is 0"),
-        ("photo.jpg --dots 90000000", "1/32 of that"),
+        ("photo.jpg --dots 90000000", "90000000 are too many"),
+        ("photo.jpg --dots 2", "--dots 2 are too few"),
     ] {
         let words = format!("stipple {line} --out a.svg");
         let refused = tilescope(&folder).args(words.split(' ')).assert().code(2);

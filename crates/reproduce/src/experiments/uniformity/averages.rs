@@ -184,7 +184,7 @@ fn measure(
         let some = seeds.map(|index| once(plan, way, settings.seed_of(index as u64), control));
         for one in some.collect::<Result<Vec<MeasuredOnce>>>()? {
             counts.push(one.count as f64);
-            periodograms.add(&one.periodogram)?;
+            periodograms.add(one.periodogram)?;
             let mean = pairs.get_or_insert_with(|| Average::new(one.pairs.len()));
             mean.add(&one.pairs)?;
         }
