@@ -1,5 +1,6 @@
 //! `tilescope thin`: the points of a file that are kept so that no two are near each other.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,6 +29,10 @@ use crate::{interrupt, output, verdict_code};
 /// Arguments of `tilescope thin`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an option of its own"
+)]
 pub struct ThinArguments {
     /// The points: a text table, PLY, NPY, JSON, `GeoJSON` or a file of psa or UTK
     input: PathBuf,
@@ -366,7 +371,7 @@ impl Outcome {
                 let warning = format!("{element} numbers vertices, and is left out");
                 out += &output::warning_line(&warning);
             }
-            out += &format!("certificate    {}\n", named(&file.certificate_path));
+            let _ = writeln!(out, "certificate    {}", named(&file.certificate_path));
         }
         out
     }
@@ -396,12 +401,18 @@ pub fn report_text(report: &ThinnedReport) -> String {
         output::answer(report.uncovered == 0, report.uncovered),
     );
     for [first, second] in &report.conflicting {
-        out += &format!("  conflict: points {first} and {second} given are both kept\n");
+        let _ = writeln!(
+            out,
+            "  conflict: points {first} and {second} given are both kept"
+        );
     }
     for point in &report.uncovered_points {
-        out += &format!("  point {point} given is left out, and near no earlier kept one\n");
+        let _ = writeln!(
+            out,
+            "  point {point} given is left out, and near no earlier kept one"
+        );
     }
-    out += &format!("verdict        {}\n", output::validity(report.valid()));
+    let _ = writeln!(out, "verdict        {}", output::validity(report.valid()));
     out
 }
 

@@ -1,5 +1,6 @@
 //! Verifying a thinned set: alone, and against the points from which it was chosen.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Result, bail};
@@ -209,7 +210,7 @@ impl Verdict {
         let radius = output::radius_text(&stated.radius);
         let priority = shown_in_line(&thinned.priority);
         let mut out = format!("thinned to r = {radius} on {region}, taken by: {priority}\n\n");
-        out += &if self.has_source {
+        let judged = if self.has_source {
             report_text(&self.report)
         } else {
             format!(
@@ -228,6 +229,7 @@ impl Verdict {
                 },
             )
         };
+        out += &judged;
 
         if self.differences.is_empty() {
             let unchecked = stated.unchecked();
@@ -237,12 +239,15 @@ impl Verdict {
             } else {
                 "thinned.source, thinned.given, gaps, "
             };
-            out += &format!("certificate    true\n  stated only: {of_source}{unchecked}\n");
+            let _ = writeln!(
+                out,
+                "certificate    true\n  stated only: {of_source}{unchecked}"
+            );
         } else {
             out += "certificate    NOT TRUE\n";
             for it in &self.differences {
                 let [stated, found] = [&it.stated, &it.found].map(|value| shown_in_line(value));
-                out += &format!("  {}: stated {stated}, found {found}\n", it.field);
+                let _ = writeln!(out, "  {}: stated {stated}, found {found}", it.field);
             }
         }
         out

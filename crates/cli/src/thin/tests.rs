@@ -148,7 +148,7 @@ fn what_was_tampered_with_is_found() {
     let fresh = || {
         thin(&folder, "cloud.csv --radius 0.45 --out thinned.csv")
             .map(drop)
-            .unwrap()
+            .unwrap();
     };
     let codes = || {
         let alone = verified(&folder, "thinned.csv");
@@ -170,12 +170,12 @@ fn what_was_tampered_with_is_found() {
     // A point that was left out, and one that was never there.
     fresh();
     tamper(&folder, |lines| {
-        lines.insert(2, "1,0.1,500,0,\"a, 1\"".to_owned())
+        lines.insert(2, "1,0.1,500,0,\"a, 1\"".to_owned());
     });
     assert_eq!(codes(), [EXIT_NEGATIVE; 2]);
     fresh();
     tamper(&folder, |lines| {
-        lines[3] = lines[3].replacen(',', ",0.0", 1)
+        lines[3] = lines[3].replacen(',', ",0.0", 1);
     });
     assert_eq!(codes()[1], EXIT_NEGATIVE);
 
