@@ -400,6 +400,7 @@ pub fn report_text(report: &ThinnedReport) -> String {
         output::conflicts_answer(report.conflicts),
         output::answer(report.uncovered == 0, report.uncovered),
     );
+
     for [first, second] in &report.conflicting {
         let _ = writeln!(
             out,

@@ -39,7 +39,12 @@ fn documents() -> Vec<PathBuf> {
 }
 
 /// Folders that tests and commands make.
-const MADE: [&str; 2] = ["web/dist", "tilescope-out/"];
+const MADE: [&str; 4] = [
+    "lesson/NAME/",
+    "lesson/NAME/de/",
+    "web/dist",
+    "tilescope-out/",
+];
 
 /// Returns whether a text between backquotes names a file or a folder of this tree. Where a paragraph is about a crate, it
 /// names Rust files without their folder, too.
