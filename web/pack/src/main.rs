@@ -8,7 +8,6 @@ mod folder;
 mod names;
 mod page;
 mod rewrite;
-mod site;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -87,14 +86,11 @@ fn pack(arguments: &Arguments) -> Result<()> {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
 
-    let address = arguments.address.as_deref().unwrap_or_default();
-    site::add(&mut sources, address)?;
-    let mut files = page::assemble(&sources, address)?;
-    let first_page = site::first_page_sizes(&files)?;
+    let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
     files.extend(page::example(&arguments.example)?);
 
     let packed = compress::all(files, &arguments.out);
-    let table = budget::Table::of(&packed, first_page);
+    let table = budget::Table::of(&packed);
     print!("{table}");
     // The table is most useful if the budget is exceeded, so print it first.
     table.check(arguments.most)?;
