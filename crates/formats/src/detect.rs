@@ -139,7 +139,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
         });
     }
 
-    // A raw f32 file may begin with any byte, so for these two marks more of the text is checked.
+    // A raw f32 file may begin with any byte, so for JSON and SVG more of the text is checked.
     let text = without_bom(bytes).trim_ascii_start();
     let second = text.get(1..).unwrap_or_default().trim_ascii_start().first();
     match (text.first()?, second?) {

@@ -148,7 +148,7 @@ impl LiveMoment {
             region,
             radius,
             covering_tolerance: COVERING_TOLERANCE,
-            // The judges stop counting there, so that both say the same.
+            // Judges stop counting at the same limit, so that live and judged numbers agree.
             conflicts: pairs.conflicts().min(MAX_CONFLICTS),
             worst_conflicts: Vec::new(),
             gaps: cover.open_places(),

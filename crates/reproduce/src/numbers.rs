@@ -45,7 +45,7 @@ pub fn count(value: u64) -> String {
 
 /// Returns a number with so many significant digits, thousands apart.
 pub fn number(value: f64, digits: usize) -> String {
-    // Neither zero nor an infinity has a magnitude, and NaN has none.
+    // Zero, infinities and NaN have no magnitude.
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 {
             "0".to_owned()

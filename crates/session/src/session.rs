@@ -496,7 +496,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
 
-    // It is near the end of the tape.
+    // It is near the end of the tape, from which its beginning is searched backwards.
     let mut events = recording.tape().before(recording.len());
     events.find(|(_, event)| begun_by(event) == Some(Stage::Iterate(number)))?;
 

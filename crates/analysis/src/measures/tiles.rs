@@ -43,7 +43,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
         Ok(Some((own, mapped)))
     });
 
-    // One tile without cells makes all of them void.
+    // If one tile could not be done alone, the cells of the others are dropped.
     let tiles: Option<Vec<_>> = tiles.collect::<Result<_, VerifyError>>()?;
     let mut out: Vec<Option<T>> = vec![None; points.len()];
     for (own, mapped) in tiles.into_iter().flatten() {

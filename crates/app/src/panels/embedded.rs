@@ -32,7 +32,7 @@ pub fn show(
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let height = player.map_or(0.0, |_| player_height(ui.ctx(), room.size(), state));
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
-    // The Tab key follows this order, too.
+    // The Tab key follows the order in which they are shown.
     part(
         ui,
         "canvas",

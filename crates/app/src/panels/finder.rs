@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let chosen = modal.inner.and_then(|index| found.get(index));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
         commands.push(Command::Window(WindowCommand::CloseFinder));
-        // This action opens the list, and would do so now that it is closed.
+        // The list is closed by now: this action would open it again.
         if action.command != Command::Window(WindowCommand::ToggleFinder) {
             commands.push(action.command.clone());
         }

@@ -348,7 +348,7 @@ impl LessonPanel<'_> {
             if question.hint.is_some() {
                 self.on_click(&ui.button(labels.hint), "lesson-hint", LessonCommand::Hint);
             }
-            // The second click shows the answer, or goes on in a form.
+            // The second click shows the answer; in a test form it goes on without one.
             let is_sure = learner.is_asked_to_give_up();
             let name = match (is_sure, learner.lesson().form) {
                 (false, _) => labels.give_up,

@@ -234,7 +234,8 @@ impl<'a> ExactTiling<'a> {
         });
     }
 
-    /// Lays down the samples of a clip that lie in the last tile. Those around it are missing from the beginning.
+    /// Lays down the samples of a clip that lie in the last tile. Those around the tile count as lost from the beginning: the
+    /// darts that they refused are woken.
     fn clip<T: Recorder>(&mut self, clipper: &Clipper, block: &PlacedBlock, recorder: &mut T) {
         let tile = self.tiles.len() as u32 - 1;
         let rect = self.tiles[tile as usize].rect;

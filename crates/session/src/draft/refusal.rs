@@ -70,7 +70,7 @@ impl Draft {
 
         if let Err(error) = self.parameters.validate_sequential() {
             let part = part_of(&error, &self.parameters);
-            // A field has one refusal. If its text cannot be read, the core has seen the value before it.
+            // A field has one refusal. If its text cannot be read, the core has judged its previous value.
             if !refusals.iter().any(|refusal| refusal.part == part) {
                 let reason = sentence(&error.to_string());
                 refusals.push(DraftRefusal { part, reason });

@@ -78,7 +78,8 @@ impl PlanarPolygon {
         };
         refuse_ring(self.rings.iter().position(|ring| ring.len() < 3))?;
 
-        // The unit square is the usual domain of this program, and holds no town.
+        // Corners in the unit square are not taken for degrees: it is the usual domain of this program, and as degrees it would lie
+        // in the sea.
         let all = || self.rings.iter().flatten();
         let beyond = all().find(|corner| !corner.iter().all(|value| (0.0..=1.0).contains(value)));
         if let Some(&corner) = beyond.filter(|_| !planar && may_be_degrees(all())) {

@@ -161,7 +161,7 @@ pub fn amounts(settings: &Settings) -> (Horizon, u64) {
     (Horizon { side }, sets)
 }
 
-/// Renders an image from each set of a sampler.
+/// Returns the errors of the images of a sampler's sets.
 pub fn errors(
     sampler: Sampler,
     per_pixel: usize,
