@@ -284,7 +284,7 @@ impl ThinnedSet<'_> {
     }
 }
 
-/// Returns the distance of two radii.
+/// Returns the harmonic mean of two radii: points nearer than that are near.
 fn mean(a: f64, b: f64) -> f64 {
     // The same number by a shorter way.
     if a == b {

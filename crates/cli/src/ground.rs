@@ -111,8 +111,8 @@ impl GroundArguments {
         Ok(GivenGround { radius, shape })
     }
 
-    /// Returns what a set in a file is judged in, if its radius varies or it covers a shape: by its certificate, or by these
-    /// arguments.
+    /// Returns the field and the shape by which a set in a file is judged, from its certificate or from these arguments; nothing
+    /// for a set of one radius in a rectangle.
     pub fn judged(
         &self,
         file: &Path,
@@ -142,7 +142,7 @@ impl GroundArguments {
         Ok(Some(recipe.ground().in_file(file)?.varying))
     }
 
-    /// Returns what a set of unknown origin is judged in.
+    /// Returns the field and the shape that the arguments state for a set without a certificate.
     fn foreign(&self, set: &SetArguments) -> Result<VaryingRecipe> {
         let radius = match (&self.radius_expression, &self.density_image, set.radius) {
             (Some(text), ..) => formula(text)?,

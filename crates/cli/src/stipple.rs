@@ -294,13 +294,13 @@ fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>
     scene.title = format!("{} dots", made.set.len());
     scene.groups.push(dots);
     match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
-        // The request to end is the reason, and no error of the picture.
+        // Ctrl-C: before the picture is written, the caller refuses to go on, and says why.
         Err(FigureError::Cancelled) => Ok(Vec::new()),
         drawn => Ok(drawn?),
     }
 }
 
-/// Returns what is to be said of a stipple besides its verdict.
+/// Returns the notes on a stipple.
 fn remarks(stipple: &Stipple) -> Vec<String> {
     let kept = grouped(stipple.made.set.len() as u64);
     let made = stipple.made.facts.made.map(grouped).unwrap_or_default();

@@ -122,7 +122,7 @@ pub fn run(arguments: &ThinArguments) -> Result<u8> {
 }
 
 /// Thins a file, has the choice judged, and writes it.
-fn make(arguments: &ThinArguments) -> Result<Outcome> {
+fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
         destination(&certificate_path(&destination(path)?))?;
         check_file(path)?;
@@ -130,7 +130,7 @@ fn make(arguments: &ThinArguments) -> Result<Outcome> {
         check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
     }
     let recipe = arguments.recipe()?;
-    let mut clock = Clock::start();
+    let mut laps = Laps::start();
 
     let bytes = read_whole(&arguments.input)?;
     // Positions take no more than the file does, but for rows of a few letters. What else is needed is asked for later.
@@ -147,27 +147,27 @@ fn make(arguments: &ThinArguments) -> Result<Outcome> {
     }
     let mut thinning = recipe.prepare(&file, true).in_file(&arguments.input)?;
     arguments.state(&mut thinning, &name);
-    clock.lap("read");
+    laps.add("read");
 
     let points = file.points();
     let kept = watched("thin", |control| thinning.choose(points, control));
     let kept = kept.in_file(&arguments.input)?;
-    clock.lap("thin");
+    laps.add("thin");
 
     let report = verifying(|control| thinning.judge(points, &kept, control))?;
-    clock.lap("verify");
+    laps.add("verify");
 
     let mut written = None;
     if let Some(path) = &arguments.out {
         interrupt::check("the file was written")?;
         written = Some(write(&file, &thinning, &kept, &report, path)?);
-        clock.lap("write");
+        laps.add("write");
     }
-    Ok(Outcome {
+    Ok(ThinnedFile {
         thinning,
         report,
         written,
-        clock,
+        laps,
     })
 }
 
@@ -303,22 +303,22 @@ pub fn columns(names: Option<&[String]>) -> Option<[&str; 2]> {
 }
 
 /// The seconds of each part of the work.
-struct Clock {
+struct Laps {
     last: Instant,
-    laps: Vec<(&'static str, f64)>,
+    seconds: Vec<(&'static str, f64)>,
 }
 
-impl Clock {
+impl Laps {
     fn start() -> Self {
         Self {
             last: Instant::now(),
-            laps: Vec::new(),
+            seconds: Vec::new(),
         }
     }
 
-    fn lap(&mut self, name: &'static str) {
+    fn add(&mut self, name: &'static str) {
         let now = Instant::now();
-        self.laps.push((name, (now - self.last).as_secs_f64()));
+        self.seconds.push((name, (now - self.last).as_secs_f64()));
         self.last = now;
     }
 }
@@ -331,17 +331,17 @@ struct Written {
 }
 
 /// The set that was kept, and how it was judged.
-struct Outcome {
+struct ThinnedFile {
     thinning: Thinning,
     report: ThinnedReport,
     written: Option<Written>,
-    clock: Clock,
+    laps: Laps,
 }
 
-impl Outcome {
+impl ThinnedFile {
     fn json(&self) -> Value {
         let (written, thinning) = (self.written.as_ref(), &self.thinning);
-        let seconds = self.clock.laps.iter();
+        let seconds = self.laps.seconds.iter();
         let mut object = json!({
             "radius": thinning.radius,
             "region": thinning.region,
@@ -359,7 +359,7 @@ impl Outcome {
     fn text(&self) -> String {
         let radius = output::radius_text(&self.thinning.radius);
         let priority = self.thinning.priority();
-        let laps = self.clock.laps.iter();
+        let laps = self.laps.seconds.iter();
         let stages = laps.map(|(name, time)| format!("  {name:<12} {:>9.1} ms\n", time * 1e3));
         let mut out = format!(
             "thinned to r = {radius}, taken by: {priority}\n\n{}\n{}",

@@ -132,7 +132,7 @@ pub enum ThinError {
         /// The shorter side.
         side: f64,
     },
-    /// The control said so.
+    /// The caller ended the work.
     #[error("cancelled before the points were thinned")]
     Cancelled,
 }

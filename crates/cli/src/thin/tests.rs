@@ -41,7 +41,7 @@ fn words(folder: &TempDir, command: &str, words: &str) -> Vec<String> {
     all.chain(words.split_whitespace().map(word)).collect()
 }
 
-fn thin(folder: &TempDir, line: &str) -> Result<Outcome> {
+fn thin(folder: &TempDir, line: &str) -> Result<ThinnedFile> {
     let words = words(folder, "thin", line);
     match Arguments::try_parse_from(words)?.command {
         Some(Command::Thin(arguments)) => make(&arguments),
