@@ -13,6 +13,7 @@ mod ply;
 mod ply_header;
 mod ply_outline;
 mod psa;
+mod radii;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod rows;
 mod svg;
@@ -54,7 +55,7 @@ pub struct Hint<'a> {
     /// What to do with the certificate beside or inside the file.
     pub certificate: CertificateUse,
     /// Whether the caller takes a radius that varies, and a shape, into account. Otherwise a certificate with one is refused
-    /// when it is checked.
+    /// when it is checked, and columns of radii are not read.
     pub varying: bool,
     /// Whether points may have any third coordinate, which is not read. Otherwise it must be 0.
     pub any_z: bool,
@@ -98,6 +99,8 @@ pub struct ReadSet {
     /// Whether the positions may be longitudes and latitudes in degrees: those of a `GeoJSON` file whose points all lie
     /// within 180 and 90. See [`refuse_degrees`].
     pub degrees: bool,
+    /// The radius of each point, in file coordinates, if the file has such a column; nothing unless [`Hint::varying`] asks.
+    pub radii: Option<Vec<f64>>,
     /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as
     /// it is; for other functions [`Hint::certificate`] says how it is used. [`check_bytes`](crate::check_bytes)
     /// also judges the points.
@@ -198,7 +201,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::UtkBinary => utk::read_binary(bytes, hint.set),
         Format::Npy => npy::read(bytes, hint.any_z),
         Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format, hint.any_z),
-        Format::Json => json::read(bytes, hint.certificate, hint.any_z),
+        Format::Json | Format::GeoJson => json::read(bytes, hint.certificate, hint.any_z),
         Format::Svg => svg::read(bytes),
     }?;
 
@@ -216,6 +219,10 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     }
     check_provenance(&raw.set)?;
 
+    // A page has no use for them, and would load their readers for nothing.
+    let asks_radii = hint.varying && !cfg!(target_arch = "wasm32");
+    let radii = asks_radii.then(|| radii::read(bytes, format));
+
     // With the certificate goes the provenance: nothing else says of which run it is.
     if hint.certificate == CertificateUse::LeftOut {
         (raw.set.provenance, raw.certificate) = (None, None);
@@ -226,6 +233,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         precision: raw.precision,
         sets: raw.sets,
         degrees: raw.degrees,
+        radii: radii.transpose()?.flatten(),
         certificate: raw.certificate,
         refused: None,
     })
@@ -330,6 +338,7 @@ pub(crate) fn encode_certified(
         Format::PlyBinary => Ok(ply::write_binary(&points, provenance, columns, precision)),
         Format::Xyz => Ok(xyz::write(&points)),
         Format::Json => json::write(&points, provenance, certificate),
+        Format::GeoJson => Ok(geojson::write(&points, columns)),
         Format::Svg => Ok(svg::write(&points, target, columns)),
     }
 }

@@ -92,6 +92,10 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
 
     let marked = by_mark(bytes);
     let found = match (named, marked) {
+        // The type of an object need not come first, and shows only beside the name.
+        (Some(Format::GeoJson), Some(Format::Json)) => (Format::GeoJson, Evidence::Extension),
+        // Most programs call it .json.
+        (Some(Format::Json), Some(Format::GeoJson)) => (Format::GeoJson, Evidence::Extension),
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
         (Some(named), Some(marked)) => (marked, Evidence::ContentAgainst(named)),
         (Some(named), None) if !is_table(named) => (named, Evidence::Extension),
@@ -143,10 +147,16 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
     let text = without_bom(bytes).trim_ascii_start();
     let second = text.get(1..).unwrap_or_default().trim_ascii_start().first();
     match (text.first()?, second?) {
+        (b'{', b'"') if begins_with_type(&text[1..]) => Some(Format::GeoJson),
         (b'{', b'"' | b'}') | (b'[', b'[' | b']') => Some(Format::Json),
         (b'<', b'?' | b's' | b'!') => Some(Format::Svg),
         _ => None,
     }
+}
+
+/// Whether the first member of an object is its type, as in `GeoJSON`; sets of this program have none.
+fn begins_with_type(members: &[u8]) -> bool {
+    members.trim_ascii_start().starts_with(b"\"type\"")
 }
 
 /// Whether a format is a table of text, so that others of its kind may bear its name.
@@ -307,10 +317,16 @@ impl Format {
 
     /// Whether a file of this format is recognised under a name that stands for `named`.
     fn is_recognised_as(self, named: Self) -> bool {
-        let marked = matches!(
-            self,
-            Self::UtkBinary | Self::Npy | Self::PlyAscii | Self::PlyBinary | Self::Json | Self::Svg
-        );
+        let marked = match self {
+            Self::UtkBinary
+            | Self::Npy
+            | Self::PlyAscii
+            | Self::PlyBinary
+            | Self::GeoJson
+            | Self::Svg => true,
+            Self::Json => named != Self::GeoJson,
+            Self::Csv | Self::PsaText | Self::PsaRps | Self::UtkText | Self::Xyz => false,
+        };
         // Any table may be called .txt or .dat.
         let by_text = is_table(self) && matches!(named, Self::PsaText | Self::UtkText);
         marked || self == named || by_text
@@ -332,6 +348,7 @@ mod tests {
         assert_eq!(found(b"\x93NUMPY\x01", "a.csv"), (Format::Npy, against));
         assert_eq!(found(b"UTK!\x05", "a.csv"), (Format::UtkBinary, against));
         assert_eq!(found(b"{\"points\"", "a.csv"), (Format::Json, against));
+        assert_eq!(found(b"{ \"type\":", "a.csv"), (Format::GeoJson, against));
         assert_eq!(found(b"<svg", "a.csv"), (Format::Svg, against));
         assert_eq!(
             found(b"0.5 0.5\n", "a.txt"),
@@ -348,6 +365,15 @@ mod tests {
         );
         let binary = b"ply\r\nformat binary_little_endian 1.0\r\n";
         assert_eq!(found(binary, ""), (Format::PlyBinary, Evidence::Content));
+    }
+
+    #[test]
+    fn geojson_is_known_by_its_name_or_by_its_first_member() {
+        let own = (Format::GeoJson, Evidence::Extension);
+        assert_eq!(found(b"{\"type\": 1", "a.json"), own);
+        assert_eq!(found(b"{\"bbox\": [1]", "a.geojson"), own);
+        let json = (Format::Json, Evidence::Extension);
+        assert_eq!(found(b"{\"bbox\": [1]", "a.json"), json);
     }
 
     #[test]

@@ -122,7 +122,7 @@ pub enum FormatError {
     },
     /// A format of the unit torus cannot hold positions with an origin.
     #[error(
-        "{format} holds positions of the unit torus, which begins at 0 0; csv, npy, ply, xyz, json and svg hold an origin"
+        "{format} holds positions of the unit torus, which begins at 0 0; csv, npy, ply, xyz, json, geojson and svg hold an origin"
     )]
     OriginOfTorus {
         /// The format that was asked for.

@@ -92,7 +92,7 @@ impl ExportContext {
         let varying = self.varying.as_ref();
         Columns {
             levels: level_column(&ends, points.len()),
-            radii: varying.map_or_else(Vec::new, |varying| varying.column(points)),
+            radii: varying.map_or_else(Vec::new, |varying| varying.radii(points)),
             drawing: self.drawing.clone(),
         }
     }
@@ -120,13 +120,18 @@ pub enum Warning {
         /// The format that was written.
         format: Format,
     },
+    /// Readers of the format may take positions for longitudes and latitudes.
+    Planar {
+        /// The format that was written.
+        format: Format,
+    },
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cause = |by_rounding: bool| {
             if by_rounding {
-                ", made by rounding; npy, bin, csv, ply and json with f64 and without an origin keep every position"
+                ", made by rounding; npy, bin, csv, ply, json and geojson with f64 and without an origin keep every position"
             } else {
                 ""
             }
@@ -142,6 +147,13 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "the written set is not maximal: {count} places are uncovered{cause}"
+                )
+            }
+            Self::Planar { format } => {
+                write!(
+                    f,
+                    "note: {format} has longitudes and latitudes by its standard (RFC 7946), and these positions are \
+                     planar: whoever reads the file must know their coordinate system"
                 )
             }
             Self::ProvenanceLeftOut { format } => {
@@ -547,17 +559,16 @@ pub(crate) fn warnings(
         });
     }
 
-    warnings.extend(left_out(has_provenance, format));
+    warnings.extend(notes(has_provenance, format));
     warnings
 }
 
-/// The warning for a format that cannot store the provenance.
-pub(crate) fn left_out(has_provenance: bool, format: Format) -> Vec<Warning> {
+/// The warnings that follow from the format: that it cannot store the provenance, and how its readers take positions.
+pub(crate) fn notes(has_provenance: bool, format: Format) -> Vec<Warning> {
     let left_out = has_provenance && !format.carries_provenance();
-    (left_out
-        .then_some(Warning::ProvenanceLeftOut { format })
-        .into_iter())
-    .collect()
+    let left_out = left_out.then_some(Warning::ProvenanceLeftOut { format });
+    let planar = (format == Format::GeoJson).then_some(Warning::Planar { format });
+    left_out.into_iter().chain(planar).collect()
 }
 
 #[cfg(test)]

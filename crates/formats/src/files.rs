@@ -16,9 +16,7 @@ use crate::check::{Check, CheckError, Overrides, check_bytes};
 use crate::codecs::{CertificateUse, Hint, ReadSet, encode_certified};
 use crate::destination::{Lock, Place, certificate_beside, create_own, step};
 use crate::error::{FormatError, io_error};
-use crate::export::{
-    ExportContext, ExportError, Warning, export_through, left_out, ordered, target,
-};
+use crate::export::{ExportContext, ExportError, Warning, export_through, notes, ordered, target};
 use crate::pipe::Input;
 use crate::point_set::PointSet;
 use crate::read::read_bytes;
@@ -148,7 +146,7 @@ pub fn export_unverified(
     let temporary = Temporary::of(path)?;
     temporary.write(&bytes).map_err(|e| io_error(path, e))?;
     temporary.put(None)?;
-    Ok(left_out(set.provenance.is_some(), target.format))
+    Ok(notes(set.provenance.is_some(), target.format))
 }
 
 /// Writes `bytes` to a temporary file in the folder of `path` and renames it, so `path` is either complete or

@@ -35,13 +35,16 @@ pub enum Format {
     Xyz,
     /// `.json`: positions with the certificate inside.
     Json,
+    /// `.geojson`: a `FeatureCollection` of planar points, with level and radius as properties where there are such.
+    #[serde(rename = "geojson")]
+    GeoJson,
     /// `.svg`: a circle for each point, in domain units, y downwards as SVG has it.
     Svg,
 }
 
 impl Format {
     /// Every format, in the order of the documentation.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Csv,
         Self::PsaText,
         Self::PsaRps,
@@ -52,6 +55,7 @@ impl Format {
         Self::PlyBinary,
         Self::Xyz,
         Self::Json,
+        Self::GeoJson,
         Self::Svg,
     ];
 
@@ -84,6 +88,7 @@ impl Format {
             Self::PlyBinary => ["ply-binary", "ply", "PLY (binary)"],
             Self::Xyz => ["xyz", "xyz", "XYZ"],
             Self::Json => ["json", "json", "JSON"],
+            Self::GeoJson => ["geojson", "geojson", "GeoJSON"],
             Self::Svg => ["svg", "svg", "SVG"],
         }
     }
@@ -146,7 +151,7 @@ impl fmt::Display for Format {
 /// A name that is not a format's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no file format is called \"{0}\"; the names are csv, psa-text, psa-rps, utk-text, utk-binary, npy, ply-ascii, ply-binary, xyz, json and svg"
+    "no file format is called \"{0}\"; the names are csv, psa-text, psa-rps, utk-text, utk-binary, npy, ply-ascii, ply-binary, xyz, json, geojson and svg"
 )]
 pub struct UnknownFormatName(pub String);
 

@@ -37,8 +37,9 @@ impl VaryingDomain {
         }
     }
 
-    /// Returns the radius at each point, if it is not the same everywhere.
-    pub(crate) fn column(&self, points: &[[f64; 2]]) -> Vec<f64> {
+    /// Returns the radius at each of some points in domain units; nothing if it is the same everywhere.
+    #[must_use]
+    pub fn radii(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let varies = self.radius.is_field();
         let points = points.iter().filter(|_| varies);
         points.map(|&point| self.judged.radius_at(point)).collect()

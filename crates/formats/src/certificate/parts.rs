@@ -100,6 +100,15 @@ impl CertifiedRadius {
         }
     }
 
+    /// The only radius, or the greatest.
+    #[must_use]
+    pub const fn greatest(&self) -> f64 {
+        match self {
+            Self::Constant(radius) => *radius,
+            Self::Field(field) => field.greatest,
+        }
+    }
+
     /// Whether it depends on the place.
     #[must_use]
     pub const fn is_field(&self) -> bool {

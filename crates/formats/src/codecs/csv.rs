@@ -1,6 +1,7 @@
 //! Comma-separated values with the header `x,y`, as they are written. `table` reads them and their dialects.
 
 use super::Columns;
+use super::radii::RADIUS;
 use crate::text::{push, push_line};
 
 /// The header of a table that has positions alone.
@@ -18,7 +19,7 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
     out.pop();
     let names = [
         ("level", columns.levels.len()),
-        ("radius", columns.radii.len()),
+        (RADIUS, columns.radii.len()),
     ];
     for (name, _) in names.into_iter().filter(|&(_, count)| count > 0) {
         push(&mut out, format_args!(",{name}"));

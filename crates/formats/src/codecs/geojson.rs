@@ -1,6 +1,8 @@
-//! `GeoJSON` (RFC 7946): the points of a `FeatureCollection`, a `Feature`, a `Point` or a `MultiPoint`, taken as planar.
+//! `GeoJSON` (RFC 7946): the points of a `FeatureCollection`, a `Feature`, a `Point` or a `MultiPoint`, taken as planar. A
+//! `FeatureCollection` of points is written.
 //!
-//! Other geometries are refused by name. Whether positions are rather longitudes and latitudes shows only beside a domain:
+//! RFC 7946 has longitudes and latitudes alone, but where all who use a file have agreed on another system; it has no place to
+//! state one. Positions are written as they are. Other geometries are refused by name. Whether positions are rather longitudes and latitudes shows only beside a domain:
 //! see [`ReadSet::degrees`](super::ReadSet).
 
 use std::fmt;
@@ -8,12 +10,13 @@ use std::fmt;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::Raw;
 use super::json::{Position, PositionVisitor};
+use super::{Columns, Raw};
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
+use crate::text::push;
 
-const FORMAT: Format = Format::Json;
+const FORMAT: Format = Format::GeoJson;
 
 /// Every type of object that RFC 7946 has.
 const TYPES: [&str; 9] = [
@@ -127,7 +130,7 @@ fn unsupported(kind: &str, place: &str) -> FormatError {
     let kind: String = kind.chars().take(40).flat_map(char::escape_debug).collect();
     FormatError::Unsupported {
         format: FORMAT,
-        what: format!("GeoJSON {kind}{place}"),
+        what: format!("{kind}{place}"),
         supported: "Point and MultiPoint can, alone and as features",
     }
 }
@@ -164,12 +167,37 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
             points.push([x, y]);
         }
         _ => {
-            return Err(malformed(
-                "GeoJSON coordinates are 2 numbers, or 3 with z = 0",
-            ));
+            return Err(malformed("coordinates are 2 numbers, or 3 with z = 0"));
         }
     }
     Ok(())
+}
+
+/// Writes points as features. {:?} is as short as {} and spells 1e300 with an exponent.
+pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
+    let mut out = b"{\"type\": \"FeatureCollection\", \"features\": [\n".to_vec();
+    for (index, point) in points.iter().enumerate() {
+        let before = if index == 0 { "" } else { ",\n" };
+        let geometry = format_args!("{{\"type\": \"Point\", \"coordinates\": {point:?}}}");
+        push(
+            &mut out,
+            format_args!(
+                "{before}{{\"type\": \"Feature\", \"geometry\": {geometry}, \"properties\": {{"
+            ),
+        );
+
+        let (level, radius) = (columns.levels.get(index), columns.radii.get(index));
+        if let Some(level) = level {
+            push(&mut out, format_args!("\"level\": {level}"));
+        }
+        if let Some(radius) = radius {
+            let before = level.map_or("", |_| ", ");
+            push(&mut out, format_args!("{before}\"radius\": {radius:?}"));
+        }
+        out.extend_from_slice(b"}}");
+    }
+    out.extend_from_slice(b"\n]}\n");
+    out
 }
 
 impl<'de> Deserialize<'de> for GeoCoordinate {
@@ -208,7 +236,7 @@ impl<'de> Visitor<'de> for GeoCoordinateVisitor {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CertificateUse, Raw, json};
+    use super::super::{CertificateUse, Columns, Raw, json};
     use crate::error::FormatError;
 
     fn read_json(bytes: &[u8]) -> Result<Raw, FormatError> {
@@ -245,7 +273,8 @@ mod tests {
     #[test]
     fn other_geometries_are_refused_by_name() {
         let line = r#"{"type": "LineString", "coordinates": [[0, 0], [1, 1]]}"#;
-        let refusal = "JSON: GeoJSON LineString cannot be read; Point and MultiPoint can, alone and as features";
+        let refusal =
+            "GeoJSON: LineString cannot be read; Point and MultiPoint can, alone and as features";
         assert_eq!(message(line), refusal);
         let area = r#"{"type": "Polygon", "coordinates": [[[0, 0], [1, 1], [1, 0], [0, 0]]]}"#;
         let collection = |geometry: &str| {
@@ -254,10 +283,10 @@ mod tests {
             let other = format!(r#"{{"type": "Feature", "geometry": {geometry}}}"#);
             format!(r#"{{"type": "FeatureCollection", "features": [{point}, {other}]}}"#)
         };
-        assert!(message(&collection(area)).contains("GeoJSON Polygon (feature 1) cannot be read"));
-        assert!(message(&collection("null")).contains("GeoJSON without a geometry (feature 1)"));
+        assert!(message(&collection(area)).contains("GeoJSON: Polygon (feature 1) cannot be read"));
+        assert!(message(&collection("null")).contains("without a geometry (feature 1)"));
         let many = r#"{"type": "GeometryCollection", "geometries": []}"#;
-        assert!(message(many).contains("GeoJSON GeometryCollection cannot"));
+        assert!(message(many).contains("GeoJSON: GeometryCollection cannot"));
     }
 
     #[test]
@@ -272,6 +301,25 @@ mod tests {
         assert!(message(&point("[\"a\", 2]")).contains("invalid type"));
         let several = r#"{"type": "MultiPoint", "coordinates": [[0, 0], [1, 2, 3]]}"#;
         assert!(message(several).contains("z is 3, and only planar sets"));
+    }
+
+    #[test]
+    fn levels_and_radii_are_properties_of_points() {
+        let both = Columns {
+            levels: vec![0, 1],
+            radii: vec![0.5, 0.25],
+        };
+        let places = [[1e300, -0.0], [0.1, 1.0 / 3.0]];
+        let text = String::from_utf8(super::write(&places, &both)).expect("text");
+        let written: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let properties = serde_json::json!({ "level": 1, "radius": 0.25 });
+        assert_eq!(written["features"][1]["properties"], properties);
+        let bits = |points: &[[f64; 2]]| points.iter().map(|p| p.map(f64::to_bits)).collect();
+        let [back, made]: [Vec<[u64; 2]>; 2] = [bits(&points(&text)), bits(&places)];
+        assert_eq!(back, made);
+
+        let bare = super::write(&places, &Columns::default());
+        assert!(String::from_utf8_lossy(&bare).contains("\"properties\": {}}"));
     }
 
     #[test]

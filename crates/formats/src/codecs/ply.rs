@@ -5,6 +5,7 @@
 
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::ply_outline::{OutlinedElement, elements};
+use super::radii::RADIUS;
 use super::xyz::planar;
 use super::{Columns, Raw};
 use crate::binary::{self, Cursor, Endian};
@@ -18,9 +19,6 @@ const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
 
 /// Name of the property of type uint that nested levels have.
 const LEVEL: &str = "level";
-
-/// Name of the property of type double that sets of varying radius have.
-const RADIUS: &str = "radius";
 
 /// The columns of the vertex table.
 #[derive(Clone, Copy, Debug)]
@@ -114,18 +112,41 @@ impl PlyColumns {
 pub(super) fn read(bytes: &[u8], format: Format, any_z: bool) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
     let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1, any_z)?;
-    let (set, precision) = match header.encoding {
+    let precision = match header.encoding {
         // Text has no number type of its own: numbers are read as f64 whatever the header declares.
-        Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
-        Encoding::Binary(endian) => {
-            let precision = columns.precision(&header.vertex);
-            (read_binary(bytes, &header, &columns, endian)?, precision)
-        }
+        Encoding::Ascii => Precision::Double,
+        Encoding::Binary(_) => columns.precision(&header.vertex),
     };
-
     let mut raw = Raw::new(Vec::new(), precision);
-    raw.set = set;
+    raw.set = read_rows(bytes, &header, &columns)?;
     Ok(raw)
+}
+
+/// Returns the radius of each vertex, if vertices have such a property.
+pub(super) fn read_radii(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
+    let header = parse(bytes, format)?;
+    let Some(radius) = header.vertex.column(RADIUS) else {
+        return Ok(None);
+    };
+    // Radii are read as positions are, in the place of both coordinates.
+    let columns = PlyColumns {
+        position: [radius; 2],
+        z: None,
+        provenance: None,
+    };
+    let set = read_rows(bytes, &header, &columns)?;
+    Ok(Some(set.points.iter().map(|radii| radii[0]).collect()))
+}
+
+fn read_rows(
+    bytes: &[u8],
+    header: &PlyHeader,
+    columns: &PlyColumns,
+) -> Result<PointSet, FormatError> {
+    match header.encoding {
+        Encoding::Ascii => read_ascii(bytes, header, columns),
+        Encoding::Binary(endian) => read_binary(bytes, header, columns, endian),
+    }
 }
 
 fn read_ascii(

@@ -10,7 +10,7 @@ use super::judge::unjudged;
 use super::resume;
 use crate::certificate::Certificate;
 use crate::error::FormatError;
-use crate::export::{ExportError, Warning, certificate, left_out, warnings};
+use crate::export::{ExportError, Warning, certificate, notes, warnings};
 use crate::files::Exported;
 
 /// The outcome of a finished [`StreamExport`].
@@ -75,7 +75,7 @@ impl StreamExport {
 
         let warnings = match &verified {
             Some(exported) => exported.warnings.clone(),
-            None => left_out(self.provenance, format),
+            None => notes(self.provenance, format),
         };
 
         Ok(Streamed {

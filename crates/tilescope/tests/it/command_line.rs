@@ -162,7 +162,7 @@ fn the_digest_of_a_set_is_that_of_its_file_and_needs_none() {
     assert_eq!(digest(&["0.05", "--window", "0", "0", "1", "1"]), alone);
 }
 
-const FORMAT_NAMES: [&str; 11] = [
+const FORMAT_NAMES: [&str; 12] = [
     "csv",
     "psa-text",
     "psa-rps",
@@ -173,6 +173,7 @@ const FORMAT_NAMES: [&str; 11] = [
     "ply-binary",
     "xyz",
     "json",
+    "geojson",
     "svg",
 ];
 

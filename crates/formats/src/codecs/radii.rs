@@ -1,0 +1,120 @@
+//! The radius of each point, in files that have such a column: text tables, PLY and `GeoJSON`. Other readers skip it.
+
+use serde::Deserialize;
+
+use super::{ply, positive, table};
+use crate::error::FormatError;
+use crate::format::Format;
+
+/// The name of the column, and of the property of features.
+pub(super) const RADIUS: &str = "radius";
+
+/// Returns the radius of each point, if the file has a column of that name.
+pub(super) fn read(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
+    let radii = match format {
+        Format::Csv | Format::Xyz => of_table(bytes, format)?,
+        Format::PlyAscii | Format::PlyBinary => ply::read_radii(bytes, format)?,
+        Format::Json | Format::GeoJson => of_features(bytes),
+        Format::PsaText
+        | Format::PsaRps
+        | Format::UtkText
+        | Format::UtkBinary
+        | Format::Npy
+        | Format::Svg => None,
+    };
+    for &radius in radii.iter().flatten() {
+        positive("the radius of a point", radius)?;
+    }
+    Ok(radii)
+}
+
+/// A table gives two columns: the other one is the first, or the second where that is the radius.
+fn of_table(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
+    let both = |other| table::read(bytes, format, Some([RADIUS, other]));
+    let found = match both("1") {
+        Err(FormatError::Header { .. }) => both("2"),
+        found => found,
+    };
+    match found {
+        Ok(raw) => Ok(Some(raw.set.points.iter().map(|point| point[0]).collect())),
+        // There is no such column.
+        Err(FormatError::Header { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+#[derive(Deserialize)]
+struct Collection {
+    features: Vec<Feature>,
+}
+
+#[derive(Deserialize)]
+struct Feature {
+    #[serde(rename = "geometry")]
+    _geometry: Geometry,
+    properties: Properties,
+}
+
+/// A point alone: several points would share a radius.
+#[derive(Deserialize)]
+struct Geometry {
+    #[serde(rename = "coordinates")]
+    _position: [f64; 2],
+}
+
+#[derive(Deserialize)]
+struct Properties {
+    radius: f64,
+}
+
+/// Returns nothing where a feature has none: other programs may put anything into properties.
+fn of_features(bytes: &[u8]) -> Option<Vec<f64>> {
+    let collection: Collection = serde_json::from_slice(crate::text::without_bom(bytes)).ok()?;
+    let radii = collection.features.iter();
+    Some(radii.map(|feature| feature.properties.radius).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Columns, Target, encode_certified};
+    use super::*;
+    use crate::point_set::PointSet;
+
+    #[test]
+    fn what_is_written_is_read_and_other_files_have_none() {
+        let set = PointSet::from_points(vec![[0.5, 0.25], [0.1, 1.0 / 3.0]]);
+        let radii = vec![1.0 / 7.0, 1e-9];
+        for format in Format::ALL {
+            let bytes = |columns: &Columns| {
+                encode_certified(&set, &Target::new(format), None, columns).expect("bytes")
+            };
+            let with = Columns {
+                levels: vec![0, 1],
+                radii: radii.clone(),
+            };
+            let has_columns = matches!(
+                format,
+                Format::Csv | Format::PlyAscii | Format::PlyBinary | Format::GeoJson
+            );
+            let found = read(&bytes(&with), format).expect("a file");
+            assert_eq!(found, has_columns.then(|| radii.clone()), "{format}");
+            let found = read(&bytes(&Columns::default()), format).expect("a file");
+            assert_eq!(found, None, "{format}");
+        }
+    }
+
+    #[test]
+    fn tables_of_others_have_it_anywhere_and_what_is_no_radius_is_refused() {
+        let table = |text: &str| read(text.as_bytes(), Format::Csv);
+        let first = table("Radius;x;y\n0.5;1;2\n0.25;3;4\n").expect("a table");
+        assert_eq!(first, Some(vec![0.5, 0.25]));
+        assert_eq!(table("x,y,size\n1,2,3\n").expect("a table"), None);
+        let refused = |text: &str| table(text).expect_err("no radius").to_string();
+        assert!(refused("x,y,radius\n1,2,0\n").contains("the radius of a point is 0; it must be"));
+        assert!(refused("x,y,radius\n1,2,wide\n").contains("\"wide\" is not a number"));
+
+        let shared = br#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"radius": 1},
+            "geometry": {"type": "MultiPoint", "coordinates": [[0, 0], [1, 1]]}}]}"#;
+        assert_eq!(read(shared, Format::GeoJson).expect("points"), None);
+    }
+}
