@@ -6,6 +6,7 @@
 
 mod error;
 mod expression;
+mod grid;
 mod ground;
 mod image;
 mod polygon;
@@ -14,6 +15,7 @@ mod stipple;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{Boundary, MAXIMAL_DENSITY, Observer, SampleError, varying_sample};
@@ -24,6 +26,7 @@ use crate::made::Made;
 
 pub use error::VaryingError;
 pub use expression::{Expression, MAX_EXPRESSION};
+pub use grid::RadiusGrid;
 pub use ground::Ground;
 pub use image::{GrayImage, MAX_PIXELS, Tone};
 pub use polygon::{MAX_CORNERS, PlanarPolygon};
@@ -37,7 +40,7 @@ const TOLERANCE: u64 = 100;
 const MAX_TRIES: usize = 12;
 
 /// What a set is made from whose radius varies, or that covers a shape.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VaryingRecipe {
     /// Where the radius comes from; with a count, its scale is free.
     pub radius: RadiusSource,
@@ -100,8 +103,24 @@ impl VaryingRecipe {
     /// [`VaryingError`] when field, shape or domain are refused, when the set would be too large, when no scale of the radii
     /// gives the count, and when it is cancelled.
     pub fn make(&self, observer: &mut dyn Observer) -> Result<Made, VaryingError> {
+        Ok(self.make_settled(observer)?.0)
+    }
+
+    /// Makes the set, and returns also the recipe with the radii that it has, without a count.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::make`].
+    pub fn make_settled(&self, observer: &mut dyn Observer) -> Result<(Made, Self), VaryingError> {
+        let settled = |radius: RadiusSource| Self {
+            radius,
+            shape: self.shape.clone(),
+            count: None,
+            ..*self
+        };
         let Some(count) = self.count else {
-            return self.attempt(&self.radius, observer);
+            let made = self.attempt(&self.radius, observer)?;
+            return Ok((made, settled(self.radius.clone())));
         };
         // A set of no sample has no scale.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
@@ -113,7 +132,7 @@ impl VaryingRecipe {
             let made = self.attempt(&radius, observer)?;
             let found = made.set.len() as u64;
             if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
-                return Ok(made);
+                return Ok((made, settled(radius)));
             }
             if found.abs_diff(count) < count.abs_diff(nearest) {
                 nearest = found;
@@ -199,13 +218,8 @@ pub enum GivenRadius {
     Expression(Expression),
     /// An image, whose grey is the radius or the density.
     Image(GrayImage),
-    /// Radii at the nodes of a grid, row by row.
-    Grid {
-        /// Nodes of a row.
-        columns: usize,
-        /// The radii, row by row from the lowest one up.
-        radii: Vec<f64>,
-    },
+    /// Radii at the nodes of a grid.
+    Grid(RadiusGrid),
 }
 
 /// The error of a file that a certificate states and that is not given.

@@ -121,14 +121,30 @@ pub enum VaryingError {
         /// The domain's width and height.
         size: [f64; 2],
     },
-    /// The radii of a grid are no whole rows.
-    #[error("{count} radii are no rows of {columns}")]
+    /// The values of a grid are no whole rows.
+    #[error(
+        "{count} values are no rows of {columns}; there must be at least one row of at least one value"
+    )]
     Grid {
         /// How many there are.
         count: usize,
         /// How many a row has.
         columns: usize,
     },
+    /// A density is no number from 0.
+    #[error(
+        "the density is {} in column {} of row {}; it must be a finite number of at least 0",
+        Number(*.density), .place[0], .place[1]
+    )]
+    Density {
+        /// The value.
+        density: f64,
+        /// Its column and its row.
+        place: [usize; 2],
+    },
+    /// A density is 0 everywhere.
+    #[error("the density is 0 everywhere; it must be above 0 somewhere")]
+    NoDensity,
     /// Two images differ in size.
     #[error(
         "one image has {} x {} pixels and the other {} x {}: they must be equal",
@@ -192,6 +208,14 @@ pub enum VaryingError {
         file: String,
         /// The option that gives it.
         option: &'static str,
+    },
+    /// A certificate states radii of an array or a function, which only Python can be given.
+    #[error(
+        "the certificate states a field from an array or a function (`{name}`), which only Python can be given to judge the set"
+    )]
+    NeedsGrid {
+        /// The parameter that states it.
+        name: &'static str,
     },
     /// A certificate does not say from what the field was made.
     #[error("the certificate does not say how its field or its shape was made: {0}")]

@@ -3,6 +3,8 @@
 //! They are computed in `f64` by operations that IEEE 754 rounds correctly and by functions of the crate `libm`, which are
 //! made of such operations: so the same expression has the same values, to the bit, on every machine.
 
+use serde::{Deserialize, Serialize};
+
 use super::error::VaryingError;
 
 /// The longest text of an expression, so that one without end is refused before it is looked at.
@@ -12,7 +14,8 @@ pub const MAX_EXPRESSION: usize = 4096;
 const MAX_DEPTH: usize = 64;
 
 /// A function of x and y.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Expression {
     text: String,
     /// The operations in the order in which they are carried out on a stack.
@@ -120,6 +123,20 @@ impl Expression {
             stack.push(value);
         }
         stack.pop().unwrap_or(f64::NAN)
+    }
+}
+
+impl TryFrom<String> for Expression {
+    type Error = VaryingError;
+
+    fn try_from(text: String) -> Result<Self, VaryingError> {
+        Self::parse(&text)
+    }
+}
+
+impl From<Expression> for String {
+    fn from(expression: Expression) -> Self {
+        expression.text
     }
 }
 

@@ -12,6 +12,7 @@ use tilescope_formats::{
 };
 
 use super::error::VaryingError;
+use super::grid::pixels_around;
 use super::source::{RadiusSource, ShapeSource, radius_of_darkness, radius_of_grey};
 use super::{VaryingRecipe, samples_in};
 use crate::domain::region;
@@ -126,6 +127,24 @@ impl VaryingRecipe {
         }
     }
 
+    /// Returns the x of the columns and the y of the rows of nodes of a function of x and y: where an expression is evaluated.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when the domain is refused.
+    pub fn node_places(&self) -> Result<[Vec<f64>; 2], VaryingError> {
+        let frame = self.frame(&self.radius)?;
+        let Some((squares, pitch)) = frame.squares else {
+            return Err(VaryingError::Nothing);
+        };
+        let more = usize::from(self.boundary == Boundary::Bounded);
+        Ok([0, 1].map(|axis| {
+            let places = 0..squares[axis] + more;
+            let place = |at: usize| frame.origin[axis] + at as f64 * pitch;
+            places.map(place).collect()
+        }))
+    }
+
     /// Returns the radius that is asked for at each node, in user units, row by row.
     fn requests(
         &self,
@@ -156,11 +175,7 @@ impl VaryingRecipe {
                 let (sum, count) = grey_around(&image.grey, squares, wraps, [column, row]);
                 radius_of_darkness(*black, sum, count)
             }
-            RadiusSource::Grid { radii, scale, .. } => {
-                // The last nodes lie on the far border, where there are no more values.
-                let [column, row] = [column.min(squares[0] - 1), row.min(squares[1] - 1)];
-                scale * radii[row * squares[0] + column]
-            }
+            RadiusSource::Grid { grid, scale } => scale * grid.radii[row * columns + column],
         };
 
         let mut asked = Vec::with_capacity(columns * rows);
@@ -180,7 +195,7 @@ impl VaryingRecipe {
     /// Returns the domain, and the squares of its field.
     fn frame(&self, radius: &RadiusSource) -> Result<Frame, VaryingError> {
         let of_shape = self.shape.as_ref().and_then(ShapeSource::pixels);
-        let pixels = match (radius.pixels(), of_shape) {
+        let pixels = match (radius.pixels(self.boundary), of_shape) {
             (Some(first), Some(second)) if first != second => {
                 return Err(VaryingError::Sizes { first, second });
             }
@@ -245,12 +260,10 @@ impl VaryingRecipe {
         let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits, least) >= f64::from(R));
         let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
 
-        // A density has no largest radius: where it is too thin, it is as thin as possible.
-        let is_capped = matches!(radius, RadiusSource::Density { .. });
         // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
         let most = f64::from(MAX_FIELD_RADIUS);
         let limit = MAX_CONTRAST.min(most / in_units(bits, least));
-        if greatest > limit * least && !is_capped {
+        if greatest > limit * least && !radius.is_capped() {
             return Err(VaryingError::Contrast {
                 least,
                 greatest,
@@ -363,32 +376,12 @@ fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<([usize; 2], f64), V
     Ok((counts.map(|count| count.round() as usize), pitch))
 }
 
-/// Returns the sum of the grey values of the pixels around a node, and how many there are: four, or fewer at a border.
-fn grey_around(
-    grey: &[u16],
-    [columns, rows]: [usize; 2],
-    wraps: bool,
-    node: [usize; 2],
-) -> (u32, u32) {
-    // A node lies between two pixels on each axis; at a border there is one, unless the domain goes on at the other side.
-    let beside = |at: usize, count: usize| {
-        let before = if at == 0 {
-            wraps.then(|| count - 1)
-        } else {
-            Some(at - 1)
-        };
-        [before, Some(at).filter(|&at| at < count)]
-    };
-
+/// Returns the sum of the grey values of the pixels around a node, and how many there are.
+fn grey_around(grey: &[u16], squares: [usize; 2], wraps: bool, node: [usize; 2]) -> (u32, u32) {
     // A sum of integers, and no mean yet: it has the same bits in every order.
-    let (mut sum, mut count) = (0, 0);
-    for row in beside(node[1], rows).into_iter().flatten() {
-        for column in beside(node[0], columns).into_iter().flatten() {
-            sum += u32::from(grey[row * columns + column]);
-            count += 1;
-        }
-    }
-    (sum, count)
+    pixels_around(squares, wraps, node).fold((0, 0), |(sum, count), pixel| {
+        (sum + u32::from(grey[pixel]), count + 1)
+    })
 }
 
 /// Returns the lattice point nearest to a corner, which may lie outside of the domain.

@@ -6,9 +6,12 @@ mod tone;
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use tilescope_formats::bytes_digest;
 
 use super::error::VaryingError;
+use super::stated_file;
 
 pub use tone::Tone;
 
@@ -19,11 +22,12 @@ pub const MAX_PIXELS: u64 = 1 << 26;
 pub(super) const WHITE: u32 = 65_535;
 
 /// Grey values of 16 bits, row by row from the lowest row up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GrayImage {
-    /// The file's name and the digest of its bytes.
-    pub(super) name: String,
-    pub(super) digest: String,
+    /// The file's name, or nothing if it is not from a file.
+    name: String,
+    /// The digest of the file's bytes, or of the pixels.
+    digest: String,
     pub(super) columns: usize,
     /// What is seen: the tone of the light, on white paper where the image is transparent.
     pub(super) grey: Arc<[u16]>,
@@ -35,7 +39,7 @@ pub struct GrayImage {
 }
 
 /// The pixels of a file, row by row from the highest row down.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Pixels {
     columns: usize,
     /// Luminance.
@@ -123,6 +127,40 @@ impl GrayImage {
             block: self.block * block,
             ..self.clone()
         })
+    }
+
+    /// Returns an image of grey values, row by row from the lowest row up.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    pub fn from_grey(columns: usize, grey: Vec<u16>) -> Result<Self, VaryingError> {
+        check_pixels(columns, grey.len())?;
+        let mut bytes = format!("tilescope grey: {columns} columns\n").into_bytes();
+        bytes.extend(grey.iter().flat_map(|grey| grey.to_le_bytes()));
+
+        let pixels = Pixels {
+            columns,
+            light: upside_down(&grey, columns),
+            alpha: None,
+        };
+        Ok(Self {
+            name: String::new(),
+            digest: bytes_digest(&bytes),
+            columns,
+            grey: grey.into(),
+            tone: Tone::default(),
+            block: 1,
+            pixels: Arc::new(pixels),
+        })
+    }
+
+    /// Returns how certificates state the image: by its file or its pixels, and its content.
+    pub(super) fn stated(&self) -> Value {
+        if self.name.is_empty() {
+            return json!({ "pixels": self.pixels(), "digest": self.digest });
+        }
+        stated_file(&self.name, &self.digest)
     }
 
     /// Returns the grey values of a row and of a column.
@@ -220,6 +258,22 @@ impl ImageFile<'_> {
             rows,
         })
     }
+}
+
+/// Refuses pixels that are no whole rows, and too many.
+pub(super) fn check_pixels(columns: usize, count: usize) -> Result<(), VaryingError> {
+    if columns == 0 || count == 0 || !count.is_multiple_of(columns) {
+        return Err(VaryingError::Grid { count, columns });
+    }
+    if count as u64 > MAX_PIXELS {
+        let side = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        return Err(VaryingError::Pixels {
+            name: "the array".to_owned(),
+            columns: side(columns),
+            rows: side(count / columns),
+        });
+    }
+    Ok(())
 }
 
 /// Says of a file what it is instead.

@@ -1,5 +1,6 @@
 //! Polygons from `GeoJSON`, in the coordinates of a plane.
 
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_formats::{bytes_digest, may_be_degrees};
 
@@ -12,7 +13,7 @@ pub const MAX_CORNERS: usize = 1 << 17;
 const TOUCHING: f64 = 1e-9;
 
 /// Rings that bound a part of a plane: what they wind around an odd number of times.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanarPolygon {
     /// The corners of each ring, the last of which is joined to the first.
     pub(super) rings: Vec<Vec<[f64; 2]>>,
@@ -46,6 +47,12 @@ impl PlanarPolygon {
         };
         polygon.check(name, planar)?;
         Ok(polygon)
+    }
+
+    /// Returns the polygon without the name of its file: certificates then state its corners alone.
+    #[must_use]
+    pub fn unnamed(self) -> Self {
+        Self { file: None, ..self }
     }
 
     /// Returns the polygon of rings as a certificate states them.

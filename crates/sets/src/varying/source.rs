@@ -1,10 +1,13 @@
 //! Where the radius and the shape of a set come from.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use tilescope_core::Boundary;
 use tilescope_formats::Certificate;
 
 use super::error::VaryingError;
 use super::expression::Expression;
+use super::grid::RadiusGrid;
 use super::image::{GrayImage, Tone, WHITE};
 use super::polygon::PlanarPolygon;
 use super::{GivenRadius, needed, stated_file};
@@ -12,8 +15,12 @@ use super::{GivenRadius, needed, stated_file};
 /// The largest radius of a density, in the least: the density of white, which is none, cannot be reached.
 pub(super) const DENSITY_CAP: f64 = 64.0;
 
+/// The parameters that state radii of a grid and those that follow from a density.
+const RADIUS_GRID: &str = "radius-grid";
+const DENSITY_GRID: &str = "density-grid";
+
 /// Where the radius at each place comes from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum RadiusSource {
     /// It is the same everywhere.
     Constant(f64),
@@ -40,10 +47,8 @@ pub enum RadiusSource {
     },
     /// Radii at the nodes of a grid.
     Grid {
-        /// Nodes of a row.
-        columns: usize,
-        /// The radii, row by row from the lowest one up.
-        radii: Vec<f64>,
+        /// The radii.
+        grid: RadiusGrid,
         /// They are multiplied by this.
         scale: f64,
     },
@@ -80,16 +85,6 @@ impl RadiusSource {
             Self::Image { radii, .. } if !(0.0 < radii[0] && radii[0] <= radii[1]) => {
                 Err(VaryingError::Reversed { radii: *radii })
             }
-            Self::Grid { columns, radii, .. }
-                // The last row must be whole, as nodes are neighbours by their place in it.
-                if *columns == 0 || radii.is_empty() || radii.len() % columns != 0 =>
-            {
-                let count = radii.len();
-                Err(VaryingError::Grid {
-                    count,
-                    columns: *columns,
-                })
-            }
             Self::Constant(_)
             | Self::Expression { .. }
             | Self::Image { .. }
@@ -98,12 +93,22 @@ impl RadiusSource {
         }
     }
 
-    /// Returns the pixels of a row and of a column, if there are pixels.
-    pub(super) fn pixels(&self) -> Option<[usize; 2]> {
+    /// Whether radii beyond the lattice's limit are made as large as possible, rather than refused: a density has no largest
+    /// radius.
+    pub(super) fn is_capped(&self) -> bool {
+        match self {
+            Self::Density { .. } => true,
+            Self::Grid { grid, .. } => grid.is_capped,
+            Self::Constant(_) | Self::Expression { .. } | Self::Image { .. } => false,
+        }
+    }
+
+    /// Returns the pixels of a row and of a column of a domain that ends like this, if there are pixels.
+    pub(super) fn pixels(&self, boundary: Boundary) -> Option<[usize; 2]> {
         match self {
             Self::Constant(_) | Self::Expression { .. } => None,
             Self::Image { image, .. } | Self::Density { image, .. } => Some(image.pixels()),
-            Self::Grid { columns, radii, .. } => Some([*columns, radii.len() / (*columns).max(1)]),
+            Self::Grid { grid, .. } => Some(grid.squares(boundary)),
         }
     }
 
@@ -123,30 +128,38 @@ impl RadiusSource {
             value.as_f64().ok_or_else(unstated)
         };
 
+        // A function of x and y has the values of an expression at its nodes, so that either may stand for the other.
+        let scale = || {
+            let names = ["radius-expression", RADIUS_GRID, DENSITY_GRID];
+            let found = names
+                .into_iter()
+                .find(|name| parameters.contains_key(*name));
+            found.map_or(Ok(1.0), |name| number(&parameters[name]["scale"], "scale"))
+        };
+        let image = match given {
+            GivenRadius::Expression(expression) => {
+                let scale = scale()?;
+                return Ok(Self::Expression { expression, scale });
+            }
+            GivenRadius::Grid(grid) => {
+                let scale = scale()?;
+                return Ok(Self::Grid { grid, scale });
+            }
+            GivenRadius::Image(image) => Some(image),
+            GivenRadius::Nothing => None,
+        };
         if let Some(field) = parameters.get("radius-expression") {
-            let expression = match given {
-                GivenRadius::Expression(expression) => expression,
-                GivenRadius::Nothing | GivenRadius::Image(_) | GivenRadius::Grid { .. } => {
-                    Expression::parse(field["expression"].as_str().unwrap_or_default())?
-                }
-            };
-            let scale = number(&field["scale"], "radius-expression.scale")?;
+            let text = field["expression"].as_str().unwrap_or_default();
+            let (expression, scale) = (Expression::parse(text)?, scale()?);
             return Ok(Self::Expression { expression, scale });
         }
 
         // Neither images nor arrays are in the certificate.
-        let (image, grid) = match given {
-            GivenRadius::Image(image) => (Some(image), None),
-            GivenRadius::Grid { columns, radii } => (None, Some((columns, radii))),
-            GivenRadius::Nothing | GivenRadius::Expression(_) => (None, None),
-        };
-        if let (Some(field), Some((columns, radii))) = (parameters.get("radius-grid"), grid) {
-            let scale = number(&field["scale"], "radius-grid.scale")?;
-            return Ok(Self::Grid {
-                columns,
-                radii,
-                scale,
-            });
+        if let Some(name) = [RADIUS_GRID, DENSITY_GRID]
+            .into_iter()
+            .find(|name| parameters.contains_key(*name))
+        {
+            return Err(VaryingError::NeedsGrid { name });
         }
 
         if let Some(field) = parameters.get("radius-image") {
@@ -170,7 +183,7 @@ impl RadiusSource {
             return Ok(Self::Density { image, black });
         }
         Err(VaryingError::Unstated(
-            "of the parameters radius-expression, radius-image and density-image it has none"
+            "of the parameters radius-expression, radius-image, density-image, radius-grid and density-grid it has none"
                 .to_owned(),
         ))
     }
@@ -186,12 +199,12 @@ impl RadiusSource {
 
             // Images are named by their content.
             Self::Image { image, radii } => {
-                let mut value = stated_file(&image.name, &image.digest);
+                let mut value = image.stated();
                 value["radii"] = json!(radii);
                 ("radius-image", value)
             }
             Self::Density { image, black } => {
-                let mut value = stated_file(&image.name, &image.digest);
+                let mut value = image.stated();
                 value["black"] = json!(black);
                 image.tone.state(&mut value);
                 if image.block > 1 {
@@ -199,14 +212,15 @@ impl RadiusSource {
                 }
                 ("density-image", value)
             }
-            Self::Grid {
-                columns,
-                radii,
-                scale,
-            } => {
-                let value =
-                    json!({ "columns": columns, "rows": radii.len() / columns, "scale": scale });
-                ("radius-grid", value)
+            Self::Grid { grid, scale } => {
+                let name = if grid.is_capped {
+                    DENSITY_GRID
+                } else {
+                    RADIUS_GRID
+                };
+                let [columns, rows] = grid.counts();
+                let value = json!({ "columns": columns, "rows": rows, "scale": scale });
+                (name, value)
             }
         }
     }
@@ -229,7 +243,7 @@ pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
 const WHITE_KEY: &str = "white";
 
 /// The area to cover, in a form that is no rectangle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ShapeSource {
     /// The inside of polygons.
     Polygon(PlanarPolygon),
@@ -275,7 +289,7 @@ impl ShapeSource {
                 let [name, digest] = polygon.file.as_ref()?;
                 Some(("shape", stated_file(name, digest)))
             }
-            Self::Mask(image) => Some(("mask", stated_file(&image.name, &image.digest))),
+            Self::Mask(image) => Some(("mask", image.stated())),
             // The image is that of the density, which is stated.
             Self::Dark { white, .. } => Some((WHITE_KEY, json!(white))),
         }

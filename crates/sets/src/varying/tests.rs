@@ -241,6 +241,127 @@ fn images_must_be_given_again() {
     assert!(said.contains("lies outside the shape"), "{said}");
 }
 
+/// The radii of a function at the nodes where an expression is evaluated.
+fn grid(of: &VaryingRecipe, radius: impl Fn(f64, f64) -> f64) -> RadiusGrid {
+    let [xs, ys] = of.node_places().expect("nodes");
+    let rows = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y]));
+    let radii = rows.map(|[x, y]| radius(x, y)).collect();
+    RadiusGrid::new(xs.len(), radii).expect("whole rows")
+}
+
+#[test]
+fn a_function_at_the_nodes_is_the_expression_and_must_be_given_again() {
+    for boundary in [Boundary::Bounded, Boundary::Periodic] {
+        let formula = VaryingRecipe {
+            size: [Some(2.0), Some(1.0)],
+            boundary,
+            count: Some(900),
+            ..recipe(expression("0.02 + 0.01*y"))
+        };
+        let function = |x: f64, y: f64| 0.02 + 0.01 * y + 0.0 * x;
+        let of_grid = VaryingRecipe {
+            radius: RadiusSource::Grid {
+                grid: grid(&formula, function),
+                scale: 1.0,
+            },
+            ..formula.clone()
+        };
+        let (set, settled) = of_grid.make_settled(&mut Unobserved).expect("a set");
+        assert_eq!(set.set, made(&formula).set);
+        assert_eq!(made(&settled).set, set.set);
+        // What is stored of a recipe makes the same again.
+        let stored = serde_json::to_string(&settled).expect("JSON");
+        let stored: VaryingRecipe = serde_json::from_str(&stored).expect("a recipe");
+        assert_eq!(made(&stored).set, set.set);
+
+        let said = checked(&set, GivenGround::default(), |data| data).expect_err("no field");
+        assert!(
+            said.contains("(`radius-grid`), which only Python"),
+            "{said}"
+        );
+        let given = |radius: GivenRadius| GivenGround {
+            radius,
+            shape: None,
+        };
+        let same = GivenRadius::Grid(grid(&formula, function));
+        let check = checked(&set, given(same), |data| data).expect("a check");
+        assert!(check.passed(), "{:?}", check.differences);
+        let text = GivenRadius::Expression(Expression::parse("0.02+0.01*y").expect("a ramp"));
+        let check = checked(&set, given(text), |data| data).expect("a check");
+        assert!(check.passed(), "{:?}", check.differences);
+        let other = GivenRadius::Grid(grid(&formula, |_, y| 0.02 + 0.011 * y));
+        let check = checked(&set, given(other), |data| data).expect("a check");
+        assert_eq!(check.differences[0].field, "radius");
+    }
+}
+
+#[test]
+fn pixels_of_arrays_are_those_of_images() {
+    let grey = |x: f64, y: f64| 0.2 + 0.7 * x * y;
+    let photo = image([60, 40], grey);
+    let of_image = |image: GrayImage| {
+        let black = 0.02;
+        recipe(RadiusSource::Density { image, black })
+    };
+    let array = GrayImage::from_grey(60, photo.grey.clone()).expect("whole rows");
+    let set = made(&of_image(array));
+    assert_eq!(set.set, made(&of_image(photo.clone())).set);
+    // An image that has the array's pixels stands for it.
+    let given = GivenGround {
+        radius: GivenRadius::Image(photo.clone()),
+        shape: None,
+    };
+    let check = checked(&set, given, |data| data).expect("a check");
+    assert!(check.passed(), "{:?}", check.differences);
+    assert_eq!(
+        set.facts.parameters["density-image"]["pixels"],
+        json!([60, 40])
+    );
+
+    // In floating point the same density differs by rounding alone.
+    let density = photo
+        .grey
+        .iter()
+        .map(|&grey| 1.0 - f64::from(grey) / 65_535.0);
+    let density: Vec<f64> = density.collect();
+    let nodes = RadiusGrid::of_density(60, &density, Boundary::Bounded).expect("a density");
+    let scale = 0.02;
+    let of_density = made(&recipe(RadiusSource::Grid { grid: nodes, scale }));
+    assert!(of_density.set.len().abs_diff(set.set.len()) < 10);
+    assert!(judged(&of_density, JudgeChoice::Automatic).valid());
+    let empty = [vec![0.0; 1200], vec![1.0; 1200]].concat();
+    for boundary in [Boundary::Bounded, Boundary::Periodic] {
+        let grid = RadiusGrid::of_density(60, &empty, boundary).expect("a density");
+        let radius = RadiusSource::Grid { grid, scale: 0.01 };
+        let half = made(&VaryingRecipe {
+            boundary,
+            ..recipe(radius)
+        });
+        assert!(judged(&half, JudgeChoice::Automatic).valid());
+    }
+}
+
+#[test]
+fn arrays_that_are_no_fields_are_refused() {
+    let refusal = |found: Result<RadiusGrid, VaryingError>| found.expect_err("refused").to_string();
+    let bounded = Boundary::Bounded;
+    assert!(refusal(RadiusGrid::new(3, vec![0.1; 4])).contains("4 values are no rows of 3"));
+    assert!(refusal(RadiusGrid::of_pixels(0, &[], bounded)).contains("no rows of 0"));
+    let negative = RadiusGrid::of_density(2, &[1.0, 0.0, 0.5, -0.5], bounded);
+    assert!(refusal(negative).contains("the density is -0.5 in column 1 of row 1; it must be"));
+    let nothing = RadiusGrid::of_density(2, &[0.0; 4], bounded);
+    assert!(refusal(nothing).contains("0 everywhere"));
+    let error = GrayImage::from_grey(1, vec![0; (1 << 26) + 1]).expect_err("too many");
+    assert!(
+        error
+            .to_string()
+            .contains("1 x 67108865 pixels; from 1 to 67108864")
+    );
+    let grid = RadiusGrid::of_pixels(2, &[0.1, 0.1, 0.1, -0.5], bounded).expect("a grid");
+    let source = RadiusSource::Grid { grid, scale: 1.0 };
+    assert!(message(&recipe(source)).contains("at (0.5, 0.5); it must be above 0"));
+}
+
 #[test]
 fn white_is_the_larger_radius_and_dark_is_dense() {
     let halves = || image([40, 20], |x, _| f64::from(u8::from(x > 0.5)));

@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::WHITE;
@@ -14,7 +15,7 @@ const GAMMAS: RangeInclusive<f64> = 0.1..=10.0;
 const CONTRASTS: RangeInclusive<f64> = 0.0..=100.0;
 
 /// How grey values follow from the light of pixels, from 0 to 1: contrast first, then gamma.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tone {
     /// The light is raised to this power: above 1 an image becomes darker. 2.2 gives dots in proportion to the light that a screen sends.
     pub gamma: f64,

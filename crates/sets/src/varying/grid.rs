@@ -1,0 +1,130 @@
+//! Radii at the nodes of a grid, from arrays and functions.
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::Boundary;
+
+use super::error::VaryingError;
+use super::image::check_pixels;
+use super::source::DENSITY_CAP;
+
+/// Radii at the corners of the squares that fill a domain: one more along each axis than there are squares, or as many in a
+/// periodic domain, where the far border is the near one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RadiusGrid {
+    /// Nodes of a row.
+    columns: usize,
+    /// Row by row from the lowest one up.
+    pub(super) radii: Vec<f64>,
+    /// Whether radii that are too large become as large as possible.
+    pub(super) is_capped: bool,
+}
+
+impl RadiusGrid {
+    /// Returns radii at nodes, given row by row from the lowest one up.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Grid`] unless there are whole rows.
+    pub fn new(columns: usize, radii: Vec<f64>) -> Result<Self, VaryingError> {
+        let count = radii.len();
+        if columns == 0 || count == 0 || !count.is_multiple_of(columns) {
+            return Err(VaryingError::Grid { count, columns });
+        }
+        Ok(Self {
+            columns,
+            radii,
+            is_capped: false,
+        })
+    }
+
+    /// Returns radii from those of pixels, which fill a domain that ends like this: a node has the mean of the pixels around it.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    pub fn of_pixels(
+        columns: usize,
+        pixels: &[f64],
+        boundary: Boundary,
+    ) -> Result<Self, VaryingError> {
+        check_pixels(columns, pixels.len())?;
+        let wraps = boundary == Boundary::Periodic;
+        let squares = [columns, pixels.len() / columns];
+        let [columns, rows] = squares.map(|count| count + usize::from(!wraps));
+        let mean = |at: usize| {
+            let around = pixels_around(squares, wraps, [at % columns, at / columns]);
+            let (sum, count) = around.fold((0.0, 0.0), |(sum, count), pixel| {
+                (sum + pixels[pixel], count + 1.0)
+            });
+            sum / count
+        };
+        Self::new(columns, (0..columns * rows).map(mean).collect())
+    }
+
+    /// Returns radii from the density of pixels: 1 where it is 1, and elsewhere so that samples are as dense; at most 64 times the
+    /// least.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_pixels`], [`VaryingError::Density`] for a density below 0, one that is no
+    /// number, and one that is 0 everywhere.
+    pub fn of_density(
+        columns: usize,
+        pixels: &[f64],
+        boundary: Boundary,
+    ) -> Result<Self, VaryingError> {
+        let is_density = |density: f64| density >= 0.0 && density.is_finite();
+        if let Some(at) = pixels.iter().position(|&density| !is_density(density)) {
+            let (density, place) = (pixels[at], [at % columns.max(1), at / columns.max(1)]);
+            return Err(VaryingError::Density { density, place });
+        }
+
+        let means = Self::of_pixels(columns, pixels, boundary)?;
+        let greatest = means.radii.iter().copied().fold(0.0, f64::max);
+        if greatest == 0.0 {
+            return Err(VaryingError::NoDensity);
+        }
+        // Where there is no density the radius would be infinite.
+        let cap = DENSITY_CAP / greatest.sqrt();
+        let radius = |density: &f64| (1.0 / density.sqrt()).min(cap);
+        Ok(Self {
+            radii: means.radii.iter().map(radius).collect(),
+            is_capped: true,
+            ..means
+        })
+    }
+
+    /// Returns the nodes of a row and of a column.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.columns, self.radii.len() / self.columns]
+    }
+
+    /// Returns the squares of a row and of a column.
+    pub(super) fn squares(&self, boundary: Boundary) -> [usize; 2] {
+        let more = usize::from(boundary == Boundary::Bounded);
+        self.counts().map(|count| count.saturating_sub(more))
+    }
+}
+
+/// Returns the pixels around a node, by their index: four, or fewer at a border.
+pub(super) fn pixels_around(
+    [columns, rows]: [usize; 2],
+    wraps: bool,
+    node: [usize; 2],
+) -> impl Iterator<Item = usize> {
+    // A node lies between two pixels on each axis; at a border there is one, unless the domain goes on at the other side.
+    let beside = move |at: usize, count: usize| {
+        let before = if at == 0 {
+            wraps.then(|| count - 1)
+        } else {
+            Some(at - 1)
+        };
+        [before, Some(at).filter(|&at| at < count)]
+    };
+    let along = beside(node[0], columns);
+    let rows = beside(node[1], rows).into_iter().flatten();
+    rows.flat_map(move |row| {
+        let along = along.into_iter().flatten();
+        along.map(move |column| row * columns + column)
+    })
+}
