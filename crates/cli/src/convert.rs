@@ -81,10 +81,7 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     // Only a set with a field or a shape is checked a second time, with the ones that certificate and arguments
     // describe.
     if let Err(CheckError::NoField) = checked {
-        let stated = arguments.set.certificate(path)?;
-        overrides.varying = arguments
-            .ground
-            .judged(path, &arguments.set, stated.as_ref())?;
+        (arguments.ground).judge_in(path, &arguments.set, &mut overrides)?;
         checked = check(&overrides);
     }
 

@@ -7,10 +7,12 @@ use clap::{Args, ValueEnum};
 use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs, lossy};
 use tilescope_core::{Boundary, Key, NOT_OF_EXACT, Parameters, PatternSpec, stages};
 use tilescope_figures::{
-    FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene, to_png_controlled,
+    DiskRadii, FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene,
+    to_png_controlled,
 };
-use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, write_whole};
+use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, ReadSet, write_whole};
 
+use crate::ground::GroundArguments;
 use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
@@ -26,6 +28,8 @@ pub struct DrawArguments {
     picture: PathBuf,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    ground: GroundArguments,
     /// Width of the picture in pixels
     #[arg(long, value_name = "PX", default_value_t = 1600)]
     size: u32,
@@ -35,7 +39,8 @@ pub struct DrawArguments {
     /// Leave the disks out
     #[arg(long)]
     no_disks: bool,
-    /// Draw the parts of circles that lie in no other disk: around each gap they form a ring, and a maximal set has none
+    /// Draw the parts of circles that lie in no other disk: around each gap they form a ring, and a maximal set of one radius
+    /// in a rectangle has none
     #[arg(long)]
     gaps: bool,
     /// Colours
@@ -44,14 +49,16 @@ pub struct DrawArguments {
 }
 
 const EXAMPLES: &str = "\
-Disks need a radius: from the certificate, or --radius. Blocks are drawn when the certificate states
+Disks need a radius: from the certificate, or --radius. Where it varies each sample has its own: from a column radius of the
+file, or from the field that the certificate states; images must be given. Blocks are drawn when the certificate states
 the parameters of KDRT or of exact tiling; samples have their block's colour when the file states their origin
 (.ply and .json do).
 
 Examples:
   tilescope draw set.csv set.png
   tilescope draw theirs.csv gaps.png --radius 0.01 --gaps
-  tilescope draw set.ply zoom.svg --window 0.2 0.2 0.4 0.4 --theme dark";
+  tilescope draw set.ply zoom.svg --window 0.2 0.2 0.4 0.4 --theme dark
+  tilescope draw field.npy field.png --radius-image grey.png";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Theme {
@@ -94,7 +101,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         .refuse_degrees(&read, region)
         .in_file(&arguments.file)?;
 
-    let scene = scene(arguments, &read.set, stated, region)?;
+    let scene = scene(arguments, &read, region)?;
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
     } else {
@@ -113,14 +120,11 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     Ok(EXIT_FINE)
 }
 
-fn scene(
-    arguments: &DrawArguments,
-    set: &PointSet,
-    certificate: Option<&Certificate>,
-    region: Region,
-) -> Result<Scene> {
+fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
     let given = &arguments.set;
-    // With a field no single radius describes the disks, so that none are drawn.
+    let (set, certificate) = (&read.set, read.certificate.as_ref());
+    let own_radii = own_radii(arguments, read)?;
+    // Disks of one radius would say nothing of a set whose radius varies.
     let stated = certificate
         .map(|c| &c.radius)
         .filter(|radius| !radius.is_field());
@@ -146,16 +150,27 @@ fn scene(
         Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
     };
     let provenance = set.provenance.as_ref();
+    let is_varying = certificate.is_some_and(Certificate::is_varying) || own_radii.is_some();
+    ensure!(
+        !arguments.gaps || !is_varying && !arguments.ground.is_given(),
+        "--gaps: where the radius varies a sample covers no disk, and beyond a shape nothing is covered, so that parts of \
+         circles show no gaps; tilescope verify counts them; leave it out"
+    );
     let exposed = (arguments.gaps).then(|| exposed(set, region, radius));
+    let radii = match (&own_radii, radius) {
+        (Some(own), _) => DiskRadii::Own(own),
+        (None, Some(radius)) => DiskRadii::Equal(radius),
+        (None, None) => DiskRadii::Unknown,
+    };
     let picture = SetPicture {
         points: &set.points,
         size: region.size(),
         boundary: Boundary::of(region.is_periodic()),
-        radius,
+        radii,
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
         exposed: exposed.transpose()?.unwrap_or_default(),
-        caption: caption(set.len(), radius, &arguments.file),
+        caption: caption(set.len(), radii, &arguments.file),
     };
 
     let options = PictureOptions {
@@ -172,6 +187,45 @@ fn scene(
         disks: !arguments.no_disks,
     };
     Ok(set_scene(&picture, &options))
+}
+
+/// Returns the radius of each sample, if it is not the same one.
+fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64>>> {
+    let (file, set, ground) = (&arguments.file, &arguments.set, &arguments.ground);
+    let stated = read.certificate.as_ref();
+    // One radius that is given is that of all disks; and where there are none, no field need be given.
+    if arguments.no_disks || (set.radius.is_some() && !ground.is_given()) {
+        return Ok(None);
+    }
+    // The column of a file with a certificate is what was certified: the digest of the file is compared.
+    if let (Some(radii), false) = (&read.radii, ground.is_given()) {
+        return Ok(Some(radii.clone()));
+    }
+
+    let is_field = stated.is_some_and(|stated| stated.radius.is_field());
+    if !is_field && !ground.is_given() {
+        return Ok(None);
+    }
+    let varying = match ground.judged(file, set, stated) {
+        // The samples alone are better than nothing.
+        Err(error) if !ground.is_given() => {
+            output::note(&format!("note: disks are left out: {error:#}"));
+            return Ok(None);
+        }
+        judged => judged?,
+    };
+    let Some(varying) = varying.map(|ground| ground.varying) else {
+        return Ok(None);
+    };
+    if let Some(stated) = stated {
+        ensure!(
+            stated.radius == varying.radius,
+            "the radius is {}, and the certificate states {}: give the field that the set was made with",
+            varying.radius,
+            stated.radius
+        );
+    }
+    Ok(Some(varying.radii(&read.set.points)).filter(|radii| !radii.is_empty()))
 }
 
 /// Returns the parts of the circles around samples that lie in no other disk.
@@ -238,8 +292,16 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
     Some(rects.collect())
 }
 
-fn caption(count: usize, radius: Option<f64>, file: &Path) -> String {
+fn caption(count: usize, radii: DiskRadii<'_>, file: &Path) -> String {
     let name = lossy(file.file_name().unwrap_or_default());
-    let radius = radius.map_or_else(String::new, |radius| format!(", r = {radius:.6}"));
+    let radius = match radii {
+        DiskRadii::Unknown => String::new(),
+        DiskRadii::Equal(radius) => format!(", r = {radius:.6}"),
+        DiskRadii::Own(own) => {
+            let least = own.iter().copied().fold(f64::INFINITY, f64::min);
+            let greatest = own.iter().copied().fold(0.0, f64::max);
+            format!(", r = {least:.6} to {greatest:.6}")
+        }
+    };
     format!("{name}: {count} samples{radius}")
 }

@@ -1,16 +1,15 @@
 //! Arguments of a radius that varies and of shapes, and what sets are judged in by them or by their certificates.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use tilescope_analysis::Boundary as Border;
 use tilescope_core::Boundary;
-use tilescope_formats::{Certificate, VaryingDomain, read_whole};
+use tilescope_formats::{Certificate, Overrides, read_whole};
 use tilescope_sets::{
-    Expression, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusSource, ShapeSource,
-    VaryingRecipe,
+    Expression, GivenGround, GivenRadius, GrayImage, Ground, PlanarPolygon, RadiusSource,
+    ShapeSource, VaryingRecipe,
 };
 
 use crate::options::SetArguments;
@@ -118,7 +117,7 @@ impl GroundArguments {
         file: &Path,
         set: &SetArguments,
         stated: Option<&Certificate>,
-    ) -> Result<Option<Arc<VaryingDomain>>> {
+    ) -> Result<Option<Ground>> {
         let recipe = match stated.filter(|stated| stated.is_varying()) {
             Some(stated) => {
                 // With another domain or radius the digests could only differ.
@@ -139,7 +138,23 @@ impl GroundArguments {
             None => return Ok(None),
         };
 
-        Ok(Some(recipe.ground().in_file(file)?.varying))
+        Ok(Some(recipe.ground().in_file(file)?))
+    }
+
+    /// Has a file judged in its field and its shape, if it has such: by its certificate, or by these arguments.
+    pub fn judge_in(
+        &self,
+        file: &Path,
+        set: &SetArguments,
+        overrides: &mut Overrides,
+    ) -> Result<()> {
+        let stated = set.certificate(file)?;
+        if let Some(ground) = self.judged(file, set, stated.as_ref())? {
+            // Positions of others are in the coordinates of the shape, whose rectangle is then the domain.
+            overrides.origin = overrides.origin.or(Some(ground.origin));
+            overrides.varying = Some(ground.varying);
+        }
+        Ok(())
     }
 
     /// Returns the field and the shape that the arguments state for a set without a certificate.

@@ -75,14 +75,14 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         return thinned();
     }
 
-    let check = match checked(arguments) {
+    let (check, given) = match checked(arguments) {
         // Only the certificate says that a set was thinned, and it is read with the points.
         Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
             return thinned();
         }
         outcome => outcome?,
     };
-    let origin = origin(arguments, &check);
+    let origin = origin(given, &check);
     output::report(
         arguments.json,
         || to_json(&check, origin),
@@ -116,8 +116,8 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     Ok(verdict_code(level.valid))
 }
 
-/// Reads and verifies a file.
-fn checked(arguments: &VerifyArguments) -> Result<Check> {
+/// Reads and verifies a file. Returns also the origin that follows from the arguments.
+fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     let file = &arguments.file;
     let mut overrides = Overrides {
         judges: arguments.judge.choice(),
@@ -126,28 +126,29 @@ fn checked(arguments: &VerifyArguments) -> Result<Check> {
     let (ground, set) = (&arguments.ground, &arguments.set);
     // Without a certificate only the arguments can tell the field and the shape.
     if ground.is_given() {
-        let stated = set.certificate(file)?;
-        overrides.varying = ground.judged(file, set, stated.as_ref())?;
+        ground.judge_in(file, set, &mut overrides)?;
     }
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     let mut checked = check_or_unit_square(&overrides, check);
 
     // Only for a field or a shape, which few sets have, is the certificate read a second time.
     if let Err(CheckError::NoField) = checked {
-        let stated = set.certificate(file)?;
-        overrides.varying = ground.judged(file, set, stated.as_ref())?;
+        ground.judge_in(file, set, &mut overrides)?;
         checked = check_or_unit_square(&overrides, check);
     }
     match checked {
         Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
-        outcome => outcome.map_err(hinted).in_file(file),
+        outcome => {
+            let check = outcome.map_err(hinted).in_file(file)?;
+            Ok((check, overrides.origin))
+        }
     }
 }
 
 /// Returns where the lower corner of the domain lies in the file, if not at 0 0.
-fn origin(arguments: &VerifyArguments, check: &Check) -> Option<[f64; 2]> {
+fn origin(given: Option<[f64; 2]>, check: &Check) -> Option<[f64; 2]> {
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
-    let origin = arguments.set.origin().or(stated);
+    let origin = given.or(stated);
     origin.filter(|&[x, y]| x != 0.0 || y != 0.0)
 }
 

@@ -48,6 +48,7 @@ pub(crate) struct Canvas<'a> {
     pub(crate) options: &'a PictureOptions,
     pub(crate) size: DVec2,
     pub(crate) periodic: bool,
+    /// Of the disk around the sample that is drawn.
     pub(crate) radius: f64,
     pub(crate) shown: Rect,
     pub(crate) frame: Rect,
@@ -204,8 +205,10 @@ impl<'a> Canvas<'a> {
             // An arc shorter than a step is one piece; for one of no length, the step would be a division by zero.
             let steps = ((to - from) / ARC_STEP).ceil().max(1.0);
             let angles = (0..=steps as u32).map(|k| from + (to - from) * f64::from(k) / steps);
+            // The platform's sine would give other last bits on another one.
             let arc: Vec<DVec2> = angles
-                .map(|angle| self.radius * DVec2::from_angle(angle))
+                .map(libm::sincos)
+                .map(|(sin, cos)| self.radius * DVec2::new(cos, sin))
                 .collect();
 
             for image in self.images(points[index]) {

@@ -62,7 +62,7 @@ mod tests {
 
     use super::*;
     use crate::canvas::PictureOptions;
-    use crate::set::{SetPicture, set_scene, set_scene_controlled};
+    use crate::set::{DiskRadii, SetPicture, set_scene, set_scene_controlled};
     use crate::{
         Scene, to_png, to_png_controlled, to_svg_with_fonts, to_svg_with_fonts_controlled,
     };
@@ -102,7 +102,7 @@ mod tests {
             points,
             size: [1.0; 2],
             boundary: Boundary::Bounded,
-            radius: Some(0.05),
+            radii: DiskRadii::Equal(0.05),
             blocks: Vec::new(),
             block_of: None,
             exposed: Vec::new(),

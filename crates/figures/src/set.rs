@@ -10,6 +10,28 @@ use crate::control::{Control, Steps};
 use crate::error::FigureError;
 use crate::scene::{Fill, Marker, Rect, Scene};
 
+/// The radii of the disks around samples, in user units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DiskRadii<'a> {
+    /// They are not known, and no disk is drawn.
+    Unknown,
+    /// All disks have this one.
+    Equal(f64),
+    /// Each disk has its own, in the order of the samples.
+    Own(&'a [f64]),
+}
+
+impl DiskRadii<'_> {
+    /// Returns the radius around a sample; 0 if it is not known.
+    fn of(self, index: usize) -> f64 {
+        match self {
+            Self::Unknown => 0.0,
+            Self::Equal(radius) => radius,
+            Self::Own(radii) => radii.get(index).copied().unwrap_or(0.0),
+        }
+    }
+}
+
 /// A set to draw without its run.
 #[derive(Clone, Debug)]
 pub struct SetPicture<'a> {
@@ -19,13 +41,13 @@ pub struct SetPicture<'a> {
     pub size: [f64; 2],
     /// How the domain ends.
     pub boundary: Boundary,
-    /// Radius of the disks, if known.
-    pub radius: Option<f64>,
+    /// Radii of the disks.
+    pub radii: DiskRadii<'a>,
     /// Building blocks in user units, if known.
     pub blocks: Vec<Rect>,
     /// The block of each sample, where known; a sample without one was inserted.
     pub block_of: Option<Vec<Option<u32>>>,
-    /// Parts of the circles around samples that lie in no other disk: the sample's index, and where the part begins and ends,
+    /// Parts of circles of equal radii around samples that lie in no other disk: the sample's index, and where the part begins and ends,
     /// as angles from the x axis, anticlockwise, in radians.
     pub exposed: Vec<(usize, [f64; 2])>,
     /// A line above the picture.
@@ -60,31 +82,28 @@ fn laid_out<E>(
     options: &PictureOptions,
     step: &mut dyn FnMut() -> Result<(), E>,
 ) -> Result<Scene, E> {
-    let mut canvas = Canvas::new(
-        set.size.into(),
-        set.boundary,
-        set.radius.unwrap_or(0.0),
-        options,
-    );
+    let mut canvas = Canvas::new(set.size.into(), set.boundary, set.radii.of(0), options);
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
 
     // Disks lie below all samples: a disk would hide the dots that were painted before it.
-    if let Some(style) = canvas.ring(Some(Fill::Solid(options.palette.disk_fill))) {
-        let mut disks = canvas.group("disks");
-        for point in &points {
-            step()?;
-            disks
-                .shapes
-                .extend(canvas.disks(std::slice::from_ref(point), style));
+    let mut disks = canvas.group("disks");
+    let fill = Some(Fill::Solid(options.palette.disk_fill));
+    for (index, point) in points.iter().enumerate() {
+        step()?;
+        canvas.radius = set.radii.of(index);
+        if let Some(style) = canvas.ring(fill) {
+            let own = canvas.disks(std::slice::from_ref(point), style);
+            disks.shapes.extend(own);
         }
-        canvas.push([disks]);
     }
+    canvas.push([disks]);
 
     let mut samples = canvas.group("samples");
     let mut inserted = canvas.group("inserted");
     for (index, &point) in points.iter().enumerate() {
         step()?;
+        canvas.radius = set.radii.of(index);
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {
             // A sample without a block was inserted. Where blocks are not known, all samples look alike.

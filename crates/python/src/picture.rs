@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use tilescope_analysis::Region;
 use tilescope_core::Boundary;
 use tilescope_figures::{
-    Palette, PictureOptions, Rect, SetPicture, set_scene_controlled, to_png_controlled,
+    DiskRadii, Palette, PictureOptions, Rect, SetPicture, set_scene_controlled, to_png_controlled,
     to_svg_with_fonts_controlled,
 };
 
@@ -62,7 +62,7 @@ pub fn draw(
         points: near.as_deref().unwrap_or(points),
         size: region.size(),
         boundary: Boundary::of(region.is_periodic()),
-        radius,
+        radii: radius.map_or(DiskRadii::Unknown, DiskRadii::Equal),
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),

@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use glam::DVec2;
+// They have the same last bits on every machine, which a platform's own have not: pictures of gaps would differ.
+#[cfg(not(target_arch = "wasm32"))]
+use libm::{acos, atan2};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -139,8 +142,8 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut arcs: Vec<[f64; 2]> = covered
         .iter()
         .map(|&(toward, cos)| {
-            let half = cos.clamp(-1.0, 1.0).acos();
-            let start = (toward.to_angle() - half).rem_euclid(TAU);
+            let half = acos(cos.clamp(-1.0, 1.0));
+            let start = (atan2(toward.y, toward.x) - half).rem_euclid(TAU);
             [start, start + 2.0 * half]
         })
         .collect();
@@ -173,6 +176,17 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
         open.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     }
     open
+}
+
+/// On a page the standard library has these functions, and would load them twice.
+#[cfg(target_arch = "wasm32")]
+fn acos(cos: f64) -> f64 {
+    cos.acos()
+}
+
+#[cfg(target_arch = "wasm32")]
+fn atan2(y: f64, x: f64) -> f64 {
+    y.atan2(x)
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use tilescope_analysis::Report;
 use tilescope_core::combine::{CombineOptions, Combined, EliminatedSample, combine};
 use tilescope_core::{Boundary, Domain, Point, R, Rect as Cells, Source, reference_sample};
 use tilescope_figures::{
-    Baseline, Font, Group, Marker, Palette, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke,
-    Style, Text, set_scene, text_width,
+    Baseline, DiskRadii, Font, Group, Marker, Palette, PictureOptions, Rect, Scene, SetPicture,
+    Shape, Stroke, Style, Text, set_scene, text_width,
 };
 
 use crate::control::Control;
@@ -270,7 +270,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         points: &points,
         size: combined.domain.size(),
         boundary: Boundary::Periodic,
-        radius: Some(combined.domain.radius()),
+        radii: DiskRadii::Equal(combined.domain.radius()),
         blocks: blocks.into(),
         block_of: Some(combined.sources.iter().map(block).collect()),
         exposed: Vec::new(),

@@ -3,6 +3,7 @@
 use std::fs;
 
 use png::{BitDepth, ColorType};
+use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
@@ -135,10 +136,6 @@ fn tables_have_the_radius_of_each_sample() {
     }
 
     // Other commands take such a set, or say why not.
-    tilescope(&folder)
-        .args(["draw", "ramp.csv", "ramp.png"])
-        .assert()
-        .success();
     let converted = tilescope(&folder)
         .args(["convert", "ramp.csv", "ramp.ply"])
         .assert()
@@ -152,6 +149,165 @@ fn tables_have_the_radius_of_each_sample() {
         "analyze ramp.csv",
         "its radius varies or it covers a shape",
     );
+}
+
+/// Returns the radii of the disks of a picture, in pixels, in their order.
+fn disks(folder: &TempDir, line: &str) -> Vec<f64> {
+    tilescope(folder)
+        .args(words(&format!("draw {line} --size 2000")))
+        .assert()
+        .success();
+    let name = line.split_whitespace().nth(1).unwrap();
+    let svg = fs::read_to_string(folder.path().join(name)).unwrap();
+    let Some((_, group)) = svg.split_once("id=\"disks\"") else {
+        return Vec::new();
+    };
+    let group = group.split("</g>").next().unwrap();
+    let radius = |circle: &str| circle.split('"').next().unwrap().parse().unwrap();
+    group.split(" r=\"").skip(1).map(radius).collect()
+}
+
+#[test]
+fn each_disk_has_the_radius_of_its_sample() {
+    let folder = tempdir().unwrap();
+    image(&folder, "grey.png", [32, 32], |x, _| x);
+    let make = "--radius-image grey.png --radius 0.02..0.08";
+    for name in ["a.csv", "a.npy"] {
+        run(&folder, &format!("sample {make} --out {name} --json"), 0);
+    }
+    let text = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let column = text
+        .lines()
+        .skip(1)
+        .map(|line| line.rsplit(',').next().unwrap());
+    let radii: Vec<f64> = column.map(|radius| radius.parse().unwrap()).collect();
+
+    let by_column = disks(&folder, "a.csv a.svg");
+    let pixels = by_column[0] / radii[0];
+    let is_same = |(drawn, radius): (&f64, &f64)| (drawn - radius * pixels).abs() < 0.01;
+    assert_eq!(by_column.len(), radii.len());
+    assert!(by_column.iter().zip(&radii).all(is_same));
+    // The file has no column: the image must be given, or disks are left out with a note.
+    assert_eq!(
+        disks(&folder, "a.npy b.svg --radius-image grey.png"),
+        by_column
+    );
+    assert_eq!(disks(&folder, "a.npy c.svg"), Vec::<f64>::new());
+    let drawn = ["draw", "a.npy", "d.png"];
+    let noted = tilescope(&folder).args(drawn).assert().success();
+    noted.stderr(contains("disks are left out").and(contains("--radius-image grey.png")));
+    image(&folder, "other.png", [32, 32], |x, _| 1.0 - x);
+    refused(
+        &folder,
+        "draw a.npy e.png --radius-image other.png",
+        "give the field that the set was made with",
+    );
+    refused(
+        &folder,
+        "draw a.csv e.png --gaps",
+        "--gaps: where the radius varies",
+    );
+
+    // Tables of others, and formulas of certificates.
+    fs::write(
+        folder.path().join("own.csv"),
+        "x,y,radius\n0.2,0.5,0.1\n0.7,0.5,0.2\n",
+    )
+    .unwrap();
+    let own = disks(&folder, "own.csv own.svg");
+    assert_eq!(
+        (own.len(), own.first().map(|radius| 2.0 * radius)),
+        (2, own.get(1).copied())
+    );
+    run(
+        &folder,
+        "sample --radius-expression 0.02+0.05*x --out ramp.npy --json",
+        0,
+    );
+    assert!(disks(&folder, "ramp.npy ramp.svg").len() > 100);
+    park(&folder);
+    run(
+        &folder,
+        "sample --shape park.geojson --radius 2 --out trees.csv --json",
+        0,
+    );
+    refused(
+        &folder,
+        "draw trees.csv e.png --gaps",
+        "beyond a shape nothing is covered",
+    );
+    assert!(!folder.path().join("e.png").exists());
+}
+
+#[test]
+fn geojson_has_every_bit_and_the_radius_of_each_point() {
+    let folder = tempdir().unwrap();
+    let ramp = "--radius-expression 0.02+0.05*x --out";
+    let [made, _] = made_and_verified(&folder, &format!("{ramp} ramp.geojson"), "ramp.geojson");
+    made_and_verified(&folder, &format!("{ramp} ramp.csv"), "ramp.csv");
+    let text = fs::read_to_string(folder.path().join("ramp.geojson")).unwrap();
+    let collection: Value = serde_json::from_str(&text).unwrap();
+    let csv = fs::read_to_string(folder.path().join("ramp.csv")).unwrap();
+    for (feature, line) in collection["features"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(csv.lines().skip(1))
+    {
+        let row: Vec<f64> = line.split(',').map(|one| one.parse().unwrap()).collect();
+        assert_eq!(feature["geometry"]["coordinates"], json!(row[..2]));
+        assert_eq!(feature["properties"], json!({ "radius": row[2] }));
+    }
+    let stated = fs::read_to_string(folder.path().join("ramp.geojson.certificate.json")).unwrap();
+    let stated: Value = serde_json::from_str(&stated).unwrap();
+    let has = |name: &str| stated[name].clone();
+    assert_eq!(has("file_format"), json!("geojson"));
+    assert_eq!(has("positions_digest"), made["positions_digest"]);
+
+    // What is changed is found; converted and renamed it is still a set.
+    tilescope(&folder)
+        .args(["convert", "ramp.geojson", "again.npy"])
+        .assert()
+        .success();
+    run(&folder, "verify again.npy --json", 0);
+    for end in ["", ".certificate.json"] {
+        let [from, to] =
+            ["ramp.geojson", "named.json"].map(|name| folder.path().join(format!("{name}{end}")));
+        fs::copy(from, to).unwrap();
+    }
+    run(&folder, "verify named.json --json", 0);
+    tamper(&folder, "ramp.geojson", 4, None);
+    let found = run(&folder, "verify ramp.geojson --json", 1);
+    assert!(found["gaps"].as_u64().unwrap() > 0);
+
+    // At map coordinates, with a word on what positions are.
+    park(&folder);
+    let trees = "sample --shape park.geojson --radius 2 --out trees.geojson";
+    let noted = tilescope(&folder).args(words(trees)).assert().success();
+    noted.stdout(contains(
+        "by its standard (RFC 7946), and these positions are planar",
+    ));
+    let found = run(&folder, "verify trees.geojson --json", 0);
+    assert_eq!(found["origin"], json!([500_000.0, 5_400_000.0]));
+}
+
+#[test]
+fn positions_of_others_are_in_the_coordinates_of_the_shape() {
+    let folder = tempdir().unwrap();
+    park(&folder);
+    run(
+        &folder,
+        "sample --shape park.geojson --radius 2 --out trees.csv --json",
+        0,
+    );
+    fs::remove_file(folder.path().join("trees.csv.certificate.json")).unwrap();
+    let line = "verify trees.csv --shape park.geojson --radius 2 --json";
+    assert_eq!(
+        run(&folder, line, 0)["origin"],
+        json!([500_000.0, 5_400_000.0])
+    );
+    tamper(&folder, "trees.csv", 7, None);
+    assert!(run(&folder, line, 1)["gaps"].as_u64().unwrap() > 0);
 }
 
 #[test]

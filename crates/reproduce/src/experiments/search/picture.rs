@@ -5,8 +5,8 @@ use serde_json::json;
 use tilescope_analysis::{Region, Tessellation};
 use tilescope_core::Boundary;
 use tilescope_figures::{
-    Anchor, Baseline, Fill, Font, Hatch, Marker, Palette, PictureOptions, Rect, Scene, SetPicture,
-    Shape, Stroke, Style, Text, set_scene, with_alpha,
+    Anchor, Baseline, DiskRadii, Fill, Font, Hatch, Marker, Palette, PictureOptions, Rect, Scene,
+    SetPicture, Shape, Stroke, Style, Text, set_scene, with_alpha,
 };
 
 use super::gaps::Witness;
@@ -55,7 +55,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         points: &points,
         size,
         boundary: Boundary::Bounded,
-        radius: Some(radius),
+        radii: DiskRadii::Equal(radius),
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),
