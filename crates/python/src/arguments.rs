@@ -12,11 +12,12 @@ use tilescope_core::{
     MAXIMAL_DENSITY, NOT_OF_EXACT, NestedRequest, Parameter, ParameterError, ParameterKind,
     Parameters, Pattern, Search, WithinLevel, radius_estimate,
 };
-use tilescope_formats::{Format, Overrides, positions_digest};
+use tilescope_formats::{Format, Overrides, VaryingDomain, positions_digest};
 use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, stated};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
+use crate::ground::{Ground, refuse_ground};
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -118,6 +119,9 @@ pub struct SetArgument<'py> {
     radius: Option<f64>,
     pub levels: Vec<LevelArgument>,
     pub method: String,
+    /// The field and the shape, if its radius varies or it covers a shape.
+    #[pyo3(attribute("_ground"))]
+    pub ground: Option<Py<Ground>>,
     /// The parameters as a JSON object.
     #[pyo3(attribute("_parameters"))]
     pub parameters: String,
@@ -147,8 +151,15 @@ impl SetArgument<'_> {
         self.radius.ok_or_else(|| PyValueError::new_err(missing))
     }
 
-    /// Returns the domain with the radius, or an error that asks for that.
+    /// Returns what the set is judged in, if its radius varies or it covers a shape.
+    pub fn varying(&self) -> Option<Arc<VaryingDomain>> {
+        let ground = self.ground.as_ref()?;
+        Some(Arc::clone(&ground.get().varying))
+    }
+
+    /// Returns the domain with the radius, or an error that asks for that, or that says that there is more to it.
     pub fn known_domain(&self) -> PyResult<KnownDomain> {
+        refuse_ground(self, "a pattern or a combination")?;
         Ok(KnownDomain {
             region: self.region()?,
             radius: self.radius()?,

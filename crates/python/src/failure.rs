@@ -13,12 +13,15 @@ use tilescope_core::{ParameterError, PatternError, SampleError};
 use tilescope_figures::FigureError;
 use tilescope_formats::{CheckError, ExportError, FormatError};
 use tilescope_live::{CourseError, CurveError};
+use tilescope_sets::VaryingError;
 
 /// An exception to raise.
 #[derive(Debug)]
 pub enum Failure {
     /// `ValueError`: the arguments, or a file, are wrong. The text names the value and the limit.
     Value(String),
+    /// `ValueError`: a certificate states a field or a shape that is not known here.
+    NoField(String),
     /// `OSError`, or the subclass that Python has for its number.
     System {
         number: i32,
@@ -35,7 +38,7 @@ impl Failure {
     /// Returns the failure with the part of the input that it is about.
     pub fn of(self, part: &str) -> Self {
         match self {
-            Self::Value(text) => Self::Value(format!("{part}: {text}")),
+            Self::Value(text) | Self::NoField(text) => Self::Value(format!("{part}: {text}")),
             Self::Runtime(text) => Self::Runtime(format!("{part}: {text}")),
             other @ (Self::System { .. } | Self::Memory(_)) => other,
         }
@@ -45,7 +48,9 @@ impl Failure {
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
-            Failure::Value(text) => PyValueError::new_err(shortened(&text)),
+            Failure::Value(text) | Failure::NoField(text) => {
+                PyValueError::new_err(shortened(&text))
+            }
             Failure::System { number, text, path } => PyOSError::new_err((number, text, path)),
             Failure::Memory(text) => PyMemoryError::new_err(shortened(&text)),
             Failure::Runtime(text) => PyRuntimeError::new_err(shortened(&text)),
@@ -196,6 +201,7 @@ impl From<CheckError> for Failure {
         match error {
             CheckError::Format(error) => error.into(),
             CheckError::Verify(error) => error.into(),
+            error @ CheckError::NoField => Self::NoField(error.to_string()),
             other => Self::Value(other.to_string()),
         }
     }
@@ -208,6 +214,46 @@ impl From<ExportError> for Failure {
             ExportError::Verify { source, .. } => source.into(),
             ExportError::ShuffledLevels { .. } => Self::Value(error.to_string()),
             other => Self::Runtime(other.to_string()),
+        }
+    }
+}
+
+impl From<VaryingError> for Failure {
+    fn from(error: VaryingError) -> Self {
+        let needed = |what: &str, argument: String| {
+            Self::Value(format!(
+                "the certificate states {what}, which must be given to judge the set: {argument}"
+            ))
+        };
+        match error {
+            VaryingError::Domain(error) => error.into(),
+            VaryingError::Judge(error) => error.into(),
+            VaryingError::Sample(error) => error.into(),
+            VaryingError::Needed { what, file, option } => {
+                // A certificate without a file's name states an array.
+                let (from, value) = match &*file {
+                    "FILE" => ("an array".to_owned(), "the same array".to_owned()),
+                    _ => (shortened(&file), format!("pathlib.Path({file:?})")),
+                };
+                let name = match option {
+                    "--radius-image" => "radius",
+                    "--density-image" => "density",
+                    _ => "mask",
+                };
+                needed(&format!("{what} from {from}"), format!("{name}={value}"))
+            }
+            VaryingError::NeedsGrid { name } => {
+                let what = "a field from an array or a function";
+                let argument = match name {
+                    "density-grid" => "density=the same array",
+                    _ => "radius=the same array or function",
+                };
+                needed(what, argument.to_owned())
+            }
+            error @ VaryingError::Degrees { .. } => {
+                Self::Value(format!("{error}; planar=True takes them as they are"))
+            }
+            other => Self::Value(other.to_string()),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -17,7 +18,8 @@ use tilescope_formats::{
 use crate::arguments::{SetArgument, claims, format, level_fields, overrides, verify_options};
 use crate::arrays::rows;
 use crate::failure::Failure;
-use crate::judge::{GivenDomain, of_report};
+use crate::ground::{FieldArgument, Ground};
+use crate::judge::{self, GivenDomain, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{PythonSet, set_into_python};
 use crate::task::run;
@@ -37,31 +39,75 @@ pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     Ok(json!(named).to_string())
 }
 
-/// Reads a file. Missing parts of the domain are those of the certificate, or of the periodic unit square. Refuses a set
-/// whose certificate is not true; without `certificate` none is read, and the method is unknown.
+/// Reads a file. What is not given is of its certificate, and else of the periodic unit square. Refuses a set whose
+/// certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was made. Returns also
+/// what the set is judged in, if its radius varies or it covers a shape.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
 pub fn read<'py>(
     py: Python<'py>,
     path: PathBuf,
     given: GivenDomain,
+    field: Option<FieldArgument<'py>>,
     format_name: Option<&str>,
     set: Option<&Bound<'py, PyAny>>,
     certificate: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<PythonSet<'py>> {
-    let overrides = Overrides {
+) -> PyResult<(PythonSet<'py>, Option<Ground>)> {
+    let mut overrides = Overrides {
         origin: given.origin,
         ..overrides(format_name, set)?
     };
-    let found = run(py, progress, |watch| {
-        // Asked for first, as a failed allocation would end the interpreter.
-        ask_to_read(&path)?;
-        of_file(&path, &overrides, certificate, &watch.control("verify"))
-    })?;
+    let read = |overrides: &Overrides| {
+        run(
+            py,
+            progress.as_ref().map(|one| one.clone_ref(py)),
+            |watch| {
+                ask_to_read(&path)?;
+                Ok(of_file(
+                    &path,
+                    overrides,
+                    certificate,
+                    &watch.control("verify"),
+                ))
+            },
+        )
+    };
+    let ground_by = |overrides: &mut Overrides| -> PyResult<Option<Ground>> {
+        let format = overrides.format;
+        let stated = certificate
+            .then(|| judge::certificate(&path, format))
+            .flatten();
+        let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
+        overrides.varying = ground.as_ref().map(|ground| Arc::clone(&ground.varying));
+        overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
+        Ok(ground)
+    };
 
+    let mut ground = None;
+    if field.is_some() {
+        ground = ground_by(&mut overrides)?;
+    }
+    let mut found = read(&overrides)?;
+    // Only then is the certificate read a second time, as few sets have such parts.
+    if let Err(Failure::NoField(_)) = found {
+        ground = ground_by(&mut overrides)?;
+        found = read(&overrides)?;
+    }
+    let found = found?;
     let stated = found.certificate.as_ref();
-    let region = given.region_over(stated.map(|stated| stated.region))?;
-    let radius = given.radius.or(stated.map(|stated| stated.radius.least()));
+    let judged = ground.as_ref().map(|ground| ground.varying.judged.region());
+    let region = match judged {
+        Some(region) => region,
+        None => given.region_over(stated.map(|stated| stated.region))?,
+    };
+    let radius = ground.as_ref().map(|ground| ground.varying.radius.least());
+    let radius = radius
+        .or(given.radius)
+        .or(stated.map(|stated| stated.radius.least()));
 
     // What a certificate says of another domain or radius is not true of this set.
     let stated =
@@ -77,7 +123,7 @@ pub fn read<'py>(
         "certificate": stated,
     });
     let set = found.in_domain(Some(region)).set;
-    set_into_python(set, &facts, py)
+    Ok((set_into_python(set, &facts, py)?, ground))
 }
 
 /// A set from a file.
@@ -271,6 +317,7 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
         method: set.method.clone(),
         parameters,
         levels: claims(&set.levels),
+        varying: set.varying(),
         ..ExportContext::new(set.region()?, set.radius()?)
     })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, verify_levels};
+use tilescope_core::Boundary;
 use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
     WHOLE_FILE_BYTES, check_stream, is_valid,
@@ -13,6 +14,7 @@ use tilescope_sets::check_or_unit_square;
 
 use crate::arguments::{SetArgument, claims, overrides, verify_options};
 use crate::failure::Failure;
+use crate::ground::{FieldArgument, Ground};
 use crate::memory::{ask_to_judge, ask_to_read};
 use crate::task::run;
 use crate::values::{named, real_if_given};
@@ -26,12 +28,15 @@ pub fn verify(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
-    let (options, claims) = (verify_options(judge)?, claims(&set.levels));
+    let (options, claims, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
     let report = run(py, progress, |watch| {
         // Asked for first, as a failed allocation would end the interpreter.
         ask_to_judge(points.len())?;
         let control = watch.control("verify");
-        let whole = tilescope_analysis::verify(points, region, radius, &options, &control)?;
+        let whole = match &varying {
+            Some(varying) => varying.judged.verify(points, &options, &control)?,
+            None => tilescope_analysis::verify(points, region, radius, &options, &control)?,
+        };
         let control = watch.control("levels");
         let levels = verify_levels(points, &whole, &claims, &options, &control)?;
         let levels: Vec<_> = levels.iter().map(CertifiedLevel::of).collect();
@@ -94,15 +99,44 @@ impl GivenDomain {
     const fn has_region(&self) -> bool {
         self.width.is_some() || self.height.is_some() || self.boundary.is_some()
     }
+
+    /// Returns width and height, as far as they are given.
+    pub const fn size(&self) -> [Option<f64>; 2] {
+        [self.width, self.height]
+    }
+
+    /// Returns the boundary of a domain with a field or a shape: a field seldom goes around, and a shape never.
+    pub fn bounded_or_given(&self) -> PyResult<Boundary> {
+        let boundary = self.boundary.as_deref();
+        let boundary = boundary.map(|boundary| named("boundary", boundary));
+        Ok(boundary.transpose()?.unwrap_or(Boundary::Bounded))
+    }
+
+    /// Returns the first argument that is given of a domain and a radius.
+    pub fn first_given(&self, radius: Option<f64>) -> Option<&'static str> {
+        let given = [
+            ("radius", self.radius.or(radius).is_some()),
+            ("width", self.width.is_some()),
+            ("height", self.height.is_some()),
+            ("boundary", self.boundary.is_some()),
+        ];
+        let mut given = given.into_iter();
+        Some(given.find(|(_, is_given)| *is_given)?.0)
+    }
 }
 
 /// Verifies a file, and the levels that its certificate states, and compares its certificate. Returns the report, and the
 /// statements that do not hold, as JSON.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
 pub fn check(
     py: Python<'_>,
     path: PathBuf,
     given: GivenDomain,
+    field: Option<FieldArgument<'_>>,
     format_name: Option<&str>,
     set: Option<&Bound<'_, PyAny>>,
     judge: Option<&str>,
@@ -112,27 +146,50 @@ pub fn check(
     // The certificate is read only if a part of the domain is given, as it fills in the others.
     let stated = || certificate(&path, overrides.format).map(|stated| stated.region);
     let region = given.has_region().then(|| given.region_over(stated()));
-    let overrides = Overrides {
+    let mut overrides = Overrides {
         region: region.transpose()?,
         radius: given.radius,
         origin: given.origin,
         judges: verify_options(judge)?.judges,
         ..overrides
     };
+    let judged = |overrides: &Overrides| {
+        run(
+            py,
+            progress.as_ref().map(|one| one.clone_ref(py)),
+            |watch| {
+                // Larger files are verified without being held in memory.
+                if std::fs::metadata(&path).is_ok_and(|found| found.len() <= WHOLE_FILE_BYTES) {
+                    ask_to_read(&path)?;
+                }
+                let control = watch.control("verify");
+                let check = |overrides: &Overrides| check_stream(&path, overrides, &control);
+                Ok(check_or_unit_square(overrides, check))
+            },
+        )
+    };
 
-    let check = run(py, progress, |watch| {
-        // Larger files are verified without being held in memory.
-        if std::fs::metadata(&path).is_ok_and(|found| found.len() <= WHOLE_FILE_BYTES) {
-            ask_to_read(&path)?;
+    let with_ground = |overrides: &mut Overrides| -> PyResult<()> {
+        let stated = certificate(&path, overrides.format);
+        let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
+        overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
+        overrides.varying = ground.map(|ground| ground.varying);
+        Ok(())
+    };
+    if field.is_some() {
+        with_ground(&mut overrides)?;
+    }
+    let mut check = judged(&overrides)?;
+    // Only then is the certificate read a second time, as few sets have such parts.
+    if let Err(CheckError::NoField) = check {
+        with_ground(&mut overrides)?;
+        check = judged(&overrides)?;
+    }
+    let check = check.map_err(|error| match error {
+        CheckError::NoRadius => {
+            Failure::Value("the set has no certificate; give radius".to_owned())
         }
-        let control = watch.control("verify");
-        let check = |overrides: &Overrides| check_stream(&path, overrides, &control);
-        check_or_unit_square(&overrides, check).map_err(|error| match error {
-            CheckError::NoRadius => {
-                Failure::Value("the set has no certificate; give radius".to_owned())
-            }
-            other => Failure::from(other),
-        })
+        other => Failure::from(other),
     })?;
 
     let differences: Vec<String> = (check.differences.iter())
@@ -143,7 +200,7 @@ pub fn check(
 }
 
 /// Returns the certificate of a file, if it has one that can be read.
-fn certificate(path: &Path, format: Option<Format>) -> Option<Certificate> {
+pub fn certificate(path: &Path, format: Option<Format>) -> Option<Certificate> {
     // A false one states the region all the same; that it is false is found by the check.
     let hint = Hint {
         format,

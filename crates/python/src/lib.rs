@@ -17,6 +17,7 @@ mod curve;
 mod cut;
 mod failure;
 mod files;
+mod ground;
 mod judge;
 mod measure;
 mod memory;
@@ -39,6 +40,8 @@ mod _tilescope {
     use crate::cut::verify_window;
     #[pymodule_export]
     use crate::files::{certify, digest, named_by_content, read, save, write_file};
+    #[pymodule_export]
+    use crate::ground::{Ground, ground_of, sample_field};
     #[pymodule_export]
     use crate::judge::{check, verify};
     #[pymodule_export]

@@ -55,14 +55,22 @@ pub fn draw(
         _ => return refused(format!("theme is '{theme}'; it must be 'light' or 'dark'")),
     };
 
-    let radius = set.known_radius();
-    // A large set has few samples in a window, and the others need not be laid out.
-    let near = near(points, &region, radius.unwrap_or_default(), window);
+    let (varying, radius) = (set.varying(), set.known_radius());
+    let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
+    let reach = greatest.or(radius).unwrap_or_default();
+    let near = near(points, &region, reach, window);
+    let points = near.as_deref().unwrap_or(points);
+    let own = varying.map_or_else(Vec::new, |varying| varying.radii(points));
+    let radii = match radius {
+        _ if !own.is_empty() => DiskRadii::Own(&own),
+        Some(radius) => DiskRadii::Equal(radius),
+        None => DiskRadii::Unknown,
+    };
     let picture = SetPicture {
-        points: near.as_deref().unwrap_or(points),
+        points,
         size: region.size(),
         boundary: Boundary::of(region.is_periodic()),
-        radii: radius.map_or(DiskRadii::Unknown, DiskRadii::Equal),
+        radii,
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),

@@ -64,6 +64,7 @@ fn facts_of(facts: &Facts) -> Value {
         "parameters": facts.parameters,
         "domain": [region.width, region.height, region.boundary],
         "radius": facts.radius,
+        "origin": facts.origin,
         "levels": level_fields(levels),
         "summary": facts.summary.as_ref().map(counts),
     })

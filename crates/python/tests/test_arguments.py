@@ -104,7 +104,7 @@ def test_the_defaults_are_those_of_the_command_line():
     left_out = _tilescope.RunRequest(
         count=None, radius=0.05, pattern=None, pattern_source=None, levels=None, exactly=None, order_within="random"
     )
-    theirs = tilescope.PointSet._made(*_tilescope.sample(left_out, "kdrt", "auto", None))
+    theirs = tilescope.PointSet._made(_tilescope.sample(left_out, "kdrt", "auto", None))
     assert tilescope.sample(radius=0.05).parameters == theirs.parameters
     assert json.loads(_tilescope.Plane(left_out, None).facts())["parameters"] == theirs.parameters
     assert tilescope.Plane(radius=0.05).parameters == theirs.parameters

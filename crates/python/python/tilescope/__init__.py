@@ -19,6 +19,7 @@ True
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import warnings
@@ -30,7 +31,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tilescope import _parquet, _tilescope
-from tilescope._input import Path, local_path, place, shown, shown_text
+from tilescope._field import Field, Pixels, Radius, field_of, place_of
+from tilescope._input import Path, local_path, numbers, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
@@ -70,10 +72,16 @@ _Variant = Literal["staged", "as-printed"]
 def sample(
     count: SupportsIndex | None = None,
     *,
-    radius: float | None = None,
-    width: float = 1.0,
-    height: float = 1.0,
-    boundary: Boundary = "periodic",
+    radius: Radius | None = None,
+    radius_expression: str | None = None,
+    density: Pixels | None = None,
+    mask: Pixels | None = None,
+    shape: Any = None,
+    planar: bool = False,
+    extent: tuple[float, float, float, float] | None = None,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
     seed: SupportsIndex = 1,
     leaf: float = 30.0,
     pattern_side: float | None = None,
@@ -89,26 +97,50 @@ def sample(
     exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
     origin: tuple[float, float] | None = None,
-    method: Literal["kdrt", "exact", "reference"] = "kdrt",
+    method: Literal["kdrt", "exact", "reference"] | None = None,
     engine: Literal["auto", "parallel", "sequential"] = "auto",
     progress: Progress = False,
 ) -> PointSet:
     """Makes a maximal Poisson-disk set.
 
     Names, defaults and points are those of ``tilescope sample``. Give `count`, `radius`, or `levels`
-    with `exactly`.
+    with `exactly`. The radius may vary, and the set may cover a shape: no two samples of radii a and b are
+    then within 2ab / (a + b) of each other, and each place, with its own radius, is that near to a sample.
 
     Parameters
     ----------
     count : int, optional
         Choose the radius so that about as many samples result, to within 1%.
-    radius : float, optional
+    radius : float, array_like of shape (rows, columns) or callable, optional
         The smallest distance between two samples, and the largest from any place to its nearest
-        sample.
-    width, height : float
-        The domain, in the unit of the radius.
-    boundary : {'periodic', 'bounded'}
-        Opposite sides are joined, or the border is closed and covered.
+        sample. An array has the radii of the pixels that fill the domain, with the lowest y in the first row;
+        between them it is bilinear. A function is called once, with two arrays of x and y, the places where
+        ``tilescope sample --radius-expression`` evaluates a formula, and returns an array of radii. With
+        `count` arrays and functions are scaled. The largest radius is at most 64 times the smallest.
+    radius_expression : str, optional
+        The radius as a formula of x and y, such as ``'0.006 + 0.024*x'``. The certificate states it, so that the
+        set can be judged without being given it again.
+    density : array_like of shape (rows, columns) or path-like, optional
+        How dense samples are: numbers from 0, of which only ratios count if `count` is given; with `radius`
+        that is the radius where the density is 1. Of whole numbers (uint8, uint16) the largest of the type stands
+        for 1. Of a PNG image it is the darkness. The radius is at most 64 times the smallest, also where the density is 0:
+        `mask` leaves places out.
+    mask : array_like of bool, of shape (rows, columns), or path-like, optional
+        Cover only these pixels, or the opaque pixels of a PNG image.
+    shape : geometry, optional
+        Cover only polygons: of shapely or GeoPandas, or GeoJSON as a dict, as text or by its path. Without
+        `extent`, sides and `origin` the domain is the rectangle around them.
+    planar : bool
+        Take the corners of `shape` as positions in a plane, though they may be longitudes and latitudes: all lie
+        within 180 and 90. A projected coordinate system that GeoPandas states says the same.
+    extent : (x0, y0, x1, y1), optional
+        The corners of the domain, in the place of `width`, `height` and `origin`.
+    width, height : float, optional
+        The domain, in the unit of the radius. If not given, 1, or as follows from the shape, or from the pixels, which are
+        squares.
+    boundary : {'periodic', 'bounded'}, optional
+        Opposite sides are joined, or the border is closed and covered. If not given, it is periodic, and bounded for a radius
+        that varies and for a shape.
     seed : int
         Seed of every draw: any 64-bit number.
     leaf : float
@@ -143,8 +175,9 @@ def sample(
         all before it.
     origin : (x, y), optional
         Where files are to hold the lower corner of the domain, for sets at map coordinates. It does not change
-        :attr:`PointSet.points`; :meth:`PointSet.save` adds it to what it writes.
-    method : {'kdrt', 'exact', 'reference'}
+        :attr:`PointSet.points`; :meth:`PointSet.save` adds it to what it writes. Shapes and functions are in these coordinates.
+    method : {'kdrt', 'exact', 'reference'}, optional
+        If not given, tiling, and dart throwing for a radius that varies and for shapes, which allow nothing else.
         Randomized tiling; exact tiling; or dart throwing (Ebeida et al. 2012), which uses only radius or
         count, sides, boundary and seed. Exact tiling clips all darts with their arrival order, so that seams
         have no bias: sets are distributed as those by dart throwing, but for the pattern that all blocks
@@ -180,13 +213,40 @@ def sample(
     >>> exact = tilescope.sample(levels=4, exactly=5000, order_within="farthest")
     >>> len(exact), exact.verify().valid
     (5000, True)
+    >>> ramp = tilescope.sample(radius=lambda x, y: 0.01 + 0.04 * x)
+    >>> ramp
+    <PointSet: ... samples, radius 0.01 to 0.05, 1 x 1, bounded>
+    >>> ramp.radii.shape == (len(ramp),), ramp.verify().valid
+    (True, True)
+    >>> park = {"type": "Polygon", "coordinates": [[[0, 0], [200, 0], [200, 100], [80, 150], [0, 0]]]}
+    >>> trees = tilescope.sample(500, shape=park)
+    >>> abs(len(trees) - 500) <= 5, trees.verify().valid
+    (True, True)
     >>> tilescope.sample(radius=-1)
     Traceback (most recent call last):
         ...
     ValueError: the radius is -1; it must be a finite number above 0
     """
+    if extent is not None:
+        if not (width is None and height is None and origin is None):
+            raise ValueError("extent is given with width, height or origin, which it says; leave these out")
+        width, height, *corner = place_of(extent)
+        origin = (corner[0], corner[1])
     # A wrong one is found before the set is made.
-    at = (0.0, 0.0) if origin is None else place("origin", origin)
+    at = None if origin is None else place("origin", origin)
+    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    if field is not None:
+        _refuse_tiling(
+            field.name, method=method, leaf=leaf, pattern_side=pattern_side, pattern_boundary=pattern_boundary,
+            pattern_seed=pattern_seed, pattern=pattern, dihedral=dihedral, order=order, insertion=insertion, search=search,
+            variant=variant, levels=levels, exactly=exactly, order_within=order_within, engine=engine,
+        )  # fmt: skip
+        given = _Given(None, width, height, boundary, at)
+        with following(progress) as told:
+            return PointSet._made(*_tilescope.sample_field(given, field, count, seed, told))
+    method = "kdrt" if method is None else method
+    width, height = 1.0 if width is None else width, 1.0 if height is None else height
+    boundary = "periodic" if boundary is None else boundary
     request = _request(
         count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
         pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
@@ -202,9 +262,22 @@ def sample(
             stacklevel=2,
         )
     with following(progress) as told:
-        made = PointSet._made(*_tilescope.sample(request, method, engine, told))
-    made._origin = at
+        made = PointSet._made(_tilescope.sample(request, method, engine, told))
+    made._origin = (0.0, 0.0) if at is None else at
     return made
+
+
+def _refuse_tiling(name: str, **given: Any) -> None:
+    """Raises ``ValueError`` for arguments of other ways to make a set."""
+    parameters = inspect.signature(sample).parameters
+    for argument, value in given.items():
+        if argument == "method" and value == "reference":
+            continue
+        if value is not parameters[argument].default and value != parameters[argument].default:
+            raise ValueError(
+                f"{argument} is given with {name}, which needs the reference sampler, whose darts need no pattern; leave "
+                f"{argument} out"
+            )
 
 
 def curve(
@@ -435,8 +508,13 @@ def _plane_of(arguments: dict[str, Any], parameters: str) -> Plane:
 
 def verify(
     points: PointSet | Path | npt.ArrayLike,
-    radius: float | None = None,
+    radius: Radius | None = None,
     *,
+    radius_expression: str | None = None,
+    density: Pixels | None = None,
+    mask: Pixels | None = None,
+    shape: Any = None,
+    planar: bool = False,
     width: float | None = None,
     height: float | None = None,
     boundary: Boundary | None = None,
@@ -454,17 +532,21 @@ def verify(
     points : array_like of shape (N, 2), path-like or PointSet
         Positions, or the file of a set. Of a file the certificate is compared as well, and nested levels
         that it states are judged.
-    radius : float, optional
-        The radius. It must be given unless the set, or a certificate, has one.
+    radius, radius_expression, density, mask, shape, planar, optional
+        The radius and the shape, as in :func:`sample`. A radius must be given unless the set, or a certificate, has one.
+        Of a file, arrays, functions and images must be given again, which its certificate states by their digests;
+        formulas and polygons need not. An image that stands for radii is given as ``radius=pathlib.Path('grey.png')``.
+        Positions in an array are in the coordinates of the shape.
     width, height, boundary, optional
         The domain. If not given, that of the set or its certificate, and else the periodic unit
-        square.
+        square, or what :func:`sample` has for a field or a shape.
     format : str, optional
         Format of a file, if neither its extension nor its content says it.
     set : int, optional
         Which set of a file that holds several, from 0.
     origin : (x, y), optional
-        Where a file holds the lower corner of the domain. If not given, where its certificate states, and else 0, 0.
+        Where a file, or an array with a field or a shape, holds the lower corner of the domain. If not given, where the
+        certificate states, and else 0, 0, or the corner of the shape.
     prefix : int, optional
         Judge only so many samples, the first, of a set with nested levels.
     judge, progress
@@ -491,8 +573,18 @@ def verify(
     >>> report.conflicts, report.maximal
     (1, False)
     """
+    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    if field is not None and prefix is not None:
+        raise ValueError(f"{field.name} is given with prefix, which is for nested levels: they have one radius")
     if not isinstance(points, (str, os.PathLike)):
-        _check_no_file(format, set, origin)
+        # Positions are in the coordinates of a shape, which lie somewhere.
+        is_placed = field is not None and not isinstance(points, PointSet)
+        _check_no_file(format, set, None if is_placed else origin)
+        if field is not None:
+            placed = _set_on(points, field, _Given(None, width, height, boundary, origin))
+            return placed.verify(judge=judge, progress=progress)
+    if field is not None:
+        radius = None
     if prefix is not None:
         if radius is not None:
             raise ValueError(
@@ -506,13 +598,11 @@ def verify(
             points = _set_of(points, None, width, height, boundary)
         return points.prefix(prefix).verify(judge=judge, progress=progress)
     if isinstance(points, (str, os.PathLike)) and _parquet.is_to_read(local_path(points), format):
-        points = read(
-            points, radius, width=width, height=height, boundary=boundary, format=format, set=set, origin=origin
-        )
+        points = _read(points, radius, field, width, height, boundary, format, set, origin)
     if isinstance(points, (str, os.PathLike)):
         given = _Given(radius, width, height, boundary, origin)
         with following(progress) as told:
-            found = json.loads(_tilescope.check(local_path(points), given, format, set, judge, told))
+            found = json.loads(_tilescope.check(local_path(points), given, field, format, set, judge, told))
         return report_of(found["report"], found["differences"])
     return _set_of(points, radius, width, height, boundary).verify(judge=judge, progress=progress)
 
@@ -529,7 +619,7 @@ class _Given:
 
     def __init__(
         self,
-        radius: float | None,
+        radius: Any,
         width: float | None,
         height: float | None,
         boundary: Boundary | None,
@@ -539,9 +629,22 @@ class _Given:
         self.origin = None if origin is None else place("origin", origin)
 
 
+def _set_on(points: PointSet | npt.ArrayLike, field: Field, given: _Given) -> PointSet:
+    """Returns positions as a set with a field or a shape."""
+    if isinstance(points, PointSet):
+        own = points.domain
+        given.width = own.width if given.width is None else given.width
+        given.height = own.height if given.height is None else given.height
+        given.boundary = given.boundary or own.boundary  # type: ignore[assignment]
+        given.origin = points.origin
+        return PointSet._on(points.points, _tilescope.ground_of(given, field))
+    ground = _tilescope.ground_of(given, field)
+    return PointSet._on(numbers("points", points) - ground.origin(), ground)
+
+
 def _set_of(
     points: PointSet | npt.ArrayLike,
-    radius: float | None,
+    radius: Any,
     width: float | None,
     height: float | None,
     boundary: Boundary | None,
@@ -609,8 +712,13 @@ def analyze(
 
 def read(
     path: Path,
-    radius: float | None = None,
+    radius: Radius | None = None,
     *,
+    radius_expression: str | None = None,
+    density: Pixels | None = None,
+    mask: Pixels | None = None,
+    shape: Any = None,
+    planar: bool = False,
     width: float | None = None,
     height: float | None = None,
     boundary: Boundary | None = None,
@@ -632,6 +740,8 @@ def read(
     radius, width, height, boundary, optional
         Of the set. If not given, the certificate beside the file says them; without one, the domain
         is the periodic unit square and the radius is not known.
+    radius_expression, density, mask, shape, planar, optional
+        With `radius` the field and the shape of the set, as in :func:`verify`.
     format : str, optional
         The format, if neither the extension nor the content says it.
     set : int, optional
@@ -659,6 +769,24 @@ def read(
     """
     if not isinstance(certificate, bool):
         raise TypeError(f"certificate is {shown(certificate)}; it must be True or False")
+    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    radius = radius if field is None else None
+    return _read(path, radius, field, width, height, boundary, format, set, origin, certificate, progress)
+
+
+def _read(
+    path: Path,
+    radius: Any,
+    field: Field | None,
+    width: float | None,
+    height: float | None,
+    boundary: Boundary | None,
+    format: Format | None,
+    set: SupportsIndex | None,
+    origin: tuple[float, float] | None,
+    certificate: bool = True,
+    progress: Progress = False,
+) -> PointSet:
     name = local_path(path)
 
     # pyarrow reads GeoParquet; everything else is read by the native module, with its certificate.
@@ -672,11 +800,13 @@ def read(
             )
 
         sides = (1.0 if width is None else width, 1.0 if height is None else height)
+        if field is not None:
+            return _set_on(_parquet.read(name, sides), field, _Given(None, width, height, boundary, None))
         return _set_of(_parquet.read(name, sides), radius, width, height, boundary)
 
     given = _Given(radius, width, height, boundary, origin)
     with following(progress) as told:
-        return PointSet._made(*_tilescope.read(name, given, format, set, certificate, told))
+        return PointSet._made(*_tilescope.read(name, given, field, format, set, certificate, told))
 
 
 def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False) -> PointSet:
@@ -734,7 +864,7 @@ def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Pr
         folder = os.path.dirname(name)
 
     with following(progress) as told:
-        return PointSet._made(*_tilescope.combine(text, local_path(folder), sets, told))
+        return PointSet._made(_tilescope.combine(text, local_path(folder), sets, told))
 
 
 def set_threads(threads: SupportsIndex) -> None:

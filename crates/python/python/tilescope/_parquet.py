@@ -44,8 +44,9 @@ def is_to_read(path: str, format: str | None) -> bool:
         return False
 
 
-def encoded(positions: npt.NDArray[np.float64]) -> bytes:
-    """Returns the bytes of a file with the column ``geometry`` of points in WKB, without a coordinate system."""
+def encoded(positions: npt.NDArray[np.float64], radii: npt.NDArray[np.float64] | None = None) -> bytes:
+    """Returns the bytes of a file with the column ``geometry`` of points in WKB, without a coordinate system, and with the
+    column ``radius`` if there are radii."""
     arrow, parquet = module("pyarrow", "parquet"), module("pyarrow.parquet", "parquet")
 
     points = np.empty(len(positions), dtype=_POINT)
@@ -61,12 +62,12 @@ def encoded(positions: npt.NDArray[np.float64]) -> bytes:
     if len(positions):
         described["bbox"] = [*positions.min(axis=0).tolist(), *positions.max(axis=0).tolist()]
     geo = {"version": "1.1.0", "primary_column": "geometry", "columns": {"geometry": described}}
-    schema = arrow.schema(
-        [arrow.field("geometry", column.type, nullable=False)], metadata={b"geo": json.dumps(geo).encode()}
-    )
+    columns = {"geometry": column} | ({} if radii is None else {"radius": arrow.array(radii)})
+    fields = [arrow.field(name, one.type, nullable=False) for name, one in columns.items()]
+    schema = arrow.schema(fields, metadata={b"geo": json.dumps(geo).encode()})
 
     sink = arrow.BufferOutputStream()
-    table = arrow.Table.from_arrays([column], schema=schema)
+    table = arrow.Table.from_arrays([*columns.values()], schema=schema)
     parquet.write_table(table, sink, compression="zstd", write_page_checksum=True)
     data: bytes = sink.getvalue().to_pybytes()
 

@@ -20,8 +20,8 @@ from tilescope._spectrum import Spectrum, axes
 Boundary: TypeAlias = Literal["periodic", "bounded"]
 Judge: TypeAlias = Literal["delaunay", "circles", "both"]
 Format: TypeAlias = Literal[
-    "csv", "psa-text", "psa-rps", "utk-text", "utk-binary", "npy", "ply-ascii", "ply-binary", "xyz", "json", "svg",
-    "geoparquet",
+    "csv", "psa-text", "psa-rps", "utk-text", "utk-binary", "npy", "ply-ascii", "ply-binary", "xyz", "json", "geojson",
+    "svg", "geoparquet",
 ]
 Window: TypeAlias = tuple[float, float, float, float]
 
@@ -63,7 +63,7 @@ class PointSet:
     """
 
     __slots__ = (
-        "_certificate", "_domain", "_levels", "_method", "_origin", "_parameters", "_points", "_provenance", "_radius",
+        "_certificate", "_domain", "_ground", "_levels", "_method", "_origin", "_parameters", "_points", "_provenance", "_radius",
         "_summary",
     )  # fmt: skip
 
@@ -85,6 +85,7 @@ class PointSet:
         self._radius = None if radius is None else float(radius)
         self._domain = Domain(float(width), float(height), boundary)
         self._origin = (0.0, 0.0)
+        self._ground: _tilescope.Ground | None = None
         self._levels: tuple[Level, ...] = ()
         self._provenance: npt.NDArray[np.uint32] | None = None
         self._method = "unknown"
@@ -93,9 +94,11 @@ class PointSet:
         self._certificate: str | None = None
 
     @classmethod
-    def _made(cls, points: npt.NDArray[np.float64], provenance: npt.NDArray[np.uint32] | None, facts: str) -> PointSet:
+    def _made(cls, parts: _tilescope.MadeSet, ground: _tilescope.Ground | None = None) -> PointSet:
         """Returns a set that the native module made, whose arrays are read-only."""
+        points, provenance, facts = parts
         made, known = cls.__new__(cls), json.loads(facts)
+        made._ground = ground
         made._points, made._provenance = points, provenance
         made._radius = known["radius"]
         made._domain = Domain(*known["domain"])
@@ -107,6 +110,14 @@ class PointSet:
         made._summary = known["summary"]
         stated = known.get("certificate")
         made._certificate = None if stated is None else json.dumps(stated)
+        return made
+
+    @classmethod
+    def _on(cls, points: npt.ArrayLike, ground: _tilescope.Ground) -> PointSet:
+        """Returns positions in a domain as a set whose radius varies or that covers a shape."""
+        width, height, boundary = ground.domain()
+        made = cls(points, ground.least(), width=width, height=height, boundary=boundary)
+        made._ground, made._origin = ground, ground.origin()
         return made
 
     def __setstate__(self, state: tuple[None, dict[str, Any]]) -> None:
@@ -123,8 +134,26 @@ class PointSet:
 
     @property
     def radius(self) -> float | None:
-        """The Poisson-disk radius, if it is known."""
+        """The Poisson-disk radius, if it is known; where it varies, the least one."""
         return self._radius
+
+    @property
+    def radii(self) -> npt.NDArray[np.float64] | None:
+        """The radius of each sample: a read-only array of shape ``(N,)``. ``None`` if the radius is not known.
+
+        Examples
+        --------
+        >>> ramp = tilescope.sample(radius_expression="0.02 + 0.03*x")
+        >>> bool((abs(ramp.radii - (0.02 + 0.03 * ramp.points[:, 0])) < 1e-5).all())
+        True
+        """
+        if self._ground is not None:
+            radii = self._ground.radii(self._points)
+            if len(radii) == len(self):
+                return radii
+        if self._radius is None:
+            return None
+        return np.broadcast_to(self._radius, len(self))
 
     @property
     def domain(self) -> Domain:
@@ -259,7 +288,8 @@ class PointSet:
         Parameters
         ----------
         judge : {'delaunay', 'circles', 'both'}, optional
-            Who judges. If not given, both do up to 2**20 samples, and covered circles for more.
+            Who judges. If not given, both do up to 2**20 samples, and covered circles for more. Where the radius varies
+            or there is a shape, squares are cut until each is seen to be covered, and neither of these can judge.
         progress : bool or callable
             Whether to show a bar, or what to call with the work's name, what is done and all there
             is to do.
@@ -294,8 +324,9 @@ class PointSet:
         ----------
         path : path-like
             The file. Its extension gives the format: ``.npy``, ``.csv``, ``.ply``, ``.json``,
-            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``; with pyarrow ``.parquet``,
-            which is GeoParquet with positions in f64 and has no certificate.
+            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``, ``.geojson``; with pyarrow
+            ``.parquet``, which is GeoParquet with positions in f64 and has no certificate. Where the radius varies, CSV, PLY,
+            GeoJSON and GeoParquet have the radius of each sample as well.
         format : str, optional
             The format, if the extension does not give it.
         precision : {'f64', 'f32'}
@@ -335,16 +366,20 @@ class PointSet:
         """
         name = local_path(path)
         origin = self._origin if origin is None else place("origin", origin)
+        if self._ground is not None and origin != self._origin:
+            raise ValueError(
+                f"origin is {shown(origin)}, but the set's field or shape lies at {shown(self._origin)}; leave it out"
+            )
         if _parquet.is_to_write(name, format):
             # No certificate would state it, so that the file would be read as one of another domain.
-            if origin != (0.0, 0.0):
+            if origin != (0.0, 0.0) and self._ground is None:
                 raise ValueError(
                     f"the origin is {shown(origin)}, but GeoParquet has no certificate that states it; "
                     "give origin=(0, 0), or another format"
                 )
             if precision != "f64" or shuffle is not None:
                 raise ValueError("GeoParquet is written with precision 'f64' and without shuffle")
-            return self._save_parquet(name, verify, judge, progress)
+            return self._save_parquet(name, origin, verify, judge, progress)
         with following(progress) as told:
             outcome = json.loads(
                 _tilescope.save(
@@ -358,9 +393,16 @@ class PointSet:
                 warnings.warn(warning, stacklevel=2)
         return None if outcome["report"] is None else report_of(outcome["report"])
 
-    def _save_parquet(self, path: str, verify: bool, judge: Judge | None, progress: Progress) -> Report | None:
-        report = self.verify(judge=judge, progress=progress) if verify else None
-        _tilescope.write_file(path, _parquet.encoded(self._points))
+    def _save_parquet(
+        self, path: str, origin: tuple[float, float], verify: bool, judge: Judge | None, progress: Progress
+    ) -> Report | None:
+        stored = self._points + origin
+        # As for other formats the verdict is on what is stored: far from 0 positions are rounded.
+        held = self if self._ground is None else PointSet._on(stored - origin, self._ground)
+        report = held.verify(judge=judge, progress=progress) if verify else None
+        varies = self._ground is not None and self._ground.varies()
+        radii = self.radii if varies else None
+        _tilescope.write_file(path, _parquet.encoded(stored, radii))
         if report is not None and report.conflicts:
             warnings.warn(f"the written set has {report.conflicts} pairs in conflict", stacklevel=3)
         if report is not None and report.gaps:
@@ -426,7 +468,7 @@ class PointSet:
         if self.radius is not None and (count <= 1000 if disks is None else disks):
             from matplotlib.collections import EllipseCollection
 
-            sides = np.full(count, 2 * self.radius)
+            sides = 2 * np.asarray(self.radii)
             circles = EllipseCollection(
                 sides, sides, np.zeros(count), units="xy", offsets=self.points, offset_transform=ax.transData,
                 facecolor=(0.2, 0.4, 0.8, 0.04), edgecolor=(0.2, 0.4, 0.8, 0.3), linewidth=0.5,
@@ -496,7 +538,7 @@ class PointSet:
         part: str = "",
         progress: Progress = False,
     ) -> bytes:
-        radius = "" if self.radius is None else f", r = {self.radius:.6g}"
+        radius = "" if self.radius is None else f", r = {self._radius_text()}"
         caption = f"{len(self)} samples{radius}{part}"
         with following(progress) as told:
             return _tilescope.draw(
@@ -526,5 +568,10 @@ class PointSet:
 
     def __repr__(self) -> str:
         width, height, boundary = self.domain
-        radius = "unknown" if self.radius is None else f"{self.radius:.6g}"
-        return f"<PointSet: {len(self)} samples, radius {radius}, {width:g} x {height:g}, {boundary}>"
+        shape = ", in a shape" if self._ground is not None and self._ground.has_shape() else ""
+        return f"<PointSet: {len(self)} samples, radius {self._radius_text()}, {width:g} x {height:g}, {boundary}{shape}>"
+
+    def _radius_text(self) -> str:
+        if self._ground is not None and self._ground.varies():
+            return f"{self._ground.least():.4g} to {self._ground.greatest():.4g}"
+        return "unknown" if self.radius is None else f"{self.radius:.6g}"

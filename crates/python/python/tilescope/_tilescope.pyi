@@ -5,19 +5,31 @@ from typing import Any, Protocol, SupportsIndex
 import numpy as np
 import numpy.typing as npt
 
-from tilescope._point_set import PointSet, Window
+from tilescope._field import Field
+from tilescope._point_set import Boundary, PointSet, Window
 from tilescope._progress import ProgressFunction
 from tilescope._report import Level
 
 # Positions, where each sample came from, and facts as JSON.
-_Set = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, str]
+MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, str]
 
 class _Given(Protocol):
-    radius: float | None
+    radius: Any
     width: float | None
     height: float | None
     boundary: Any
     origin: tuple[float, float] | None
+
+class Ground:
+    @staticmethod
+    def stored(text: str) -> Ground: ...
+    def domain(self) -> tuple[float, float, Boundary]: ...
+    def origin(self) -> tuple[float, float]: ...
+    def least(self) -> float: ...
+    def greatest(self) -> float: ...
+    def varies(self) -> bool: ...
+    def has_shape(self) -> bool: ...
+    def radii(self, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
 
 class RunRequest:
     def __new__(
@@ -47,13 +59,14 @@ def certify(set: PointSet, progress: ProgressFunction | None) -> str: ...
 def check(
     path: str,
     given: _Given,
+    field: Field | None,
     format_name: str | None,
     set: SupportsIndex | None,
     judge: str | None,
     progress: ProgressFunction | None,
 ) -> str: ...
 def check_domain(radius: float | None, width: float, height: float, boundary: str) -> None: ...
-def combine(layout: str, folder: str, sets: dict[str, PointSet], progress: ProgressFunction | None) -> _Set: ...
+def combine(layout: str, folder: str, sets: dict[str, PointSet], progress: ProgressFunction | None) -> MadeSet: ...
 def curve(
     request: RunRequest,
     method: str,
@@ -73,18 +86,23 @@ def draw(
     theme: str,
     progress: ProgressFunction | None,
 ) -> bytes: ...
+def ground_of(given: _Given, field: Field) -> Ground: ...
 def named_by_content(path: str) -> str: ...
 def pair_correlation(set: PointSet, progress: ProgressFunction | None) -> npt.NDArray[np.float64]: ...
 def prefix(levels: tuple[Level, ...], count: SupportsIndex) -> tuple[int, float, float | None]: ...
 def read(
     path: str,
     given: _Given,
+    field: Field | None,
     format_name: str | None,
     set: SupportsIndex | None,
     certificate: bool,
     progress: ProgressFunction | None,
-) -> _Set: ...
-def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> _Set: ...
+) -> tuple[MadeSet, Ground | None]: ...
+def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> MadeSet: ...
+def sample_field(
+    given: _Given, field: Field, count: SupportsIndex | None, seed: SupportsIndex, progress: ProgressFunction | None
+) -> tuple[MadeSet, Ground]: ...
 def save(
     set: PointSet,
     path: str,

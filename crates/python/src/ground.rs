@@ -1,0 +1,374 @@
+//! A radius that varies and shapes: what Python says of them, what sets are made from by that, and what they are judged in.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use numpy::prelude::*;
+use numpy::{PyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use tilescope_analysis::lossy;
+use tilescope_core::Boundary;
+use tilescope_formats::{Certificate, VaryingDomain, read_whole};
+use tilescope_sets::{
+    Expression, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusGrid, RadiusSource,
+    ShapeSource, VaryingRecipe,
+};
+
+use crate::arguments::SetArgument;
+use crate::arrays::rows;
+use crate::failure::Failure;
+use crate::judge::GivenDomain;
+use crate::sample::{PythonSet, into_python};
+use crate::task::run;
+use crate::values::{real_if_given, whole};
+
+/// What callers say of a radius that varies and of a shape, as the Python class `Field` holds it: at most one field and at
+/// most one shape.
+#[derive(FromPyObject)]
+pub struct FieldArgument<'py> {
+    /// The radius where it is the same everywhere, or where the density is 1.
+    radius: Option<Bound<'py, PyAny>>,
+    expression: Option<String>,
+    /// Called with the x of columns and the y of rows of nodes, it returns the radii at nodes.
+    function: Option<Bound<'py, PyAny>>,
+    /// The radii of pixels.
+    radii: Option<PyReadonlyArray2<'py, f64>>,
+    /// A PNG file whose grey stands for radii that a certificate states.
+    image: Option<PathBuf>,
+    density: Option<Density<'py>>,
+    mask: Option<Pixels<'py>>,
+    /// The name of the file or nothing, and `GeoJSON`.
+    shape: Option<(String, Vec<u8>)>,
+    planar: bool,
+}
+
+/// How dense samples are.
+#[derive(FromPyObject)]
+enum Density<'py> {
+    /// Whole numbers of 16 bits, or a PNG file, as on the command line.
+    Grey(Pixels<'py>),
+    Numbers(PyReadonlyArray2<'py, f64>),
+}
+
+/// Pixels with a grey value each.
+#[derive(FromPyObject)]
+enum Pixels<'py> {
+    Array(PyReadonlyArray2<'py, u16>),
+    File(PathBuf),
+}
+
+impl Pixels<'_> {
+    fn image(&self) -> Result<GrayImage, Failure> {
+        match self {
+            Self::Array(grey) => {
+                let columns = grey.shape()[1];
+                let grey = grey.as_slice().map(<[u16]>::to_vec);
+                Ok(GrayImage::from_grey(columns, grey.unwrap_or_default())?)
+            }
+            Self::File(path) => image(path),
+        }
+    }
+}
+
+fn image(path: &Path) -> Result<GrayImage, Failure> {
+    let name = lossy(path.file_name().unwrap_or_default());
+    Ok(GrayImage::from_png(&name, &read_whole(path)?)?)
+}
+
+/// Returns the pixels of a row, and all of them.
+fn pixels<'a>(array: &'a PyReadonlyArray2<'_, f64>) -> (usize, &'a [f64]) {
+    (array.shape()[1], array.as_slice().unwrap_or_default())
+}
+
+impl FieldArgument<'_> {
+    fn shape(&self) -> Result<Option<ShapeSource>, Failure> {
+        if let Some((name, text)) = &self.shape {
+            let shown = if name.is_empty() { "shape" } else { name };
+            let polygon = PlanarPolygon::from_geojson(shown, text, self.planar)?;
+            // Certificates name files by their content, and what is no file by its corners alone.
+            let polygon = if name.is_empty() {
+                polygon.unnamed()
+            } else {
+                polygon
+            };
+            return Ok(Some(ShapeSource::Polygon(polygon)));
+        }
+        let mask = self.mask.as_ref().map(Pixels::image);
+        Ok(mask.transpose()?.map(ShapeSource::Mask))
+    }
+
+    fn radius(&self) -> PyResult<Option<f64>> {
+        real_if_given("radius", self.radius.as_ref())
+    }
+
+    /// Returns the field that is given. `like` has the domain, for functions that are evaluated at its nodes.
+    fn field(&self, like: &VaryingRecipe) -> PyResult<GivenRadius> {
+        let failure = Failure::from;
+        if let Some(text) = &self.expression {
+            let expression = Expression::parse(text).map_err(failure)?;
+            return Ok(GivenRadius::Expression(expression));
+        }
+        if let Some(function) = &self.function {
+            let [xs, ys] = like.node_places().map_err(failure)?;
+            let columns = xs.len();
+            let py = function.py();
+            let places = (PyArray1::from_vec(py, xs), PyArray1::from_vec(py, ys));
+            let radii: PyReadonlyArray2<'_, f64> = function.call1(places)?.extract()?;
+            let (_, radii) = pixels(&radii);
+            let grid = RadiusGrid::new(columns, radii.to_vec()).map_err(failure)?;
+            return Ok(GivenRadius::Grid(grid));
+        }
+
+        if let Some(radii) = &self.radii {
+            let (columns, radii) = pixels(radii);
+            let grid = RadiusGrid::of_pixels(columns, radii, like.boundary).map_err(failure)?;
+            return Ok(GivenRadius::Grid(grid));
+        }
+        if let Some(path) = &self.image {
+            return Ok(GivenRadius::Image(image(path)?));
+        }
+        match &self.density {
+            None => Ok(GivenRadius::Nothing),
+            Some(Density::Grey(pixels)) => Ok(GivenRadius::Image(pixels.image()?)),
+            Some(Density::Numbers(numbers)) => {
+                let (columns, density) = pixels(numbers);
+                let grid = RadiusGrid::of_density(columns, density, like.boundary);
+                Ok(GivenRadius::Grid(grid.map_err(failure)?))
+            }
+        }
+    }
+
+    /// Returns the recipe of a set in the domain of another recipe, whose radius is not looked at. With a count any scale does.
+    fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
+        let wanted = |name: &str| {
+            PyValueError::new_err(format!("{name} is given without count or radius; give one"))
+        };
+        like.shape = self.shape()?;
+        let any = like.count.map(|_| 1.0);
+        let radius = self.radius()?.or(any);
+        let scale = if self.density.is_some() {
+            radius.ok_or_else(|| wanted("density"))?
+        } else {
+            1.0
+        };
+        like.radius = match self.field(&like)? {
+            GivenRadius::Expression(expression) => RadiusSource::Expression { expression, scale },
+            GivenRadius::Grid(grid) => RadiusSource::Grid { grid, scale },
+            GivenRadius::Image(image) if self.density.is_some() => {
+                let black = scale;
+                RadiusSource::Density { image, black }
+            }
+            GivenRadius::Image(_) => {
+                let text = "radius is the path of an image, which is for sets whose certificate states the radii of black \
+                            and white; give an array of radii";
+                return Err(PyValueError::new_err(text));
+            }
+            GivenRadius::Nothing => {
+                RadiusSource::Constant(radius.ok_or_else(|| wanted("a shape or a mask"))?)
+            }
+        };
+        Ok(like)
+    }
+}
+
+/// Returns the recipe of a domain, of which fields and shapes are still to be said.
+fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary) -> VaryingRecipe {
+    let expression = Expression::parse("1").map(|expression| RadiusSource::Expression {
+        expression,
+        scale: 1.0,
+    });
+    VaryingRecipe {
+        // Its nodes are those of a function.
+        radius: expression.unwrap_or(RadiusSource::Constant(1.0)),
+        shape: None,
+        size,
+        origin,
+        boundary,
+        seed: 0,
+        count: None,
+    }
+}
+
+/// A field and a shape that a set was made from and is judged in.
+#[pyclass(frozen, module = "tilescope._tilescope")]
+pub struct Ground {
+    recipe: VaryingRecipe,
+    origin: [f64; 2],
+    pub varying: Arc<VaryingDomain>,
+}
+
+impl Ground {
+    fn new(recipe: VaryingRecipe) -> Result<Self, Failure> {
+        let made = recipe.ground()?;
+        Ok(Self {
+            recipe,
+            origin: made.origin,
+            varying: made.varying,
+        })
+    }
+
+    /// Returns what the set of a certificate was made from, with what is given in the place of what is stated.
+    fn of_certificate(
+        stated: &Certificate,
+        domain: &GivenDomain,
+        field: Option<&FieldArgument<'_>>,
+    ) -> PyResult<Self> {
+        // With another domain or radius the digests could only differ.
+        let radius = field.map(FieldArgument::radius).transpose()?.flatten();
+        if let Some(name) = domain.first_given(radius) {
+            return Err(PyValueError::new_err(format!(
+                "{name} is that of the certificate, to which its field and its shape belong; leave it out"
+            )));
+        }
+        let mut given = GivenGround::default();
+        if let Some(field) = field {
+            let region = stated.region;
+            let origin = stated.origin.unwrap_or_default();
+            let boundary = Boundary::of(region.is_periodic());
+            let mut like = bare(region.size().map(Some), Some(origin), boundary);
+            given.shape = field.shape()?;
+            like.shape.clone_from(&given.shape);
+            given.radius = field.field(&like)?;
+        }
+        let recipe = VaryingRecipe::of_certificate(stated, given).map_err(Failure::from)?;
+        Ok(Self::new(recipe)?)
+    }
+
+    /// Returns where the domain's lower corner lies.
+    pub const fn corner(&self) -> [f64; 2] {
+        self.origin
+    }
+
+    /// Returns what a set in a file is judged in, if there is a field or a shape: by its certificate, or by what is given.
+    pub fn of_file(
+        stated: Option<&Certificate>,
+        domain: &GivenDomain,
+        field: Option<&FieldArgument<'_>>,
+    ) -> PyResult<Option<Self>> {
+        match (stated.filter(|stated| stated.is_varying()), field) {
+            (Some(stated), _) => Self::of_certificate(stated, domain, field).map(Some),
+            (None, Some(field)) => {
+                let like = bare(domain.size(), domain.origin, domain.bounded_or_given()?);
+                Ok(Some(Self::new(field.recipe(like)?)?))
+            }
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+#[pymethods]
+impl Ground {
+    /// Returns what was stored of one.
+    #[staticmethod]
+    fn stored(text: &str) -> PyResult<Self> {
+        let recipe = serde_json::from_str(text);
+        let recipe = recipe.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(Self::new(recipe)?)
+    }
+
+    /// Returns what copies and pickles make the same one from.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let text = serde_json::to_string(&slf.get().recipe);
+        let text = text.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok((slf.get_type().getattr("stored")?, (text,)))
+    }
+
+    /// Returns width, height and boundary of the domain.
+    fn domain(&self) -> (f64, f64, &'static str) {
+        let region = self.varying.judged.region();
+        let boundary = if region.is_periodic() {
+            "periodic"
+        } else {
+            "bounded"
+        };
+        (region.width, region.height, boundary)
+    }
+
+    /// Returns where the domain's lower corner lies in the coordinates of shapes and functions.
+    fn origin(&self) -> (f64, f64) {
+        self.origin.into()
+    }
+
+    /// Returns the least radius.
+    fn least(&self) -> f64 {
+        self.varying.radius.least()
+    }
+
+    /// Returns the greatest radius.
+    fn greatest(&self) -> f64 {
+        self.varying.radius.greatest()
+    }
+
+    /// Returns whether the radius depends on the place.
+    fn varies(&self) -> bool {
+        self.varying.radius.is_field()
+    }
+
+    /// Returns whether only a part of the domain is to be covered.
+    fn has_shape(&self) -> bool {
+        self.varying.shape.is_some()
+    }
+
+    /// Returns the radius at each of some positions of the domain; nothing if it is the same everywhere.
+    fn radii<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let points = rows(&points)?;
+        let radii = run(py, None, |_| Ok(self.varying.radii(points)))?;
+        let radii = PyArray1::from_vec(py, radii);
+        radii.readwrite().make_nonwriteable();
+        Ok(radii)
+    }
+}
+
+/// Returns what positions of unknown origin are judged in.
+#[pyfunction]
+pub fn ground_of(given: GivenDomain, field: FieldArgument<'_>) -> PyResult<Ground> {
+    let like = bare(given.size(), given.origin, given.bounded_or_given()?);
+    Ok(Ground::new(field.recipe(like)?)?)
+}
+
+/// Makes a set whose radius varies, or that covers a shape. Returns also what it is judged in.
+#[pyfunction]
+pub fn sample_field<'py>(
+    py: Python<'py>,
+    given: GivenDomain,
+    field: FieldArgument<'py>,
+    count: Option<&Bound<'py, PyAny>>,
+    seed: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(PythonSet<'py>, Ground)> {
+    let like = VaryingRecipe {
+        count: count.map(|count| whole("count", count)).transpose()?,
+        seed: whole("seed", seed)?,
+        ..bare(given.size(), given.origin, given.bounded_or_given()?)
+    };
+    if like.count.is_some() && field.radius.is_some() {
+        let text = "both count and radius are given; give one";
+        return Err(PyValueError::new_err(text));
+    }
+    let recipe = field.recipe(like)?;
+    let (made, recipe) = run(py, progress, |watch| {
+        Ok(recipe.make_settled(&mut watch.observer())?)
+    })?;
+    let ground = made.facts.varying.clone().map(|varying| Ground {
+        recipe,
+        origin: made.facts.origin,
+        varying,
+    });
+    let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
+    Ok((into_python(made, py)?, ground))
+}
+
+/// Refuses a set whose radius varies or that covers a shape, for what knows of one radius and of rectangles only.
+pub fn refuse_ground(set: &SetArgument<'_>, what: &str) -> PyResult<()> {
+    match set.ground {
+        None => Ok(()),
+        Some(_) => Err(PyValueError::new_err(format!(
+            "the set's radius varies or it covers a shape, which {what} does not take into account"
+        ))),
+    }
+}
