@@ -122,6 +122,7 @@ impl VaryingRecipe {
             let made = self.attempt(&self.radius, observer)?;
             return Ok((made, settled(self.radius.clone())));
         };
+
         // A set of no sample has no scale.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
         self.radius.check()?;

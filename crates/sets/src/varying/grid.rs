@@ -48,6 +48,7 @@ impl RadiusGrid {
         boundary: Boundary,
     ) -> Result<Self, VaryingError> {
         check_pixels(columns, pixels.len())?;
+        // As for images, so that an array and an image of the same values give nodes at the same places.
         let wraps = boundary == Boundary::Periodic;
         let squares = [columns, pixels.len() / columns];
         let [columns, rows] = squares.map(|count| count + usize::from(!wraps));
@@ -79,6 +80,7 @@ impl RadiusGrid {
             return Err(VaryingError::Density { density, place });
         }
 
+        // The mean of densities and not of radii: so many samples are asked for there.
         let means = Self::of_pixels(columns, pixels, boundary)?;
         let greatest = means.radii.iter().copied().fold(0.0, f64::max);
         if greatest == 0.0 {

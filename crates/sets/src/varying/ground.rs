@@ -137,6 +137,7 @@ impl VaryingRecipe {
         let Some((squares, pitch)) = frame.squares else {
             return Err(VaryingError::Nothing);
         };
+        // The far border of a periodic domain is its near one.
         let more = usize::from(self.boundary == Boundary::Bounded);
         Ok([0, 1].map(|axis| {
             let places = 0..squares[axis] + more;
@@ -222,7 +223,14 @@ impl VaryingRecipe {
         };
 
         // A mask alone has a field of one radius, so that its pixels are whole in lattice units.
+        // The nodes of a function are those of an expression, whose last squares may reach beyond the border.
+        let of_function = || squares_of(size, self.boundary).ok();
         let squares = match (pixels, radius) {
+            (Some(pixels), RadiusSource::Grid { .. })
+                if of_shape.is_none() && of_function().is_some_and(|(own, _)| own == pixels) =>
+            {
+                of_function()
+            }
             (Some(pixels), _) => Some((pixels, pitch_of_pixels(pixels, size)?)),
             (None, RadiusSource::Expression { .. }) => Some(squares_of(size, self.boundary)?),
             (None, _) => None,

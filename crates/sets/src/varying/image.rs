@@ -265,6 +265,7 @@ pub(super) fn check_pixels(columns: usize, count: usize) -> Result<(), VaryingEr
     if columns == 0 || count == 0 || !count.is_multiple_of(columns) {
         return Err(VaryingError::Grid { count, columns });
     }
+    // Counted before anything is made of them.
     if count as u64 > MAX_PIXELS {
         let side = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         return Err(VaryingError::Pixels {

@@ -213,6 +213,7 @@ impl RadiusSource {
                 ("density-image", value)
             }
             Self::Grid { grid, scale } => {
+                // Only of a density radii beyond the limit are made as large as possible.
                 let name = if grid.is_capped {
                     DENSITY_GRID
                 } else {
