@@ -128,6 +128,7 @@ fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     if ground.is_given() {
         ground.judge_in(file, set, &mut overrides)?;
     }
+
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     let mut checked = check_or_unit_square(&overrides, check);
 

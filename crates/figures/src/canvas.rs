@@ -13,7 +13,7 @@ pub(crate) const CAPTION: f64 = 44.0;
 /// Margin around the frame, in pixels at a picture width of 1000.
 pub(crate) const MARGIN: f64 = 16.0;
 
-/// Disks of a smaller radius in pixels are left out.
+/// Disks are left out if all have a smaller radius in pixels.
 const MIN_DISK: f64 = 12.0;
 
 /// The longest piece of an arc that is drawn as a straight line, in radians.
@@ -235,21 +235,20 @@ impl<'a> Canvas<'a> {
         self.push([group]);
     }
 
-    /// Returns how disks are drawn, unless they are left out: where they are so small that their rings would be noise.
-    pub(crate) fn ring(&self, fill: Option<Fill>) -> Option<Style> {
-        if !self.options.disks || self.radius_px() < MIN_DISK {
-            return None;
-        }
-        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
-        Some(Style {
-            fill,
-            stroke: Some(ring),
-        })
+    /// Returns whether disks are drawn: where even the largest, which `radius` is of, are so small that their rings would be
+    /// noise, they are left out.
+    pub(crate) fn draws_disks(&self) -> bool {
+        self.options.disks && self.radius_px() >= MIN_DISK
     }
 
-    /// Returns the images of the disks around samples.
-    pub(crate) fn disks(&self, points: &[DVec2], style: Style) -> impl Iterator<Item = Shape> {
-        let images = points.iter().flat_map(move |&point| self.images(point));
+    /// Returns the images of the disk around a sample.
+    pub(crate) fn disk(&self, point: DVec2, fill: Fill) -> impl Iterator<Item = Shape> {
+        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
+        let style = Style {
+            fill: Some(fill),
+            stroke: Some(ring),
+        };
+        let images = self.images(point);
         images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
     }
 

@@ -30,6 +30,15 @@ impl DiskRadii<'_> {
             Self::Own(radii) => radii.get(index).copied().unwrap_or(0.0),
         }
     }
+
+    /// Returns the greatest radius; 0 if none is known.
+    fn greatest(self) -> f64 {
+        match self {
+            Self::Unknown => 0.0,
+            Self::Equal(radius) => radius,
+            Self::Own(radii) => radii.iter().copied().fold(0.0, f64::max),
+        }
+    }
 }
 
 /// A set to draw without its run.
@@ -82,22 +91,21 @@ fn laid_out<E>(
     options: &PictureOptions,
     step: &mut dyn FnMut() -> Result<(), E>,
 ) -> Result<Scene, E> {
-    let mut canvas = Canvas::new(set.size.into(), set.boundary, set.radii.of(0), options);
+    let mut canvas = Canvas::new(set.size.into(), set.boundary, set.radii.greatest(), options);
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
 
     // Disks lie below all samples: a disk would hide the dots that were painted before it.
-    let mut disks = canvas.group("disks");
-    let fill = Some(Fill::Solid(options.palette.disk_fill));
-    for (index, point) in points.iter().enumerate() {
-        step()?;
-        canvas.radius = set.radii.of(index);
-        if let Some(style) = canvas.ring(fill) {
-            let own = canvas.disks(std::slice::from_ref(point), style);
-            disks.shapes.extend(own);
+    if canvas.draws_disks() {
+        let fill = Fill::Solid(options.palette.disk_fill);
+        let mut disks = canvas.group("disks");
+        for (index, &point) in points.iter().enumerate() {
+            step()?;
+            canvas.radius = set.radii.of(index);
+            disks.shapes.extend(canvas.disk(point, fill));
         }
+        canvas.push([disks]);
     }
-    canvas.push([disks]);
 
     let mut samples = canvas.group("samples");
     let mut inserted = canvas.group("inserted");
@@ -121,4 +129,47 @@ fn laid_out<E>(
     // On top: the arcs show where the disks leave a gap, and nothing may hide them.
     canvas.arcs(&points, &set.exposed);
     Ok(canvas.finish(&set.caption))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Shape;
+
+    /// The radii of the disks that are drawn.
+    fn disks(radii: DiskRadii<'_>) -> Vec<f64> {
+        let picture = SetPicture {
+            points: &[[0.2, 0.5], [0.7, 0.5]],
+            size: [1.0; 2],
+            boundary: Boundary::Bounded,
+            radii,
+            blocks: Vec::new(),
+            block_of: None,
+            exposed: Vec::new(),
+            caption: String::new(),
+        };
+        let scene = set_scene(&picture, &PictureOptions::default());
+        let disks = scene.groups.iter().filter(|group| group.name == "disks");
+        let shapes = disks.flat_map(|group| &group.shapes);
+        let radius = |shape: &Shape| {
+            let Shape::Circle { radius, .. } = shape else {
+                return None;
+            };
+            Some(*radius)
+        };
+        shapes.filter_map(radius).collect()
+    }
+
+    #[test]
+    fn each_disk_has_its_radius_and_is_drawn_if_any_is_large_enough() {
+        assert_eq!(disks(DiskRadii::Equal(0.1)), [0.1, 0.1]);
+        assert_eq!(disks(DiskRadii::Own(&[0.001, 0.2])), [0.001, 0.2]);
+        for radii in [
+            DiskRadii::Unknown,
+            DiskRadii::Equal(0.001),
+            DiskRadii::Own(&[0.001, 0.002]),
+        ] {
+            assert!(disks(radii).is_empty(), "{radii:?}");
+        }
+    }
 }

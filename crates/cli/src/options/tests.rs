@@ -186,6 +186,29 @@ fn degrees_are_refused_unless_they_are_said_to_be_planar() {
     );
 }
 
+/// The bytes of a picture of gaps, as they are on every machine: no function of the platform is in them.
+const GAPS: &str = "blake3:938e41c567f06365586a72d4af1b674a9b0ad7e2711a62c27e1ab374088540f1";
+
+#[test]
+fn pictures_of_gaps_have_the_same_bytes_everywhere() {
+    let folder = tempdir().expect("a folder");
+    let rows = (1..64).map(|k| format!("{},{}", f64::from(k % 8) / 8.0, f64::from(k / 8) / 8.0));
+    let rows = rows.collect::<Vec<String>>().join("\n");
+    fs::write(folder.path().join("hole.csv"), rows).expect("written");
+    let words = [
+        "draw",
+        "@hole.csv",
+        "@arcs.svg",
+        "--radius",
+        "0.09",
+        "--gaps",
+    ];
+    run(&folder, &words).expect("drawn");
+    let svg = read(&folder, "arcs.svg");
+    assert!(svg.contains("<polyline"));
+    assert_eq!(tilescope_formats::bytes_digest(svg.as_bytes()), GAPS);
+}
+
 #[test]
 fn parquet_is_refused_by_name() {
     let folder = tempdir().expect("a folder");
