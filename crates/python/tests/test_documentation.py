@@ -128,6 +128,10 @@ def test_types_are_right(tmp_path):
         "tilescope.Plane(radius=0.01, seed=np.int64(4))\n"
         "tilescope.set_threads(np.int64(1))\n"
         "same: bool = made.spectrum() == made.spectrum()\n"
+        "ramp = tilescope.sample(radius=lambda x, y: 0.01 + 0.04 * x, extent=(0, 0, 1, 1))\n"
+        "ramp.save('ramp.geojson', format='geojson')\n"
+        "dense = tilescope.sample(100, density=np.ones((3, 3)), mask=np.ones((3, 3), dtype=bool))\n"
+        "passed: bool = tilescope.verify('ramp.geojson', lambda x, y: 0.01 + 0.04 * x).passed\n"
     )
     bad = tmp_path / "bad.py"
     bad.write_text("import tilescope\ntilescope.sample(2000, boundary='torus')\n")

@@ -87,6 +87,10 @@ def test_sets_are_those_of_the_command_line(slope, trees, tmp_path):
         ),
         (trees, ["--shape", tmp_path / "park.geojson", "--radius", 1.5]),
         (
+            tilescope.sample(radius=lambda x, y: 1 + 0.05 * (x - X0), shape=PARK),
+            ["--shape", tmp_path / "park.geojson", "--radius-expression", f"1 + 0.05 * (x - {X0})"],
+        ),
+        (
             tilescope.sample(radius=1.5, shape=PARK, extent=(X0 + 10, Y0, X0 + 40, Y0 + 30)),
             ["--shape", tmp_path / "park.geojson", "--radius", 1.5, "--origin", X0 + 10, Y0, "--width", 30, "--height", 30],
         ),
@@ -204,7 +208,7 @@ def test_formulas_and_polygons_are_in_the_certificate(trees, tmp_path):
     with pytest.raises(ValueError, match="varies or it covers a shape, which a pattern"):
         tilescope.sample(radius=0.05, pattern=trees)
     # Positions of others, in the coordinates of the shape.
-    np.savetxt(tmp_path / "theirs.csv", trees.points + trees.origin, delimiter=",", header="x,y", comments="", fmt="%r")
+    np.savetxt(tmp_path / "theirs.csv", trees.points + trees.origin, delimiter=",", header="x,y", comments="", fmt="%.17g")
     assert tilescope.verify(tmp_path / "theirs.csv", 1.5, shape=PARK).valid
     theirs = tilescope.read(tmp_path / "theirs.csv", 1.5, shape=PARK)
     assert (theirs.origin, theirs.verify().valid) == ((X0, Y0), True)

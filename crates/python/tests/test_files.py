@@ -12,7 +12,7 @@ import pytest
 import tilescope
 
 EXACT = {
-    "csv": "csv", "npy": "npy", "ply": "ply-binary", "json": "json", "xyz": "xyz", "txt": "psa-text", "dat": "utk-text",
+    "csv": "csv", "npy": "npy", "ply": "ply-binary", "json": "json", "geojson": "geojson", "xyz": "xyz", "txt": "psa-text", "dat": "utk-text",
     "bin": "utk-binary", "svg": "svg",
 }  # fmt: skip
 
@@ -297,7 +297,7 @@ def test_a_set_without_an_origin_has_a_certificate_of_version_1(small, trees, tm
         ({"judges": ["subdivision"]}, "version 2 needs an origin, or another part that version 1 lacks"),
         (
             {"shape": {"kind": "polygon", "rings": [[[0, 0], [1, 0], [0, 1]]]}, "covering_radius": None},
-            "its radius varies or it covers a shape",
+            "lies outside the shape",
         ),
         ({"foo": 1}, "has the part `foo`, which this version does not know"),
     ],
