@@ -229,6 +229,8 @@ impl From<VaryingError> for Failure {
             VaryingError::Domain(error) => error.into(),
             VaryingError::Judge(error) => error.into(),
             VaryingError::Sample(error) => error.into(),
+
+            // Options of the command line have other names here.
             VaryingError::Needed { what, file, option } => {
                 // A certificate without a file's name states an array.
                 let (from, value) = match &*file {

@@ -97,14 +97,23 @@ pub fn read<'py>(
         ground = ground_by(&mut overrides)?;
         found = read(&overrides)?;
     }
-    let found = found?;
+    of_found(py, found?, &given, ground)
+}
+
+/// Returns a set that was found in a file for Python.
+fn of_found<'py>(
+    py: Python<'py>,
+    found: FoundSet,
+    given: &GivenDomain,
+    ground: Option<Ground>,
+) -> PyResult<(PythonSet<'py>, Option<Ground>)> {
     let stated = found.certificate.as_ref();
-    let judged = ground.as_ref().map(|ground| ground.varying.judged.region());
-    let region = match judged {
-        Some(region) => region,
+    let varying = ground.as_ref().map(|ground| &ground.varying);
+    let region = match varying {
+        Some(varying) => varying.judged.region(),
         None => given.region_over(stated.map(|stated| stated.region))?,
     };
-    let radius = ground.as_ref().map(|ground| ground.varying.radius.least());
+    let radius = varying.map(|varying| varying.radius.least());
     let radius = radius
         .or(given.radius)
         .or(stated.map(|stated| stated.radius.least()));

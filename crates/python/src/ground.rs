@@ -145,6 +145,7 @@ impl FieldArgument<'_> {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
         };
         like.shape = self.shape()?;
+        // With a count the scale is searched for.
         let any = like.count.map(|_| 1.0);
         let radius = self.radius()?.or(any);
         let scale = if self.density.is_some() {
@@ -152,6 +153,7 @@ impl FieldArgument<'_> {
         } else {
             1.0
         };
+
         like.radius = match self.field(&like)? {
             GivenRadius::Expression(expression) => RadiusSource::Expression { expression, scale },
             GivenRadius::Grid(grid) => RadiusSource::Grid { grid, scale },
@@ -221,6 +223,7 @@ impl Ground {
                 "{name} is that of the certificate, to which its field and its shape belong; leave it out"
             )));
         }
+
         let mut given = GivenGround::default();
         if let Some(field) = field {
             let region = stated.region;
@@ -350,10 +353,12 @@ pub fn sample_field<'py>(
         let text = "both count and radius are given; give one";
         return Err(PyValueError::new_err(text));
     }
+
     let recipe = field.recipe(like)?;
     let (made, recipe) = run(py, progress, |watch| {
         Ok(recipe.make_settled(&mut watch.observer())?)
     })?;
+    // Settled, so that copies of the set need not search for the scale of a count again.
     let ground = made.facts.varying.clone().map(|varying| Ground {
         recipe,
         origin: made.facts.origin,
