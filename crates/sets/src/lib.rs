@@ -45,6 +45,6 @@ pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
 pub use varying::{
     DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS,
-    MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple, StippleRecipe,
-    Tone, VaryingError, VaryingRecipe,
+    MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple,
+    StippleRecipe, Tone, VaryingError, VaryingRecipe,
 };
