@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use tilescope_core::{
     ExactPlane, Parameters, Pattern, PatternHistory, Plane, Sequential, Sweep, Unobserved,
-    WindowMaker, exact_sample,
+    WindowMaker, exact_points, exact_sample,
 };
 
 const NAMES: [&str; 4] = [
@@ -104,10 +104,7 @@ fn whole(parameters: &Parameters, made: &Made, method: usize) -> Result<usize, B
         0 => exact_sample(parameters, history, &mut Unobserved)?
             .result
             .len(),
-        1 => {
-            let sweep = ExactPlane::new(parameters, history)?.sweep(false);
-            sweep.finish(&mut Unobserved)?.0.points.len()
-        }
+        1 => exact_points(parameters, history, &mut Unobserved)?.len(),
         2 => {
             let engine = Sequential::new(parameters, pattern.clone())?;
             engine.finish(&mut Unobserved)?.result.len()

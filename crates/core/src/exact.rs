@@ -15,6 +15,7 @@
 //! from one. [`PatternHistory`] knows the first blockers, and [`exact_sample`] follows the differences.
 
 mod agenda;
+mod agreement;
 mod bare;
 mod cells;
 mod darts;
@@ -32,7 +33,7 @@ pub use darts::{Arrival, PatternDarts, PlacedDart};
 pub use engine::exact_sample;
 pub use engine::recorded::exact_recorded;
 pub use history::PatternHistory;
-pub use plane::{ExactPlane, exact_sample_parallel};
+pub use plane::{ExactPlane, exact_points, exact_sample_parallel};
 
 /// Sets of up to so many samples take a pattern of 200 r, which has as many itself.
 const SMALL_SET: f64 = 28_000.0;

@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternHistory, Point, Rect, Sequential, exact_sample,
+    Boundary, Domain, Parameters, Pattern, PatternHistory, Point, Rect, Sequential, exact_points,
     reference_sample,
 };
 use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
@@ -93,7 +93,11 @@ impl Engines {
     /// Starts a pool for each number of threads other than all.
     pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self> {
         let all = rayon::current_num_threads();
-        let pools = threads.iter().filter(|&&threads| threads != all);
+        // Exact tiling is measured on one thread.
+        let pools = threads
+            .iter()
+            .chain(&[1])
+            .filter(|&&threads| threads != all);
         let pool = |&threads: &usize| {
             let builder = ThreadPoolBuilder::new().num_threads(threads);
             builder.build().map_err(failed)
@@ -157,7 +161,12 @@ impl Engines {
                 let none = || failed("there are no tables for exact tiling");
                 // Tables are made beforehand, so that they are not in the time of a set.
                 let history = self.history.as_ref().ok_or_else(none)?;
-                exact_sample(parameters, history, observer)?.points()
+                let make = || exact_points(parameters, history, &mut |_| control.flow());
+                let one = self
+                    .pools
+                    .iter()
+                    .find(|pool| pool.current_num_threads() == 1);
+                one.map_or_else(make, |pool| pool.install(make))?
             }
             Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };

@@ -57,8 +57,15 @@ impl MarkedCells {
     }
 
     /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the piece
-    /// belongs to, and appends those not marked before to `out`. There, a dart's first blocker may be missing.
-    pub(crate) fn mark_border(&mut self, piece: u32, part: &Rect, out: &mut Vec<PieceCell>) {
+    /// belongs to, and appends those not marked before to `out`. There, a dart's first blocker may be missing. Cells that
+    /// `is_closed` are left out; it gets a cell's column and row in the pattern.
+    pub(crate) fn mark_border(
+        &mut self,
+        piece: u32,
+        part: &Rect,
+        is_closed: impl Fn(i32, i32) -> bool,
+        out: &mut Vec<PieceCell>,
+    ) {
         let held = &self.pieces[piece as usize];
         let sources = held.sources;
 
@@ -92,7 +99,9 @@ impl MarkedCells {
                     let end = (deep.max.x / MARK_SIDE).min(columns.end);
                     column = end.max(column + 1);
                 } else {
-                    self.mark(piece, column, row, out);
+                    if !is_closed(column, row) {
+                        self.mark(piece, column, row, out);
+                    }
                     column += 1;
                 }
             }

@@ -105,6 +105,23 @@ struct ExactTile {
     /// The first of its pieces, and the first of the next tile.
     first_piece: u32,
     end_piece: u32,
+    /// The pattern's samples that are lost or doubtful here.
+    missing: SampleFilter,
+}
+
+/// Numbers of samples, each known by eight of its bits: few of a tile are lost.
+#[derive(Clone, Copy, Default)]
+struct SampleFilter([u64; 4]);
+
+impl SampleFilter {
+    fn add(&mut self, sample: u32) {
+        self.0[sample as usize / 64 % 4] |= 1 << (sample % 64);
+    }
+
+    /// Returns whether a sample, or another one with the same eight bits, was added.
+    const fn may_have(&self, sample: u32) -> bool {
+        self.0[sample as usize / 64 % 4] >> (sample % 64) & 1 == 1
+    }
 }
 
 /// An exact tiling in progress. Its buffers can be used again.
@@ -161,7 +178,7 @@ impl<'a> ExactTiling<'a> {
         }
 
         // Those of later levels are thrown where something changed.
-        self.open_borders();
+        self.open_borders::<T>();
         for level in LATE_LEVEL..=LAST_LEVEL {
             self.cut(level, recorder);
             self.end(recorder);
@@ -231,6 +248,7 @@ impl<'a> ExactTiling<'a> {
             symmetry,
             first_piece,
             end_piece: self.cells.pieces().len() as u32,
+            missing: SampleFilter::default(),
         });
     }
 
@@ -358,6 +376,7 @@ impl<'a> ExactTiling<'a> {
             }
         }
 
+        self.tiles[sample.tile as usize].missing.add(pattern);
         // Darts that it refused are asked again, and its disk may be bare. Only cells of its own block are marked:
         // those of others lie within r of their borders, and are all marked.
         self.wake(sample.tile, sample.place, pattern, id, recorder);
@@ -415,11 +434,23 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Marks the cells whose darts may lack a first blocker beyond the border of their tile.
-    fn open_borders(&mut self) {
+    fn open_borders<T: Recorder>(&mut self) {
+        let history = self.history;
         for (tile, held) in (0..).zip(&self.tiles) {
             let rect = self.present.rect_in_domain(tile, &held.rect);
             for piece in held.first_piece..held.end_piece {
-                self.cells.mark_border(piece, &rect, &mut self.fresh);
+                // Where the tile has the sample that covers the cell in the pattern, cutting the cell would leave nothing of
+                // it. Three of four cells are found so; a recording cuts all.
+                let inside = self.cells.pieces()[piece as usize].sources_around(&rect, R);
+                let is_closed = |column: i32, row: i32| {
+                    let covering = history.covering(column, row).filter(|_| !T::ENABLED);
+                    covering.is_some_and(|(sample, offset)| {
+                        let (x, y) = (column * MARK_SIDE + offset.x, row * MARK_SIDE + offset.y);
+                        inside.contains(Point::new(x, y)) && !held.missing.may_have(sample)
+                    })
+                };
+                let fresh = &mut self.fresh;
+                self.cells.mark_border(piece, &rect, is_closed, fresh);
             }
         }
     }
@@ -542,6 +573,25 @@ impl<'a> ExactTiling<'a> {
     pub(crate) fn is_doubtful(&self) -> bool {
         let ground = self.present.ground();
         ground.has_unknown() && self.present.is_doubtful(&ground.frame.window)
+    }
+
+    /// Returns the samples outside of the window but at most R from it on both axes, in canonical order.
+    pub(crate) fn around_window(&self) -> Vec<Point> {
+        let Rect { min, max } = self.present.ground().frame.window;
+        let wide = Rect {
+            min: Point::new(min.x - R, min.y - R),
+            max: Point::new(max.x + R, max.y + R),
+        };
+        let is_around = |place: Point| wide.contains(place) && !Rect { min, max }.contains(place);
+        let samples = self.present.samples().iter();
+        let around = samples.filter(|sample| is_around(sample.place));
+
+        let kept = around.filter(|sample| sample.presence != Presence::Lost);
+        let mut points: Vec<Point> = kept
+            .map(|sample| self.present.in_domain(sample.tile, sample.place))
+            .collect();
+        points.sort_unstable_by_key(|point| point.canonical());
+        points
     }
 
     /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if they

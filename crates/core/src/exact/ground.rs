@@ -59,6 +59,20 @@ impl Ground {
         }
     }
 
+    /// Returns the same ground as if there was nothing beyond it. What lies near its ends is then not what the domain has there.
+    pub(crate) fn alone(domain: &Domain, window: &Rect, halo: i32) -> Self {
+        Self {
+            known: None,
+            ..Self::around(domain, window, halo)
+        }
+    }
+
+    /// Returns whether some place of the domain lies on it twice.
+    pub(crate) fn repeats(&self) -> bool {
+        let Frame { end, sides, .. } = &self.frame;
+        self.frame.periodic && (end[0] > sides[0] || end[1] > sides[1])
+    }
+
     /// Returns how far a block is moved from where the domain has it to where the ground has it.
     pub(crate) fn moved(&self, block: &PlacedBlock) -> IVec2 {
         let mut at = block.rect.min + self.frame.origin;

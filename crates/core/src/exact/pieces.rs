@@ -41,6 +41,22 @@ impl SourcePiece {
         spanned(a, b)
     }
 
+    /// Returns which places of the pattern, if the copy went on beyond its borders, lie in a rectangle that holds the piece, and
+    /// at most `reach` from the piece.
+    pub(crate) fn sources_around(&self, rect: &Rect, reach: i32) -> Rect {
+        let Rect { min, max } = self.placed(&self.sources);
+        self.sources_of(&Rect {
+            min: Point::new(
+                min.x.saturating_sub(reach).max(rect.min.x),
+                min.y.saturating_sub(reach).max(rect.min.y),
+            ),
+            max: Point::new(
+                max.x.saturating_add(reach).min(rect.max.x),
+                max.y.saturating_add(reach).min(rect.max.y),
+            ),
+        })
+    }
+
     /// Returns where the copy has a rectangle of the pattern, which is not empty.
     pub(crate) fn placed(&self, sources: &Rect) -> Rect {
         let last = Point::new(sources.max.x - 1, sources.max.y - 1);

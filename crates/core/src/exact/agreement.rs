@@ -1,0 +1,79 @@
+//! A whole run by windows that know nothing of each other, and the proof that they made the run.
+//!
+//! What a window has near the ends of its halo is not what the domain has there, and differences spread. A window alone can be
+//! certain of its samples only by following all that is in doubt, which takes as long as the samples. A whole run needs no
+//! doubt: *if each window has the samples within r of it as its neighbours made them, all samples are right.* For then each
+//! dart of a window is a sample exactly if no earlier sample *of the whole* covers it, since its own window decided so among
+//! the same samples; and only one set has that property everywhere (induction over the order of arrival).
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::I64Vec2;
+
+use crate::engine::parallel::window_maker::parts;
+use crate::lattice::{Domain, Point, R, Rect, Window};
+
+/// A window, and what it had around itself.
+struct Surrounded {
+    window: Rect,
+    /// The samples outside of the window but at most R from it on both axes, in canonical order.
+    around: Vec<Point>,
+}
+
+/// What windows that were made alone had around themselves.
+#[derive(Default)]
+pub(super) struct Agreement {
+    windows: Mutex<Vec<Surrounded>>,
+}
+
+impl Agreement {
+    /// Keeps what a window had around itself.
+    pub(super) fn add(&self, window: Rect, around: Vec<Point>) {
+        let mut windows = self.windows.lock().unwrap_or_else(PoisonError::into_inner);
+        windows.push(Surrounded { window, around });
+    }
+
+    /// Returns whether each window had around itself what all windows together have there: `points`, in canonical order.
+    pub(super) fn holds(&self, domain: &Domain, points: &[Point]) -> bool {
+        let windows = self.windows.lock().unwrap_or_else(PoisonError::into_inner);
+        windows.iter().all(|held| {
+            let mut made = Vec::with_capacity(held.around.len());
+            for strip in strips(&held.window) {
+                for part in parts(domain, &strip) {
+                    append_within(points, &part, &mut made);
+                }
+            }
+            made.sort_unstable_by_key(|point| point.canonical());
+            made == held.around
+        })
+    }
+}
+
+/// Returns the four strips of width R around a window, which do not overlap.
+fn strips(window: &Rect) -> [Window; 4] {
+    let (min, max) = (I64Vec2::from(window.min), I64Vec2::from(window.max));
+    let reach = i64::from(R);
+    let strip = |left, bottom, right, top| Window {
+        min: I64Vec2::new(left, bottom),
+        max: I64Vec2::new(right, top),
+    };
+    [
+        strip(min.x - reach, min.y - reach, max.x + reach, min.y),
+        strip(min.x - reach, max.y, max.x + reach, max.y + reach),
+        strip(min.x - reach, min.y, min.x, max.y),
+        strip(max.x, min.y, max.x + reach, max.y),
+    ]
+}
+
+/// Appends to `out` those of `points`, which are in canonical order, that lie in a rectangle.
+fn append_within(points: &[Point], rect: &Rect, out: &mut Vec<Point>) {
+    for row in rect.min.y / R..=(rect.max.y - 1) / R {
+        // Cells of a row follow each other, so that those of the rectangle are one range.
+        let start = Point::new(rect.min.x / R * R, row * R).canonical();
+        let first = points.partition_point(|point| point.canonical() < start);
+        let last_column = (rect.max.x - 1) / R;
+        let in_row = |point: &&Point| point.y / R == row && point.x / R <= last_column;
+        let row = points[first..].iter().take_while(in_row);
+        out.extend(row.filter(|point| rect.contains(**point)));
+    }
+}
