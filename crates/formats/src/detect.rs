@@ -92,10 +92,9 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
 
     let marked = by_mark(bytes);
     let found = match (named, marked) {
-        // The type of an object need not come first, and shows only beside the name.
-        (Some(Format::GeoJson), Some(Format::Json)) => (Format::GeoJson, Evidence::Extension),
-        // Most programs call it .json.
-        (Some(Format::Json), Some(Format::GeoJson)) => (Format::GeoJson, Evidence::Extension),
+        // Most programs call GeoJSON .json; and its type need not come first in an object, so that the name alone may tell.
+        (Some(Format::GeoJson), Some(Format::Json))
+        | (Some(Format::Json), Some(Format::GeoJson)) => (Format::GeoJson, Evidence::Extension),
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
         (Some(named), Some(marked)) => (marked, Evidence::ContentAgainst(named)),
         (Some(named), None) if !is_table(named) => (named, Evidence::Extension),

@@ -73,7 +73,7 @@ impl Pixels<'_> {
 
 fn image(path: &Path) -> Result<GrayImage, Failure> {
     let name = lossy(path.file_name().unwrap_or_default());
-    Ok(GrayImage::from_png(&name, &read_whole(path)?)?)
+    Ok(GrayImage::read(&name, &read_whole(path)?)?)
 }
 
 /// Returns the pixels of a row, and all of them.

@@ -308,6 +308,7 @@ mod tests {
         let both = Columns {
             levels: vec![0, 1],
             radii: vec![0.5, 0.25],
+            drawing: None,
         };
         let places = [[1e300, -0.0], [0.1, 1.0 / 3.0]];
         let text = String::from_utf8(super::write(&places, &both)).expect("text");

@@ -42,7 +42,7 @@ pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRow
             (file, left_out) = ply::keep(bytes, format, kept)?;
             Ok(file)
         }
-        Format::Json => json(bytes, kept),
+        Format::Json | Format::GeoJson => json(bytes, kept),
         Format::Svg => Err(FormatError::NotChosen {
             format,
             reason: "a circle may have a style that other elements give it; convert the file to csv first",
@@ -64,7 +64,7 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
     match format {
         Format::Csv | Format::Xyz => table::column(bytes, format, hint.columns, name),
         Format::PlyAscii | Format::PlyBinary => ply::column(bytes, format, name),
-        Format::Json => json_column(bytes, name),
+        Format::Json | Format::GeoJson => json_column(bytes, name),
         Format::PsaText
         | Format::PsaRps
         | Format::UtkText

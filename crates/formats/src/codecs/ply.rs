@@ -112,41 +112,18 @@ impl PlyColumns {
 pub(super) fn read(bytes: &[u8], format: Format, any_z: bool) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
     let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1, any_z)?;
-    let precision = match header.encoding {
+    let (set, precision) = match header.encoding {
         // Text has no number type of its own: numbers are read as f64 whatever the header declares.
-        Encoding::Ascii => Precision::Double,
-        Encoding::Binary(_) => columns.precision(&header.vertex),
+        Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
+        Encoding::Binary(endian) => {
+            let precision = columns.precision(&header.vertex);
+            (read_binary(bytes, &header, &columns, endian)?, precision)
+        }
     };
+
     let mut raw = Raw::new(Vec::new(), precision);
-    raw.set = read_rows(bytes, &header, &columns)?;
+    raw.set = set;
     Ok(raw)
-}
-
-/// Returns the radius of each vertex, if vertices have such a property.
-pub(super) fn read_radii(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
-    let header = parse(bytes, format)?;
-    let Some(radius) = header.vertex.column(RADIUS) else {
-        return Ok(None);
-    };
-    // Radii are read as positions are, in the place of both coordinates.
-    let columns = PlyColumns {
-        position: [radius; 2],
-        z: None,
-        provenance: None,
-    };
-    let set = read_rows(bytes, &header, &columns)?;
-    Ok(Some(set.points.iter().map(|radii| radii[0]).collect()))
-}
-
-fn read_rows(
-    bytes: &[u8],
-    header: &PlyHeader,
-    columns: &PlyColumns,
-) -> Result<PointSet, FormatError> {
-    match header.encoding {
-        Encoding::Ascii => read_ascii(bytes, header, columns),
-        Encoding::Binary(endian) => read_binary(bytes, header, columns, endian),
-    }
 }
 
 fn read_ascii(
@@ -423,7 +400,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     })?;
     // Other values than coordinates may be NaN or infinite, but nothing can be ordered by them.
     let finite = |value: f64, place| {
-        let reason = format!("{wanted} is {value}, by which points cannot be ordered");
+        let reason = format!("{wanted} is {value}, which is no finite number");
         let fault = FormatError::Row {
             format,
             place,

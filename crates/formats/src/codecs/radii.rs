@@ -12,8 +12,8 @@ pub(super) const RADIUS: &str = "radius";
 /// Returns the radius of each point, if the file has a column of that name.
 pub(super) fn read(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
     let radii = match format {
-        Format::Csv | Format::Xyz => of_table(bytes, format)?,
-        Format::PlyAscii | Format::PlyBinary => ply::read_radii(bytes, format)?,
+        Format::Csv | Format::Xyz => if_any(table::column(bytes, format, None, RADIUS))?,
+        Format::PlyAscii | Format::PlyBinary => if_any(ply::column(bytes, format, RADIUS))?,
         Format::Json | Format::GeoJson => of_features(bytes),
         Format::PsaText
         | Format::PsaRps
@@ -28,18 +28,11 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, For
     Ok(radii)
 }
 
-/// A table gives two columns: the other one is the first, or the second where that is the radius.
-fn of_table(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
-    let both = |other| table::read(bytes, format, Some([RADIUS, other]));
-    let found = match both("1") {
-        Err(FormatError::Header { .. }) => both("2"),
-        found => found,
-    };
-    match found {
-        Ok(raw) => Ok(Some(raw.set.points.iter().map(|point| point[0]).collect())),
-        // There is no such column.
+/// Returns nothing instead of the error that there is no such column.
+fn if_any(column: Result<Vec<f64>, FormatError>) -> Result<Option<Vec<f64>>, FormatError> {
+    match column {
         Err(FormatError::Header { .. }) => Ok(None),
-        Err(error) => Err(error),
+        found => found.map(Some),
     }
 }
 
@@ -91,6 +84,7 @@ mod tests {
             let with = Columns {
                 levels: vec![0, 1],
                 radii: radii.clone(),
+                drawing: None,
             };
             let has_columns = matches!(
                 format,

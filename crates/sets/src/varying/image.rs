@@ -155,6 +155,15 @@ impl GrayImage {
         })
     }
 
+    /// Returns the name of the image for messages.
+    pub(super) fn name(&self) -> &str {
+        if self.name.is_empty() {
+            "the array"
+        } else {
+            &self.name
+        }
+    }
+
     /// Returns how certificates state the image: by its file or its pixels, and its content.
     pub(super) fn stated(&self) -> Value {
         if self.name.is_empty() {

@@ -126,7 +126,7 @@ impl StippleRecipe {
         let dark = self.image.darkness(self.white);
         if dark == 0.0 {
             return Err(VaryingError::White {
-                name: self.image.name.clone(),
+                name: self.image.name().to_owned(),
                 white: self.white,
             });
         }

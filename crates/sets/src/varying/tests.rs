@@ -304,7 +304,7 @@ fn pixels_of_arrays_are_those_of_images() {
         let black = 0.02;
         recipe(RadiusSource::Density { image, black })
     };
-    let array = GrayImage::from_grey(60, photo.grey.clone()).expect("whole rows");
+    let array = GrayImage::from_grey(60, photo.grey.to_vec()).expect("whole rows");
     let set = made(&of_image(array));
     assert_eq!(set.set, made(&of_image(photo.clone())).set);
     // An image that has the array's pixels stands for it.
