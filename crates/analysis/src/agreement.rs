@@ -5,7 +5,8 @@ use crate::exact::covering_limit;
 use crate::judge::Judge;
 use crate::report::Report;
 
-/// Relative difference of two lengths within which judges agree.
+/// Relative difference of two lengths within which judges agree: far above the rounding of either judge, and far below
+/// the default tolerance of maximality, 2^-15.
 const SAME_LENGTH: f64 = 1e-9;
 
 /// Returns the first report, naming both judges, if the second has the same result; otherwise an error.
@@ -38,7 +39,8 @@ pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyErro
     }
 
     let judges = vec![Judge::Delaunay, Judge::Circles];
-    // Where they differ on this alone, the covering radius is within rounding of the limit.
+    // If the judges differ on maximality here, the covering radius is within rounding of the limit: the second judge decides,
+    // as it compares exactly.
     Ok(if first.maximal() == second.maximal() {
         Report { judges, ..first }
     } else {

@@ -7,7 +7,7 @@ use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
 
-/// The most gaps that are listed. The border of a cut has fewer.
+/// The most gaps that are listed, about a million. The border of a cut has fewer.
 const MAX_GAPS: usize = 1 << 20;
 
 /// The verdict on a window of a large set.
@@ -28,11 +28,14 @@ impl CutReport {
     }
 }
 
-/// Judges the part of a large set in and around a window, from its lowest to its highest corner, both included. `points` are
-/// the samples of the part, which fills `region`. A margin of two radii suffices: every sample on an empty circle of up to
-/// two radii about a place of the window then lies in the part. Where the large set ends, there is no margin.
+/// Judges the part of a large set in and around a window. The window reaches from its `low` to its `high` corner, both
+/// included. `points` are the samples of the part, and `region` is the rectangle that the part fills.
 ///
-/// If there are more gaps than can be listed, the others count as lying in the window, so that none is overlooked.
+/// The part needs a margin around the window, except where the large set itself ends. Two radii are enough: every empty
+/// circle of up to two radii about a place of the window then lies in the part, with the samples on it.
+///
+/// If there are more gaps than [`MAX_GAPS`], the gaps that are not listed count as lying in the window, so that none is
+/// overlooked.
 ///
 /// # Errors
 ///
@@ -45,7 +48,7 @@ pub fn verify_cut(
     control: Control<'_>,
 ) -> Result<CutReport, VerifyError> {
     let options = VerifyOptions {
-        // All gaps are listed, to be told apart by their places.
+        // All gaps are listed, since their places tell which of them lie in the window.
         witnesses: MAX_GAPS,
         ..options.clone()
     };
@@ -59,8 +62,8 @@ pub fn verify_cut(
 
     // Gaps outside the window may come from the cut, and do not count.
     let listed = whole.worst_gaps.iter().map(|gap| gap.center);
-    let outside = listed.filter(|center| is_outside(*center)).count() as u64;
-    let gaps = whole.gaps - outside;
+    let gaps_outside = listed.filter(|center| is_outside(*center)).count() as u64;
+    let gaps = whole.gaps - gaps_outside;
     Ok(CutReport { whole, gaps })
 }
 

@@ -23,7 +23,9 @@ pub(crate) struct Grid {
     /// Cells along x and y, of the whole region.
     pub cells: [usize; 2],
     rows: Rows,
+    /// Where each cell that is held begins in `entries`, row by row, and the end of the last one.
     starts: Vec<u32>,
+    /// The samples, cell by cell; those of a cell by x, then y, then index.
     entries: Vec<Entry>,
 }
 
@@ -88,7 +90,8 @@ impl Grid {
         Self::filled(domain, cells, rows, one.len() + two.len(), entry)
     }
 
-    /// Counting sort by cell.
+    /// Returns the grid that holds `rows`, filled by a counting sort over its cells. `entry` returns each of the `count`
+    /// samples by its index; samples of other rows are left out.
     fn filled(
         domain: Domain,
         cells: [usize; 2],
@@ -96,14 +99,16 @@ impl Grid {
         count: usize,
         entry: impl Fn(usize) -> Entry + Sync,
     ) -> Self {
+        // No cell has this number, as there are at most about as many cells as samples.
         const NOT_HELD: u32 = u32::MAX;
-        let key = |index: usize| {
+        let cell_of = |index: usize| {
             let [column, row] = cell_at(&domain, cells, entry(index).position);
             (rows.index(row, cells[1])).map_or(NOT_HELD, |row| (row * cells[0] + column) as u32)
         };
 
-        let keys: Vec<u32> = (0..count).into_par_iter().map(key).collect();
+        let keys: Vec<u32> = (0..count).into_par_iter().map(cell_of).collect();
 
+        // Each cell's samples are counted one entry on, so that the sums are the starts of the cells.
         let mut starts = vec![0; cells[0] * rows.count + 1];
         for &key in keys.iter().filter(|&&key| key != NOT_HELD) {
             starts[key as usize + 1] += 1;
@@ -113,17 +118,18 @@ impl Grid {
         }
 
         let mut entries = vec![Entry::default(); starts[starts.len() - 1] as usize];
-        // `starts[c]` serves as the cursor of cell c and ends as the start of cell c + 1.
+        // `starts[c]` serves as the cursor of cell c, and in the end is the start of cell c + 1.
         for (index, &key) in keys.iter().enumerate().filter(|(_, key)| **key != NOT_HELD) {
             let cursor = &mut starts[key as usize];
             entries[*cursor as usize] = entry(index);
             *cursor += 1;
         }
 
+        // Moves each start back to its cell.
         starts.pop();
         starts.insert(0, 0);
 
-        // By place, so that the sequence within a cell does not depend on that in which samples came.
+        // Samples of a cell are sorted by place, so that their order does not depend on the order in which they came.
         sort_cells(&starts, &mut entries);
 
         Self {
@@ -206,12 +212,14 @@ impl Grid {
     }
 }
 
-/// Cells that are sorted on one thread.
+/// The most cells that are sorted on one thread: enough to hide the scheduling.
 const CELLS_TOGETHER: usize = 4096;
 
-/// Sorts the entries of each of some cells that follow each other, by where these begin.
+/// Sorts the entries within each cell, for cells that follow each other. `starts` has the bounds of these cells, counted over
+/// the whole grid: the first of `entries` has the number `starts[0]`.
 fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
     if starts.len() > CELLS_TOGETHER {
+        // The middle bound is the end of the left half and the start of the right one.
         let middle = starts.len() / 2;
         let (left, right) = entries.split_at_mut((starts[middle] - starts[0]) as usize);
         rayon::join(
@@ -229,7 +237,7 @@ fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
     };
 
     for bounds in starts.windows(2) {
-        let [start, end] = [0, 1].map(|end| (bounds[end] - starts[0]) as usize);
+        let [start, end] = [0, 1].map(|side| (bounds[side] - starts[0]) as usize);
         if end > start + 1 {
             entries[start..end].sort_unstable_by(order);
         }

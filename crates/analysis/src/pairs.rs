@@ -70,10 +70,8 @@ pub(crate) fn cell_side(domain: &Domain, count: usize) -> f64 {
     1.1 * domain.spacing(count)
 }
 
-/// Counts the pairs closer than `radius`, at least up to [`MAX_CONFLICTS`](crate::MAX_CONFLICTS), and finds the smallest
-/// distance of all.
-///
-/// `grid` has cells of [`cell_side`].
+/// Returns the pairs closer than `radius`, counted at least up to [`MAX_CONFLICTS`](crate::MAX_CONFLICTS), and the smallest
+/// distance of all pairs. `points` are the samples of `grid`, whose cells are of [`cell_side`].
 pub(crate) fn search(
     grid: &Grid,
     points: &[[f64; 2]],
@@ -81,13 +79,15 @@ pub(crate) fn search(
     witnesses: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Pairs, VerifyError> {
-    let least = radius * (1.0 + 4.0 * Grid::ROUNDING);
-    // The scan looks into touching cells alone: a large radius needs cells as wide.
-    let coarse = (least > cell_side(&grid.domain, points.len()))
-        .then(|| Grid::new(points, grid.domain, least));
+    // The scan looks into touching cells alone, so that cells must be as wide as the radius, and a little wider, since
+    // rounding may move a sample into the next cell.
+    let least_side = radius * (1.0 + 4.0 * Grid::ROUNDING);
+    let coarse = (least_side > cell_side(&grid.domain, points.len()))
+        .then(|| Grid::new(points, grid.domain, least_side));
     let scanned = coarse.as_ref().unwrap_or(grid);
 
     let mut pairs = if scanned.is_crowded() {
+        // The scan compares all pairs of a cell; the sweep does not look at cells.
         sweep::search(grid, radius, witnesses, monitor)?
     } else {
         let mut pairs = scan(scanned, 0..scanned.cells[1], radius, witnesses, monitor)?;
@@ -150,8 +150,8 @@ fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
 }
 
 /// Compares the samples within the cells of `rows`, and with those of the touching cells of higher index. Over all rows
-/// of a region every pair of touching cells is compared once. The row after each must be held, for the first row of a
-/// torus also the last.
+/// of a region every pair of touching cells is compared once. `grid` must hold the row after each of `rows` and, if these
+/// include the first row of a torus, also the last row.
 pub(crate) fn scan(
     grid: &Grid,
     rows: Range<usize>,
@@ -173,7 +173,7 @@ pub(crate) fn scan(
             monitor.advance(work as u64)?;
             Ok(scan)
         })
-        // In any sequence: counts, the minimum and the worst pairs do not depend on it.
+        // Chunks may be merged in any order: counts, the minimum and the worst pairs do not depend on it.
         .try_reduce(empty, |left, right| Ok(left.merge(right)))?;
 
     Ok(scan.pairs)
@@ -182,8 +182,8 @@ pub(crate) fn scan(
 /// A stretch of entries sorted by x that may hold partners of a cell's samples.
 struct Stretch {
     range: Range<usize>,
-    /// What to add to the entries' x to be on the side of the cell where they are closest; none
-    /// where the region is so few cells wide that both sides can be.
+    /// How far the entries are moved along x to be on the side of the cell where they are closest; none
+    /// where the region is so few cells wide that they may be closest on either side.
     shift: Option<f64>,
 }
 
@@ -191,7 +191,7 @@ struct Scan<'a> {
     grid: &'a Grid,
     periods: DVec2,
     radius: f64,
-    /// Larger distances cannot be the smallest: pairs beyond it are not all compared.
+    /// The radius, or the smallest distance so far if that is more: pairs farther apart along x may be skipped.
     reach: f64,
     /// Pairs with a larger squared distance change nothing.
     threshold: f64,
@@ -230,15 +230,15 @@ impl<'a> Scan<'a> {
 
         let mut stretches: [Option<Stretch>; 9] = Default::default();
         let used = self.stretches(column, row, &mut stretches);
-        // In so few columns a sample may be closer around the torus than straight on: no shift is right for all.
-        let ambiguous = grid.domain.periodic && grid.cells[0] < 3;
+        // In fewer than three columns a sample may be closer around the torus than straight on: no shift is right for all.
+        let has_two_ways = grid.domain.periodic && grid.cells[0] < 3;
 
         for index in own.clone() {
             let entry = &grid.entries()[index];
             let rest = Stretch {
                 // Samples before this one in the cell have been compared with it.
                 range: index + 1..own.end,
-                shift: (!ambiguous).then_some(0.0),
+                shift: (!has_two_ways).then_some(0.0),
             };
             self.stretch(entry, &rest);
             for stretch in stretches[..used].iter().flatten() {
@@ -248,13 +248,15 @@ impl<'a> Scan<'a> {
         own.len()
     }
 
-    /// Lists the touching cells of higher index, each once, touching ones of a row joined.
+    /// Writes the entries of the touching cells of higher index to `out`, each cell once, and returns how many stretches they
+    /// are: at most one for each of the three by three cells around.
     fn stretches(&self, column: usize, row: usize, out: &mut [Option<Stretch>; 9]) -> usize {
         let [columns, rows] = self.grid.cells;
         let mut used = 0;
-        let inside = column > 0 && column + 1 < columns;
-        if inside && row + 1 < rows && row > 0 {
-            // The common case, in two stretches; the row below was compared with this cell already.
+        let is_inside = column > 0 && column + 1 < columns && row > 0 && row + 1 < rows;
+        if is_inside {
+            // Away from the border, which is the common case, cells of a row make one stretch. Those to the left and below
+            // have lower indices.
             let ahead = self.grid.run_range(row, &(column + 1..column + 2));
             let above = self.grid.run_range(row + 1, &(column - 1..column + 2));
             for range in [ahead, above] {
@@ -268,7 +270,7 @@ impl<'a> Scan<'a> {
         let (near_columns, near_rows) = (self.near(column, 0), self.near(row, 1));
         for &(other_row, _) in near_rows.iter().flatten() {
             for &(other_column, shift) in near_columns.iter().flatten() {
-                // A pair of cells is compared from the lower one.
+                // A pair of cells is compared from the cell of lower index alone.
                 if (other_row, other_column) > (row, column) {
                     let columns = other_column..other_column + 1;
                     let range = self.grid.run_range(other_row, &columns);

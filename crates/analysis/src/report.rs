@@ -53,7 +53,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report on `count` samples judged against a region, a radius and a tolerance. Lengths were multiplied by `scale`.
+    /// Returns the report on `count` samples judged against a region, a radius and a tolerance. The lengths in `found` are in
+    /// the domain's unit: they were multiplied by `scale`.
     pub(crate) fn new(
         (count, region, radius, covering_tolerance): (usize, Region, f64, f64),
         scale: f64,
@@ -86,12 +87,14 @@ impl Report {
             region,
             radius,
             covering_tolerance,
+            // How far a search counts beyond the limit depends on its way, and is not told.
             conflicts: found.conflicts.min(MAX_CONFLICTS),
             worst_conflicts: conflicts.into_iter().map(conflict).collect(),
             gaps: found.gaps,
             worst_gaps: gaps.into_iter().map(gap).collect(),
             min_distance,
             covering_radius: found.covering_radius / scale,
+            // The judge of the beginnings of sets measures it.
             covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,

@@ -178,8 +178,9 @@ impl SquaresJudge {
                 return Err(SquaresError::Side { side });
             }
         }
+
         let radii = RadiusTable::new(region, radii)?;
-        // In a period of more than two radii at most one of a sample's images is near a place.
+        // A period of more than two radii is needed: then at most one image of a sample is near a place.
         let shorter = region.width.min(region.height);
         if region.boundary == Boundary::Periodic && i64::from(shorter) <= 2 * radii.greatest() {
             return Err(SquaresError::Period {

@@ -116,20 +116,21 @@ impl StreamVerifier {
             // Subdivision was refused above.
             JudgeChoice::Both | JudgeChoice::Subdivision => (true, true),
             JudgeChoice::Automatic => {
-                // The densest set without conflicts has 1.155 samples to a squared radius: these are some more.
-                let most = 1.2 * region.area() / (radius * radius);
-                // Both judges look at such a set once it is held as a whole, and circles alone at a larger one.
-                search.whole = most <= JudgeChoice::BOTH_UP_TO as f64;
+                // The densest set without conflicts has 1.155 samples to a squared radius; 1.2 is a little more.
+                let most_samples = 1.2 * region.area() / (radius * radius);
+                // A set for both judges is held in `bands` until its end, where `verify` asks both. A larger one is judged
+                // by circles alone, while it comes.
+                search.whole = most_samples <= JudgeChoice::BOTH_UP_TO as f64;
                 (search.whole, !search.whole)
             }
         };
 
-        // A region of few rows is held as a whole.
+        // The second judge cannot stream a region of few rows: its samples are held in `bands` as a whole, too.
         search.whole |= by_circles && !CircleBands::streams(&search.question());
-        let bands = by_delaunay || search.whole;
+        let needs_bands = by_delaunay || search.whole;
 
         Ok(Self {
-            bands: bands.then(|| Bands::new(&search)),
+            bands: needs_bands.then(|| Bands::new(&search)),
             circles: (by_circles && !search.whole).then(|| CircleBands::new(&search.question())),
             search,
             next_circles: StreamBand::default().samples,
@@ -199,12 +200,16 @@ impl StreamVerifier {
         outcome
     }
 
+    /// Hands samples to the judges, piece by piece, and has complete bands judged.
     fn take(&mut self, points: &[[f64; 2]], control: Control<'_>) -> Result<(), VerifyError> {
         let monitor = self.monitor(control);
+        // Even a call without samples asks whether to go on.
         monitor.advance(0)?;
+
         for piece in points.chunks(PIECE) {
             let first = self.intake.count;
-            // Checked before any judge sees them, so that findings are of good samples alone.
+            // Samples are checked before any judge sees them, so that findings are of good samples alone. No index is
+            // beyond 32 bits from here on.
             self.intake.take(piece, &self.search)?;
 
             if let Some(bands) = &mut self.bands {
@@ -244,18 +249,19 @@ impl StreamVerifier {
         Ok(())
     }
 
+    /// Judges the remaining samples, and returns the report on all of them.
     fn report(&mut self, control: Control<'_>) -> Result<Report, VerifyError> {
         let search = &self.search;
         let (region, radius, options) = (search.region, search.radius, &search.options);
 
-        // A short stream is judged like a set, which no hole or crowd stops.
+        // A stream of which no band was judged yet is verified as a set, since holes and crowds refuse streams alone.
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
             (None, Some(circles)) => circles.unjudged(),
             (None, None) => None,
         };
         if let Some(all) = unjudged {
-            // The samples that it holds would double the memory of those that are now verified as a whole.
+            // `all` has its own copy of the samples: those in `circles` would double the memory.
             self.circles = None;
             return verify(&all, region, radius, options, control);
         }
@@ -263,7 +269,7 @@ impl StreamVerifier {
         let monitor = self.monitor(control);
         let count = self.intake.count;
         let asked = (count, region, radius, options.covering_tolerance);
-        let report = |found| Report::new(asked, search.domain.scale, found);
+        let report_on = |found| Report::new(asked, search.domain.scale, found);
 
         let bands = self.bands.as_mut();
         let delaunay = bands
@@ -275,9 +281,9 @@ impl StreamVerifier {
             .take()
             .map(|circles| circles.finish(&search.question(), count, &monitor))
             .transpose()?
-            .map(|found| report(found.findings(options.witnesses)));
+            .map(|found| report_on(found.findings(options.witnesses)));
 
-        match (delaunay.map(report), circles) {
+        match (delaunay.map(report_on), circles) {
             (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
             (Some(report), None) | (None, Some(report)) => Ok(report),
             (None, None) => Err(VerifyError::Empty),

@@ -51,11 +51,13 @@ impl Tessellation {
         check_points(points, region)?;
 
         let window = Window::new(points, domain, scaled_radius)?;
+        // Places that differ by rounding are one place: by far less than the radius and the mean distance of samples.
         let length = scaled_radius.min(domain.spacing(points.len()));
         let same = domain.same_place(length);
         let cells = Cells::new(&window, &domain, scaled_radius, same);
 
-        // At the seams of a torus a triangulation doubles or lacks triangles; its cells have each vertex once.
+        // At the seams of a torus the window's triangulation has some triangles twice and lacks others. The cells have each
+        // vertex once, and so each triangle: the samples around a vertex.
         let triangles = if domain.periodic {
             triangles::around_vertices(&cells)
         } else {
@@ -64,7 +66,7 @@ impl Tessellation {
 
         Ok(Self {
             triangles: (triangles.into_iter())
-                .map(|found| found.scaled(domain.scale))
+                .map(|triangle| triangle.scaled(domain.scale))
                 .collect(),
             voronoi_edges: (cells.edges())
                 .map(|ends| ends.map(|end| end / domain.scale))

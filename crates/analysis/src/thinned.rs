@@ -114,6 +114,8 @@ pub fn verify_thinned(
 ) -> Result<ThinnedReport, VerifyError> {
     check(set)?;
     let monitor = Monitor::begin(control, set.given.len() as u64)?;
+
+    // The search reorders the points, so that each carries its index.
     let placed = |index: u32| Placed {
         place: set.given[index as usize],
         index,
@@ -123,12 +125,12 @@ pub fn verify_thinned(
         .map(placed)
         .collect();
 
-    let (bounds, largest) = (Bounds::of(&points), set.largest(&points));
+    let (bounds, largest_radius) = (Bounds::of(&points), set.largest(&points));
     let mut kept = Vec::new();
     for point in points.iter().filter(|point| set.is_kept(point.index)) {
-        // On a torus a point also acts from beyond the border.
+        // On a torus a kept point is also near points across the border, by its images. Images near none are left out.
         set.images(point, |image| {
-            if set.reaches(&image, &bounds, largest) {
+            if set.reaches(&image, &bounds, largest_radius) {
                 kept.push(image);
             }
         });
@@ -144,6 +146,7 @@ pub fn verify_thinned(
     Ok(ThinnedReport {
         given: set.given.len() as u64,
         kept: set.kept.iter().filter(|kept| **kept).count() as u64,
+        // Each part stops near the limit, but their sum may be beyond it.
         conflicts: found.conflicts.min(MAX_CONFLICTS),
         ..found
     })
@@ -154,6 +157,8 @@ fn check(set: &ThinnedSet<'_>) -> Result<(), VerifyError> {
     let count = set.given.len();
     assert_eq!(set.kept.len(), count, "one flag for each point");
     assert!(set.ranks.is_none_or(|ranks| ranks.len() == count));
+
+    // Indices have 32 bits.
     let limit = u32::MAX as usize;
     if count == 0 {
         return Err(VerifyError::Empty);
@@ -167,6 +172,7 @@ fn check(set: &ThinnedSet<'_>) -> Result<(), VerifyError> {
         let point = set.given[index];
         return Err(VerifyError::NotFinite { index, point });
     }
+
     let is_radius = |radius: &f64| 0.0 < *radius && *radius < f64::INFINITY;
     let refused = match &set.radii {
         ThinnedRadii::Constant(radius) => Some(radius).filter(|radius| !is_radius(radius)),
@@ -346,35 +352,37 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Judges some of the points given. `kept` holds, in this range, all kept points that may be near one of them, and is as
-    /// long afterwards as before.
+    /// Judges some of the points given, and returns the findings. `kept` holds, in the range `candidates`, all kept points
+    /// that may be near one of them. It serves as a stack: this part's own kept points are pushed and dropped again.
     fn part(
         &self,
         points: &mut [Placed],
         kept: &mut Vec<Placed>,
-        near: Range<usize>,
+        candidates: Range<usize>,
     ) -> Result<ThinnedReport, VerifyError> {
         let bounds = Bounds::of(points);
         let [width, height] = bounds.size();
-        let largest = self.set.largest(points);
+        let largest_radius = self.set.largest(points);
+
         let begin = kept.len();
-        for at in near {
+        for at in candidates {
             let point = kept[at];
-            if self.set.reaches(&point, &bounds, largest) {
+            if self.set.reaches(&point, &bounds, largest_radius) {
                 kept.push(point);
             }
         }
 
         let near = begin..kept.len();
-        // Points that all lie within a radius of each other, as copies of one do, have few kept ones around them.
-        let is_small = width.max(height) <= largest / 64.0;
+        // A part far smaller than a radius, as copies of one point make it, has few kept points around, and its halves
+        // would have the same ones. It is not cut further.
+        let is_small = width.max(height) <= largest_radius / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])
         } else {
             let axis = usize::from(height > width);
             let middle = bounds.low[axis] + 0.5 * bounds.size()[axis];
             let split = partition(points, |point| point.place[axis] <= middle);
-            // Doubles may lie too far apart for a place between two of them.
+            // The middle of two doubles next to each other may be rounded to the upper one: no cut separates them.
             if split == points.len() {
                 self.each(points, &mut kept[near])
             } else {
@@ -409,26 +417,30 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Judges points one by one.
+    /// Judges points one by one against the kept points `near` them, and returns the findings.
     fn each(&self, points: &[Placed], near: &mut [Placed]) -> Result<ThinnedReport, VerifyError> {
-        // In the order of indices: a pair is counted once, though a point may act from several places.
+        // Sorted by index, the images of one kept point follow each other: only the first of them is compared.
         near.sort_unstable_by_key(|point| point.index);
         let mut found = ThinnedReport::default();
         for point in points {
-            // A set that was not thinned at all has more conflicts than anyone would count.
+            // A set that was not thinned at all has more conflicts than are worth counting.
             if found.conflicts >= MAX_CONFLICTS {
                 break;
             }
-            let (index, mut is_covered) = (point.index, self.set.is_kept(point.index));
-            let mut last = None;
+            let index = point.index;
+            // A kept point needs no other one near it.
+            let mut is_covered = self.set.is_kept(index);
+            let mut last_index = None;
             for other in near.iter() {
-                let is_again = last.replace(other.index) == Some(other.index);
+                let is_again = last_index.replace(other.index) == Some(other.index);
                 if is_again || other.index == index || !self.set.are_near(index, other.index) {
                     continue;
                 }
                 if !self.set.is_kept(index) {
+                    // Only an earlier point can have kept this one out.
                     is_covered |= self.set.rank(other.index) < self.set.rank(index);
                 } else if index < other.index {
+                    // Both points were kept. The pair is met from each of them, and counts from the lower index.
                     found.conflicts += 1;
                     if found.conflicting.len() < self.witnesses {
                         let pair = [index, other.index].map(|index| index as usize);

@@ -85,6 +85,7 @@ pub fn verify(
 
     // By default sets of up to a million samples are judged twice, by theorems that share nothing.
     let [by_delaunay, by_circles] = options.judges.asked(points.len());
+    // A judge may pass over the samples more than once: the progress counts each pass.
     let total = options.judges.passes(points.len()) * points.len() as u64;
     let monitor = Monitor::begin(control, total)?;
 
@@ -92,7 +93,7 @@ pub fn verify(
     let report = |found: Findings| Report::new(asked, domain.scale, found);
 
     let judged = if by_circles {
-        // A set that this judge declines goes to the first one, asked or not.
+        // The second judge declines sets that would take it too long. The first one then judges, asked or not.
         circles::search(points, &question, &monitor)?.ok()
     } else {
         None

@@ -76,16 +76,17 @@ pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<
     }
 
     // A few shares lie far beyond the others: they all have the strongest colour.
-    let part = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
-    let strong = if part < 0.0 {
+    let deviation = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
+    let strongest_color = if deviation < 0.0 {
         palette.detector
     } else {
         palette.conflict
     };
 
-    // The square root lets weak shares be seen.
-    let color = palette.eliminated.lerp_to_gamma(strong, part.abs().sqrt());
-    Some((color, 1.0 + SWELL * part))
+    // The square root lets weak deviations be seen.
+    let depth = deviation.abs().sqrt();
+    let color = palette.eliminated.lerp_to_gamma(strongest_color, depth);
+    Some((color, 1.0 + SWELL * deviation))
 }
 
 #[cfg(test)]

@@ -178,10 +178,11 @@ impl Figure<'_> {
         shapes
     }
 
+    /// Returns a block, the clip around it, and the points of the pattern in the clip.
     fn clip(&self) -> Vec<SymbolShape> {
         let color = self.0.block(0);
-        // The last four lie outside the block, within its clip.
-        let inside = [
+        // The last four points lie outside the block, within its clip.
+        let in_clip = [
             vec2(-34.0, -14.0),
             vec2(-8.0, 4.0),
             vec2(20.0, -10.0),
@@ -200,11 +201,13 @@ impl Figure<'_> {
             dashed([a, b, c, d, a], Self::thin(self.0.sample), [5.0, 3.0]),
         ];
 
-        shapes.extend(inside.map(|at| dot(at, 2.5, color)));
+        shapes.extend(in_clip.map(|at| dot(at, 2.5, color)));
         shapes
     }
 
+    /// Returns an area that is cut four times: with the lines of a tree, or with the borders of blocks.
     fn cuts(&self, layer: Layer) -> Vec<SymbolShape> {
+        // Half the width and half the height of the area.
         let [x, y] = [70.0, 44.0];
         // A tree's lines are thicker for earlier splits, as on the canvas; blocks have borders of one width.
         let cuts = [

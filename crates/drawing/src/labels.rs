@@ -63,12 +63,12 @@ pub fn places(marks: &[Labelled], taken: &[Rect], frame: Rect) -> Vec<Rect> {
             hidden + area(*place) - common(*place, frame)
         };
 
+        // Of several places of the least cost, `min_by` takes the first.
         let candidates = mark.candidates();
-        // Of equal costs, this is the first.
-        let best = candidates
+        let cheapest = candidates
             .into_iter()
             .min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        labels.push(best.unwrap_or(candidates[0]));
+        labels.push(cheapest.unwrap_or(candidates[0]));
     }
     labels
 }

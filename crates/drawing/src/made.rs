@@ -27,7 +27,7 @@ impl Made {
             return made;
         };
 
-        // The tape begins with the events of the blocks, of which there are few: they are counted anew.
+        // The tape begins with the events of the blocks. They are few, so that they are counted anew each time.
         if shown.stage == Stage::Blocks && !shown.ends_stage() {
             (made.splits, made.leaves) = (0, 0);
             let tape = debugger.recording().tape();

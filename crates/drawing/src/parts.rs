@@ -142,7 +142,7 @@ impl Part {
             Self::Voronoi => is_tiled && has(Layer::Voronoi),
             Self::Circumcircles => is_tiled && has(Layer::Circumcircles),
             Self::CoveredCircles => is_tiled && has(Layer::CoveredCircles),
-            // While blocks are tiled, those that have nothing yet are no gaps.
+            // While blocks are tiled, the area of a block without samples yet is not a gap.
             Self::GapBorders => {
                 scene.stage >= Stage::Eliminate && scene.is_fine() && has(Layer::Gaps)
             }

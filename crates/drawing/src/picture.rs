@@ -74,6 +74,7 @@ impl PictureView {
     #[must_use]
     pub fn of_stage(session: &Session, stage: Stage, side: f64) -> Self {
         let camera = match stage {
+            // The changes of these stages are too small to be seen in the whole domain.
             Stage::Tile | Stage::Eliminate | Stage::Iterate(_) => Camera {
                 center: seam(session),
                 scale: side / SEAM_RADII,
@@ -83,7 +84,7 @@ impl PictureView {
         };
 
         let mut layers = Layers::of_stage(stage);
-        // Disks show what a gap is. While samples are tiled there are too many, and of a whole domain they are too small.
+        // Disks show what a gap is. At the stage of tiling there are too many of them, and in a whole domain they are too small.
         if matches!(stage, Stage::Eliminate | Stage::Iterate(_)) && !layers.has(Layer::Disks) {
             layers.toggle(Layer::Disks);
         }
@@ -193,6 +194,8 @@ pub fn seam(session: &Session) -> DVec2 {
 const MARGIN: f64 = 0.016;
 /// The height of the heading, relative to the picture's width.
 const HEADING: f64 = 0.044;
+/// The font size of the heading, relative to the picture's width.
+const FONT_SIZE: f64 = 0.02;
 
 /// A small picture of a moment.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -280,7 +283,7 @@ fn drawn(
     let debugger = debugger_at(session, moment);
     let shown = shown(session, debugger.as_ref(), moment);
 
-    // Print has no panels: the paper is as white as the domain.
+    // On the screen the picture lies on a panel. For print the paper is as white as the domain.
     let palette = view.palette();
     let background = if view.print {
         palette.domain
@@ -300,10 +303,10 @@ fn drawn(
     scene
 }
 
-/// Adds the moment in words above the picture, also as the title, and the event's number.
+/// Adds the moment in words above the picture on the left, also as the title, and the event's number on the right.
 fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     let (palette, frame) = (view.palette(), rect(view.frame()));
-    let size = 0.02 * view.width();
+    let size = FONT_SIZE * view.width();
     let event = shown.debugger.map_or_else(String::new, |debugger| {
         let [at, all] = [debugger.state().cursor(), debugger.recording().len()];
         format!("event {} of {}", grouped(at), grouped(all))
@@ -315,7 +318,7 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
         event => format!("{text} ({event})"),
     };
 
-    // The sentence is cut before it meets the event's number.
+    // The sentence is cut an em before the event's number.
     let event_width = text_width(&event, Font::Regular, size);
     let room = frame.size().x - event_width - size;
     let line = frame.min.y - 0.8 * size;

@@ -86,6 +86,9 @@ pub struct Tag {
     pub rounding: f32,
 }
 
+/// The growth of a mark that is as large as its kind.
+pub const NO_GROWTH: f32 = 0.0;
+
 /// A surface to draw on. Positions and lengths are in screen points, with y downwards; later drawings cover
 /// earlier ones.
 pub trait Surface {
@@ -107,8 +110,8 @@ pub trait Surface {
     /// Draws the disk of a sample: a thin ring, faintly filled.
     fn disk(&mut self, center: Pos2, radius: f32, color: Color32);
 
-    /// Draws a mark. `size` is the radius of its kind, and by how much this mark's own is larger. Within a part, marks of
-    /// one kind cover those of kinds before it.
+    /// Draws a mark. `size` is the radius of its kind, and by how much this mark's radius is larger ([`NO_GROWTH`] if it is
+    /// not). Within a part, marks of one kind cover those of kinds before it.
     fn mark(&mut self, mark: Mark, center: Pos2, size: [f32; 2], color: Color32);
 
     /// Draws the outline of a polygon with at least three corners.

@@ -189,7 +189,10 @@ pub fn write_apng(
     encoder.set_depth(png::BitDepth::Eight);
     // Zero plays repeat forever.
     encoder.set_animated(count as u32, 0).map_err(refused)?;
-    encoder.set_frame_delay(delay, 100).map_err(refused)?;
+    let per_second = 100;
+    encoder
+        .set_frame_delay(delay, per_second)
+        .map_err(refused)?;
     encoder
         .set_blend_op(png::BlendOp::Source)
         .map_err(refused)?;
@@ -202,17 +205,17 @@ pub fn write_apng(
     let mut writer = encoder.write_header().map_err(refused)?;
     let mut next = Some(first);
     while let Some(change) = next {
-        let (rgba, covers) = change.layer();
-        let blend = if covers {
+        // A layer whose unchanged pixels are transparent is laid over the frame before, which shows through them. Any other
+        // layer replaces that frame's pixels.
+        let (rgba, replaces) = change.layer();
+        let blend = if replaces {
             png::BlendOp::Source
         } else {
             png::BlendOp::Over
         };
-
-        // Transparent pixels keep those below them only if the frame is laid over the one before.
         writer.set_blend_op(blend).map_err(refused)?;
 
-        // Size and place must fit into the picture at any time.
+        // The encoder refuses a size that does not fit at the current place: the place goes back to the corner first.
         writer.reset_frame_position().map_err(refused)?;
         let sized = writer.set_frame_dimension(change.width, change.height);
         sized.map_err(refused)?;

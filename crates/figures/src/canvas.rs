@@ -57,6 +57,7 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
+    /// Returns a canvas without shapes, for a domain of a size in user units.
     pub(crate) fn new(
         size: DVec2,
         boundary: Boundary,
@@ -75,7 +76,7 @@ impl<'a> Canvas<'a> {
         let height = inner * shown.size().y / shown.size().x;
         let frame = Rect::new([margin, top], [margin + inner, top + height]);
 
-        // The scene's y points down: positions are mirrored about the shown part.
+        // The scene's y points down. The view keeps that: `flip` mirrors positions within the shown part.
         let view = View::fit(shown, frame);
         let scene = Scene::new(
             options.width,

@@ -257,6 +257,7 @@ impl LineChart {
         Ok(())
     }
 
+    /// Refuses a series without places, with numbers that are not finite, or with a band of another length.
     fn check_series(&self, series: &Series) -> Result<(), ChartError> {
         if series.points.is_empty() {
             return Err(ChartError::EmptySeries {
@@ -273,7 +274,7 @@ impl LineChart {
             return Ok(());
         };
 
-        // A band is a polygon along its curve.
+        // A band has two ends at each place of its curve.
         if band.len() != series.points.len() {
             return Err(ChartError::Band {
                 series: series.name.clone(),
@@ -299,6 +300,7 @@ impl LineChart {
 }
 
 impl ImageChart {
+    /// Refuses an image whose values do not fill its rows, with numbers that are not finite, or with ranges that do not rise.
     fn check(&self) -> Result<(), ChartError> {
         let sides = 1..=MAX_CELLS;
         let values = self.values.len();

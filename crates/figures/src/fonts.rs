@@ -108,14 +108,15 @@ impl Fonts {
         outline.path.finish()
     }
 
-    /// Outlines a box with its digits, which begins at the outline's place.
+    /// Adds a box with its digits to an outline, at the place where its next glyph begins.
     fn code_box<P: Fn(DVec2) -> [f32; 2]>(&self, code: &CodeBox, size: f64, to: &mut Outline<P>) {
         let (start, scale) = (to.x, to.scale);
         let [left, right] = [CodeBox::SIDE, CodeBox::SIDE + code.width].map(|x| x * size);
         let [bottom, top] = [CodeBox::BOTTOM, CodeBox::BOTTOM + CodeBox::HEIGHT].map(|y| y * size);
         let line = CodeBox::LINE * size;
 
-        // The inner border runs the other way round, so that only the line between the two is filled.
+        // The sides of the box are in pixels already. Its inner border runs the other way round than the outer one, so that
+        // only the line between them is filled.
         to.scale = 1.0;
         let (outer_turned, inner_turned) = (false, true);
         to.rectangle([left, bottom], [right, top], outer_turned);
@@ -139,7 +140,7 @@ impl Fonts {
             }
         }
 
-        // The caller moves on from the beginning of the character.
+        // The outline is as it was: the caller moves on from the beginning of the character.
         (to.x, to.y, to.scale) = (start, 0.0, scale);
     }
 }

@@ -20,7 +20,8 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
         Marker::Square => vec![[-half, -half], [half, -half], [half, half], [-half, half]],
         Marker::Diamond => vec![[0.0, -half], [half, 0.0], [0.0, half], [-half, 0.0]],
         Marker::Triangle => {
-            // Equilateral, of the given width, its centroid at the centre.
+            // The triangle is equilateral, of the given width, with its centroid at the centre. Its tip points up, as y grows
+            // downwards.
             let height = size * 0.75_f64.sqrt();
             let below = height / 3.0;
             vec![[0.0, below - height], [half, below], [-half, below]]
@@ -76,7 +77,7 @@ pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]
     is_seen.then(|| [enter, leave].map(|t| a + t * step))
 }
 
-/// The polygon cut to the rectangle `frame`, after Sutherland & Hodgman (1974).
+/// Returns the polygon cut to a rectangle, side by side, after Sutherland & Hodgman (1974).
 pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVec2> {
     let mut kept = points.to_vec();
     for (axis, sign, level) in [
@@ -85,6 +86,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
         (0, -1.0, max.x),
         (1, -1.0, max.y),
     ] {
+        // How far a place lies on the inner side of the line on which this side lies; below 0 on the outer one.
         let depth = |p: DVec2| sign * (p[axis] - level);
         let mut cut = Vec::with_capacity(kept.len() + 4);
         for [a, b] in edges(&kept) {
@@ -92,7 +94,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
             if u >= 0.0 {
                 cut.push(a);
             }
-            // The signs differ, so that the divisor is not zero.
+            // An edge that crosses the line is cut there. The signs differ, so that the divisor is not zero.
             if (u < 0.0) != (v < 0.0) {
                 cut.push(a + u / (u - v) * (b - a));
             }

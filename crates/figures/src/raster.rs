@@ -118,6 +118,7 @@ struct Painter {
 }
 
 impl Painter {
+    /// Paints a group, and counts its shapes. Fails at a shape that is too long.
     fn group(&mut self, group: &Group, steps: &mut Steps<'_>) -> Result<(), FigureError> {
         self.set_clip(group.clip);
         let at = Placing {
@@ -129,8 +130,8 @@ impl Painter {
             steps.shape()?;
             let length = shape.longest(group.view) * self.scale;
 
-            // Positions far outside are cut off, but nothing shortens a length: too long a one is beyond the rasteriser's
-            // arithmetic.
+            // Positions far outside are cut off, but lengths are not shortened: those above the limit are beyond the
+            // rasteriser's arithmetic.
             if length > MAX_LENGTH {
                 return Err(FigureError::Length {
                     group: group.name.clone(),
@@ -308,17 +309,19 @@ impl Painter {
         }
     }
 
+    /// Draws a line along a path, if there is one.
     fn stroke(&mut self, path: Option<Path>, stroke: Stroke) {
         let width = stroke.width * self.scale;
         let Some(path) = path.filter(|_| width > 0.0) else {
             return;
         };
 
-        let Some(clipped) = self.visibility(&path, width) else {
+        // A path outside the picture or its clip is not painted, and one inside needs no mask.
+        let Some(needs_mask) = self.visibility(&path, width) else {
             return;
         };
 
-        let mask = self.clip.as_ref().filter(|_| clipped);
+        let mask = self.clip.as_ref().filter(|_| needs_mask);
         let (paint, still) = (paint(stroke.color), Transform::identity());
         let style = skia_stroke(stroke, self.scale);
 
@@ -326,7 +329,7 @@ impl Painter {
             return self.pixmap.stroke_path(&path, &paint, &style, still, mask);
         }
 
-        // Filled as an area: the rasteriser would draw all strokes of up to a pixel as hairlines.
+        // The line is filled as an area, since the rasteriser would draw all strokes of up to a pixel as hairlines.
         let dashed = style.dash.as_ref().map(|dash| path.dash(dash, 1.0));
         let line = dashed.unwrap_or(Some(path));
 

@@ -85,7 +85,7 @@ pub fn set_scene_controlled(
     laid_out(set, options, &mut || steps.shape())
 }
 
-/// Calls `step` for each sample of each layer, and fails as it does.
+/// Returns the picture of a point set. Calls `step` for each sample of each layer, and fails if it does.
 fn laid_out<E>(
     set: &SetPicture<'_>,
     options: &PictureOptions,
@@ -126,7 +126,7 @@ fn laid_out<E>(
     }
     canvas.push([samples, inserted]);
 
-    // On top: the arcs show where the disks leave a gap, and nothing may hide them.
+    // The arcs come last, on top: they show where the disks leave a gap, and nothing may hide them.
     canvas.arcs(&points, &set.exposed);
     Ok(canvas.finish(&set.caption))
 }

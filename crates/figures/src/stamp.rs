@@ -30,10 +30,10 @@ pub struct Stamp {
 pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
     let fonts = Fonts::new().ok()?;
     let width = fonts.width(text, Font::Regular, size).ceil();
-    // Room for what reaches above capitals and below the baseline.
+    // Letters may reach above capitals and below the baseline: there is room for that, as parts of an em.
     let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
 
-    // A text without width has no pixels, and a text of any length may come from a file.
+    // A text without width would have no pixels, and a text of any length may come from a file: neither is drawn.
     let is_small = (1.0..=MAX_SIDE).contains(&width) && above + below <= MAX_SIDE;
     let [columns, rows] = [width, above + below].map(|side| side as u32);
     let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;

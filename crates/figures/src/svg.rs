@@ -74,12 +74,12 @@ pub fn to_svg_with_fonts_controlled(
         })
         .collect();
 
-    // Each font once and in one sequence, whatever the texts use first.
+    // The fonts are embedded once each and always in one order, so that it does not matter which text comes first.
     let fonts: Vec<Font> = (Font::ALL.into_iter())
         .filter(|font| used.contains(font))
         .collect();
 
-    // The first line is the opening tag.
+    // The first line is the opening tag, and the fonts follow it.
     let (tag, rest) = svg.split_once('\n').unwrap_or((&svg, ""));
     Ok(format!(
         "{tag}\n<style>{}</style>\n{rest}",
@@ -118,10 +118,12 @@ impl Writer {
         let _ = self.out.write_fmt(text);
     }
 
+    /// Writes the opening tag, the title, the metadata and the background.
     fn head(&mut self, scene: &Scene) {
         let (width, height) = (number(scene.width), number(scene.height));
 
-        // What the rasteriser and its fonts do for every shape: round joins, areas by the even-odd rule, figures of one width.
+        // The attributes ask for what the rasteriser does with every shape: round joins, areas by the even-odd rule, figures of
+        // one width.
         self.push(format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
@@ -140,6 +142,7 @@ impl Writer {
             self.out.push_str("</desc>\n");
         }
 
+        // A transparent background needs no rectangle.
         if scene.background[3] > 0 {
             let fill = paint("fill", Some(scene.background));
             self.push(format_args!(
@@ -148,6 +151,7 @@ impl Writer {
         }
     }
 
+    /// Writes a group with its clip, and counts its shapes.
     fn group(
         &mut self,
         index: usize,
@@ -177,6 +181,7 @@ impl Writer {
         }
 
         self.out.push_str(">\n");
+        // The document is in pixels of the scene.
         let (view, scale) = (group.view, 1.0);
         for shape in &group.shapes {
             steps.shape()?;
@@ -278,7 +283,8 @@ impl Writer {
     }
 
     fn text(&mut self, text: &Text, at: DVec2) {
-        // From the program's font, not by SVG's own baselines: text stands as in the pixels, whatever font a reader has.
+        // The baseline follows from the program's font and not from SVG's own baselines, so that text stands where it does in a
+        // PNG, whatever font a reader has.
         let below = baseline_shift(&self.fonts, text, text.size);
         let [x, y] = numbers(at);
 

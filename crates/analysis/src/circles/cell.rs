@@ -38,8 +38,8 @@ pub(super) struct CellCutter {
 }
 
 impl CellCutter {
-    /// Returns the corners of the cell of a tile's sample, cut by the samples within `around` grid cells; none if
-    /// farther samples may matter.
+    /// Returns how far the cell of the tile's sample `index` reaches, and as gaps its corners farther than `limit`. The cell
+    /// is cut by the samples within `around` grid cells; none is returned if farther samples may matter.
     pub fn cut(
         &mut self,
         samples: &Samples<'_>,
@@ -55,8 +55,8 @@ impl CellCutter {
         let farthest = (self.corners.iter())
             .map(|corner| corner.at.length())
             .fold(0.0, f64::max);
-        // A sample that cuts a corner off is at most twice as far away as the corner. So all that matter are known, unless the cell
-        // reaches the end of the known surroundings, or half of the way.
+        // A sample that cuts a corner off is at most twice as far away as the corner. So all samples that matter are known if
+        // every corner is within half of the known surroundings, less some rounding, and no side of their square is left.
         let is_unknown = |corner: &Corner| corner.edge == Edge::Unknown;
         if self.corners.iter().any(is_unknown) || 2.0 * farthest * (1.0 + DOUBT) > known {
             return None;
@@ -64,6 +64,7 @@ impl CellCutter {
 
         let mut reach = CellReach::default();
         for (at, corner) in self.corners.iter().enumerate() {
+            // A corner lies between the edge from the corner before it and the edge from itself.
             let before = self.corners[(at + self.corners.len() - 1) % self.corners.len()];
             let circle = Circles {
                 samples,
@@ -91,6 +92,7 @@ impl CellCutter {
             let depth = line.depth(position, domain.extent);
             // Farther lines do not reach the square.
             if depth <= known {
+                // Corners are seen from the sample, so that a line toward the origin has a negative coordinate.
                 let corner = if line.is_far { &mut high } else { &mut low };
                 corner[line.axis] = line.outward()[line.axis] * depth;
                 edges[line.axis][usize::from(line.is_far)] = Edge::Border(line);
@@ -120,11 +122,12 @@ impl CellCutter {
         ]);
     }
 
-    /// Cuts off the part that is nearer to a neighbour at an offset.
+    /// Cuts off the part of the cell that is nearer to a neighbour, which lies at `offset` from the sample.
     fn clip(&mut self, offset: DVec2, neighbour: usize) {
+        // Positive on the neighbour's side of the bisector, whose places p have p . offset = |offset|^2 / 2.
         let limit = 0.5 * offset.length_squared();
         let beyond = |corner: &Corner| corner.at.dot(offset) - limit;
-        // A neighbour at the same place cuts nothing off: both have one cell.
+        // A neighbour at the sample's own place has the same cell, and cuts nothing off.
         if limit == 0.0 || self.corners.iter().all(|corner| beyond(corner) <= 0.0) {
             return;
         }
@@ -140,7 +143,8 @@ impl CellCutter {
             // The bisector crosses the edge from here to there.
             if (here <= 0.0) != (there <= 0.0) {
                 let crossing = corner.at + (next.at - corner.at) * (here / (here - there));
-                // Where the cell ends, the boundary goes on along the bisector; where it begins again, along the old edge.
+                // Where the outline leaves the part that is kept, it goes on along the bisector; where it comes back, along
+                // the old edge.
                 let edge = if here <= 0.0 {
                     Edge::Bisector(neighbour)
                 } else {
@@ -177,35 +181,36 @@ impl Circles<'_> {
         }
     }
 
-    /// The circle through three samples.
-    fn vertex(&self, sites: [usize; 3], limit: f64) -> Option<(Gap, bool)> {
-        let sites = self.in_sequence(sites);
+    /// Returns the circle through three samples, and whether it is larger than the limit. None for samples on a line.
+    fn vertex(&self, indices: [usize; 3], limit: f64) -> Option<(Gap, bool)> {
+        let sites = self.in_sequence(indices);
         let [first, second, third] = sites.map(|(_, site)| site);
         let (a, b) = (self.between(first, second), self.between(first, third));
         let c = b - a;
 
-        // The centre seen from the corner opposite the longest edge loses the fewest digits.
+        // The centre loses the fewest digits as seen from the corner opposite the longest edge. That corner is given from
+        // the first sample on, and with it the two edges that begin there.
         let squares = [a, b, c].map(DVec2::length_squared);
-        let (from, a, b) = if squares[2] >= squares[0] && squares[2] >= squares[1] {
+        let (corner, p, q) = if squares[2] >= squares[0] && squares[2] >= squares[1] {
             (DVec2::ZERO, a, b)
         } else if squares[1] >= squares[0] {
             (a, c, -a)
         } else {
             (b, -b, -c)
         };
-        let double_area = a.perp_dot(b);
+        let double_area = p.perp_dot(q);
         // Three samples on a line have no circle; rounding alone made this corner.
         if double_area == 0.0 {
             return None;
         }
 
-        let (aa, bb) = (a.length_squared(), b.length_squared());
-        let offset = (a * bb - b * aa).perp() * (0.5 / double_area);
+        let (pp, qq) = (p.length_squared(), q.length_squared());
+        let offset = (p * qq - q * pp).perp() * (0.5 / double_area);
         let distance = offset.length();
         // How much the division by the area enlarges errors of the lengths.
-        let flatness = (aa * bb).sqrt() / double_area.abs();
+        let flatness = (pp * qq).sqrt() / double_area.abs();
         let gap = Gap {
-            center: self.home(first.position + from + offset).to_array(),
+            center: self.home(first.position + corner + offset).to_array(),
             distance,
             kind: GapKind::VoronoiVertex,
         };
@@ -216,19 +221,20 @@ impl Circles<'_> {
         Some((gap, exceeds))
     }
 
-    /// The circle about the crossing of two samples' bisector with a line of the border.
-    fn crossing(&self, sites: [usize; 2], line: BorderLine, limit: f64) -> Option<(Gap, bool)> {
-        let [first, second] = self.in_sequence(sites).map(|(_, site)| site);
+    /// Returns the circle about the crossing of two samples' bisector with a line of the border, and whether it is larger than
+    /// the limit. None for a bisector along the line.
+    fn crossing(&self, indices: [usize; 2], line: BorderLine, limit: f64) -> Option<(Gap, bool)> {
+        let [first, second] = self.in_sequence(indices).map(|(_, site)| site);
         let (axis, level) = (line.axis, line.level(self.extent()));
         let [p, q] = [first, second].map(|site| site.position);
         let (p_off, q_off) = (p[axis] - level, q[axis] - level);
         let along = q[1 - axis] - p[1 - axis];
-        // The bisector of two samples straight above each other is parallel to the line.
+        // The bisector of two samples that differ only in their distance from the line is parallel to it.
         if along == 0.0 {
             return None;
         }
 
-        // Both samples are equally far from the crossing: a linear equation in the step along the line.
+        // Both samples are equally far from the crossing: a linear equation for the step from the first one along the line.
         let step = 0.5 * (along + (q_off - p_off) * (q_off + p_off) / along);
         let distance = step.hypot(p_off);
 

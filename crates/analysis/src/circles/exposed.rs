@@ -78,7 +78,8 @@ pub(crate) fn unproven_circles(
     of_open_circles(points, region, radius, &go_on, |_, _, _, id| id as u32)
 }
 
-/// Looks at the samples whose circles the table does not prove covered: in a tile, by their index there and in the set.
+/// Calls `look` for each sample whose circle the table does not prove covered, with its index in the scanned tile and its
+/// index in the set. Returns what `look` returned, tile by tile.
 fn of_open_circles<T: Send>(
     points: &[[f64; 2]],
     region: Region,
@@ -94,7 +95,7 @@ fn of_open_circles<T: Send>(
     let question = Question {
         domain,
         radius: scaled_radius,
-        // Circles are asked about as they are: without a tolerance, and without witnesses.
+        // Circles are taken as they are, without a tolerance. No gap is listed.
         limit: scaled_radius,
         witnesses: 0,
     };
@@ -109,7 +110,7 @@ fn of_open_circles<T: Send>(
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
 
-    // The search begins with the radius of the question, so that no cell is cut out to find one.
+    // All circles have the radius of the question from the start: it is the largest distance of a corner that matters here.
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 
@@ -156,9 +157,8 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     };
     let begin = first[0];
 
-    // Arcs that begin late cover the beginning of the circle as well.
-    let around = arcs.iter().map(|arc| arc[1] - TAU).fold(begin, f64::max);
-    let mut covered_to = around.max(begin);
+    // Arcs that go on past a full turn cover the beginning of the circle as well.
+    let mut covered_to = arcs.iter().map(|arc| arc[1] - TAU).fold(begin, f64::max);
 
     let mut open = Vec::new();
     for &[start, end] in &arcs {
@@ -169,7 +169,7 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
         covered_to = covered_to.max(end);
     }
 
-    // From the last end on to the first beginning, a turn farther.
+    // The last open arc ends where the first covered one begins, a turn farther.
     if begin + TAU - covered_to > SHORTEST {
         let from = covered_to.rem_euclid(TAU);
         open.push([from, from + begin + TAU - covered_to]);

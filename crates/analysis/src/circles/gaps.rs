@@ -37,7 +37,8 @@ impl Gaps {
         self.all.len()
     }
 
-    /// Keeps one of all gaps within `same` of each other along both axes, and puts the largest first.
+    /// Keeps one of all gaps within `same` of each other along both axes, in the order of places. If no gap is left, the covering
+    /// radius is at most `limit`.
     pub fn settle(&mut self, domain: &Domain, same: f64, limit: f64) {
         for gap in &mut self.all {
             gap.center = domain.at_seam(gap.center.into(), same).into();
@@ -52,13 +53,13 @@ impl Gaps {
 
         let mut kept: Vec<Gap> = Vec::new();
         for gap in self.all.drain(..) {
-            let near = |other: &&mut Gap| (other.center[1] - gap.center[1]).abs() <= same;
-            let mut column =
+            let is_near_in_y = |other: &&mut Gap| (other.center[1] - gap.center[1]).abs() <= same;
+            let mut near_in_x =
                 (kept.iter_mut().rev()).take_while(|other| gap.center[0] - other.center[0] <= same);
 
-            match column.find(near) {
+            match near_in_x.find(is_near_in_y) {
                 Some(other) => {
-                    // Cells round the same circle differently. The largest of each counts, whichever cell came first.
+                    // Cells round the same circle differently. The largest kind and distance count, whichever cell came first.
                     other.kind = other.kind.max(gap.kind);
                     other.distance = other.distance.max(gap.distance);
                 }

@@ -67,14 +67,14 @@ impl SortedRows {
         self.points.len()
     }
 
-    /// Sorts the samples of the rows below `end` and appends them. Later ones stay in `open`; those of the lowest row, if
-    /// these rows do not begin with it, move to `lowest`.
+    /// Sorts the samples of `open` in the rows from the end of these ones to `end`, and appends them. Samples of later rows
+    /// stay in `open`. Samples of the lowest row that come after it was sorted move to `lowest`.
     pub fn take(&mut self, open: &mut Held, lowest: &mut Held, cells: &Cells, end: usize) {
         let first = self.end(cells);
-        let held = first..end;
+        let complete = first..end;
         let cell = |point: &[f64; 2]| {
             let position = cells.domain.scale_point(*point);
-            if held.contains(&cells.row(position.y)) {
+            if complete.contains(&cells.row(position.y)) {
                 cells.cell(position, first) as u32
             } else {
                 NO_CELL
@@ -83,7 +83,7 @@ impl SortedRows {
 
         let cell_of: Vec<u32> = open.points.iter().map(cell).collect();
 
-        let (starts, order) = sorted(&cell_of, held.len() * cells.counts[0]);
+        let (starts, order) = sorted(&cell_of, complete.len() * cells.counts[0]);
         self.append_starts(&starts);
 
         let order = order.iter().map(|&index| index as usize);
@@ -91,7 +91,7 @@ impl SortedRows {
             .extend(order.clone().map(|index| open.points[index]));
         self.ids.extend(order.map(|index| open.ids[index]));
 
-        // Samples of later rows wait at the front.
+        // Samples of later rows move to the front of `open`, in their order.
         let mut kept = 0;
         for (index, cell) in cell_of.into_iter().enumerate() {
             // A sample with a cell was sorted and appended above.

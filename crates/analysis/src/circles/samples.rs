@@ -204,7 +204,8 @@ fn slot(row: i64, first: usize, rows: usize) -> usize {
 /// The cell of a sample that is not sorted.
 pub(super) const NO_CELL: u32 = u32::MAX;
 
-/// Sorts samples, given the cell of each: the first of each cell and the end, and the samples as indices.
+/// Sorts samples by counting, given the cell of each. Returns where each cell begins, with the end of the last one, and the
+/// samples cell by cell, as indices. Samples of [`NO_CELL`] are left out.
 pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; cells + 2];
     for &cell in cell_of {
@@ -227,6 +228,7 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
             *next += 1;
         }
     }
+    // The last entry is left over: one place of the two was used up.
     starts.pop();
     (starts, order)
 }

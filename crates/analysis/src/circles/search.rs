@@ -26,18 +26,19 @@ const HALOS: [usize; 4] = [4, 12, 32, 64];
 /// Most exposed circles; a set with more is far from maximal.
 const MAX_EXPOSED: usize = 1 << 20;
 
-/// Sets of so few samples are searched pair by pair when no two samples are near.
+/// Sets of so few samples are searched pair by pair when no two samples are near. No more cells than these are cut out to find
+/// a radius to begin with.
 const FEW: usize = 4096;
 
-/// Judges a whole set.
+/// Judges a whole set. Returns the findings, or the reason for which this judge declines the set.
 pub(crate) fn search(
     points: &[[f64; 2]],
     question: &Question,
     monitor: &Monitor<'_>,
 ) -> Judged<Found> {
+    // No circle has a radius above the limit, so that cells of that size hold the neighbours.
     let samples =
         Cells::new(question.domain, question.limit).and_then(|cells| Samples::new(cells, points));
-    // The first judge takes the sets that this one declines.
     let samples = match samples {
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),
@@ -143,8 +144,8 @@ impl<'a> Search<'a> {
             })
     }
 
-    /// Cuts out cells until one gives the circles a radius to begin with: more than half that of a conflict, so that no
-    /// conflict is beyond their neighbours.
+    /// Cuts out cells until one gives the circles a radius to begin with. It must exceed half of the set's radius: neighbours of
+    /// circles are within twice the circles' radius, and so every conflict is between neighbours.
     pub fn begin(&mut self, tiles: &[Rectangle]) -> Result<(), Declined> {
         let mut scratch = Scratch::default();
         let (reach, limit) = (self.samples.cells.reach, self.question.limit);
@@ -156,14 +157,16 @@ impl<'a> Search<'a> {
                 let cell = scratch
                     .cutter
                     .cut(self.samples, &scratch.tile, first, reach, limit);
+                // A cell that is larger than its known surroundings reaches the limit at least.
                 self.reaches(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();
                 seen += 1;
 
+                // A half, and a little for rounding.
                 if self.least > 0.51 * self.question.radius {
                     return Ok(());
                 }
-                // So many cells are smaller than a half of r: the samples are crowded.
+                // Where so many cells all end within half of the radius, the samples are crowded.
                 if seen > FEW {
                     return Err(Declined::Crowded);
                 }
@@ -293,7 +296,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Cuts out the cells of samples with so many rows of cells around them. Returns the samples whose cells reach farther.
+    /// Cuts out the cells of exposed samples, each by the samples in `around` rows of cells above and below it. Returns the
+    /// samples whose cells reach farther than that.
     fn holes_within(
         &self,
         found: &mut Found,
@@ -301,10 +305,10 @@ impl<'a> Search<'a> {
         around: usize,
     ) -> Result<Vec<Sample>, Declined> {
         let cells = &self.samples.cells;
-        // Cells are twice as high as wide.
+        // Cells are twice as high as wide, so that twice as many columns reach as far.
         let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
 
-        // Samples in neighbouring cells of a row share a tile.
+        // Samples in one row, in the same block of `around` columns, share a tile.
         let group = |sample: &Sample| {
             let (column, row) = (
                 cells.column(sample.position.x),
@@ -320,7 +324,7 @@ impl<'a> Search<'a> {
             .map_init(Scratch::default, |scratch, samples| {
                 let [row, block] = group(&samples[0]);
                 let columns = block * around..cells.counts[0].min((block + 1) * around);
-                // A group has one row.
+                // All samples of a group are in one row.
                 let rectangle = Rectangle {
                     columns: columns.start as i64..columns.end as i64,
                     rows: row as i64..row as i64 + 1,
@@ -338,7 +342,8 @@ impl<'a> Search<'a> {
         Ok(rest)
     }
 
-    /// Cuts out the cells of some samples of a tile; returns those whose cell still reaches farther.
+    /// Cuts out the cells of the exposed samples of a tile. Returns their gaps, and the samples whose cells reach farther than
+    /// the halo.
     fn cut_exposed(
         &self,
         Scratch { tile, cutter, .. }: &mut Scratch,
@@ -348,7 +353,7 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.at(tile.source[index] as usize);
-            // The tile has all samples of its cells; the exposed ones are sorted by index.
+            // Not all samples of the tile's own cells are exposed. Those that are come sorted by index.
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()
@@ -377,9 +382,9 @@ impl<'a> Search<'a> {
         } = *self.question;
         let samples = self.samples;
 
-        // Pairs are noted up to twice the radius of the first circles.
+        // The scan notes pairs up to twice the radius of the first circles: a smaller distance would have been found.
         if found.min_distance > 2.0 * self.least {
-            // Of a stream, only some rows are still held.
+            // All pairs of many samples would take too long. Of a stream, only some rows are still held.
             if count > FEW || count > samples.len() {
                 return Err(Declined::Sparse);
             }

@@ -136,26 +136,28 @@ impl CircleBands {
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let cells = cells(question)?;
-        let complete = cells.row(complete.max(0.0));
-        // The row below the first open one is left for later: its circles reach into the open one.
-        let rows = self.closed.max(first(&cells))..complete.saturating_sub(1);
+        // Samples may still come in this row and the rows above it.
+        let open_row = cells.row(complete.max(0.0));
+        // The row below it is left for later, too, as its circles reach into the open one.
+        let rows = self.closed.max(first(&cells))..open_row.saturating_sub(1);
         if rows.len() < MIN_ROWS {
             return Ok(());
         }
 
-        self.sort(&cells, complete)
+        self.sort(&cells, open_row)
             .map_err(|declined| refused(declined, question, self.len()))?;
         let held = mem::replace(&mut self.rows, SortedRows::new(0));
         let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
 
-        // Circles that reach into holes wait for the rows that their cells may need.
-        let ready = |row: usize| row + KEPT < complete && (!cells.domain.periodic || row > KEPT);
+        // Circles that reach into holes wait until all rows are complete that their cells may need. For those near the lower
+        // border of a torus, these are the last rows.
+        let ready = |row: usize| row + KEPT < open_row && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
         self.rows = held;
         self.closed = rows.end;
 
-        // Rows around circles that still wait are kept; at the seam of a torus, `seam` keeps them.
+        // Rows around circles that still wait are kept. Near the lower border of a torus, `seam` keeps them.
         let pending = self
             .found
             .exposed
@@ -227,7 +229,7 @@ impl CircleBands {
         self.rows.drop_first(dropped, cells);
     }
 
-    /// Judges the remaining rows, those at the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included, and returns the findings on all `count` samples.
     pub fn finish(
         mut self,
         question: &Question,
@@ -242,6 +244,7 @@ impl CircleBands {
         // The rows go on across the seam: after the last one come the first ones, which were kept for that.
         let mut held = mem::replace(&mut self.rows, SortedRows::new(0));
         if cells.domain.periodic {
+            // The lowest row is complete only now.
             let mut lowest = SortedRows::new(0);
             lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);
             for rows in [&lowest, &self.seam] {

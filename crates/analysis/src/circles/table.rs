@@ -32,19 +32,14 @@ pub(super) const fn opposite(mask: Mask) -> Mask {
     mask.rotate_left(BINS as u32 / 2)
 }
 
-/// The stretches of open bins, each as its first and its last direction. Those of a stretch of half a turn or more are no
-/// numbers, so that nothing covers them.
+/// Returns the stretches of open bins, each as the directions at its beginning and its end. For a stretch of half a turn or more
+/// both are NaN, so that no arc covers them.
 pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
     let directions = directions();
-    let (mut open, first) = (!mask, mask.trailing_zeros());
-
-    // Begin at a covered bin, so that no stretch is cut.
-    open = if mask == 0 {
-        open
-    } else {
-        open.rotate_right(first)
-    };
-    let mut at = if mask == 0 { 0 } else { first };
+    // Bins are turned so that a covered one comes first and no stretch is cut. Without any, all are one stretch.
+    let first_covered = if mask == 0 { 0 } else { mask.trailing_zeros() };
+    let mut open = (!mask).rotate_right(first_covered);
+    let mut at = first_covered;
 
     std::iter::from_fn(move || {
         let skipped = open.trailing_zeros();
@@ -57,10 +52,11 @@ pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
         let end = start + length;
         let rest = skipped + length;
 
+        // A shift by all bins, which has no result, leaves none.
         open = open.checked_shr(rest).unwrap_or(0);
         at = end;
 
-        // The ends of a longer stretch could be those of the rest of the circle.
+        // The two directions of a longer stretch could also be taken for the ends of the rest of the circle.
         let is_short = length < BINS as u32 / 2;
         Some([start, end].map(|bin| {
             if is_short {

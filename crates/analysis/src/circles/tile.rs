@@ -18,7 +18,7 @@ use super::table::{
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
 
-/// Most pairs of samples in one cell, per sample of a tile.
+/// Most pairs of samples in one cell, per sample of a tile, each sample paired with itself, too. A maximal set has about two.
 const MAX_CROWD: usize = 16;
 
 /// A rectangle of cells, counted on across the seams.
@@ -163,7 +163,7 @@ impl Tile {
         self.low = DVec2::new(columns.start as f64, rows.start as f64) * cells.sides;
         let runs = runs(cells, &columns);
         self.clear();
-        // Pairs in the same cell, twice: what the scan of pairs is to cost.
+        // Pairs in one cell, each twice, and each sample with itself: they tell how long the scan of pairs will take.
         let mut crowd = 0;
         for row in rows {
             let period = row.div_euclid(cells.counts[1] as i64);
@@ -187,7 +187,7 @@ impl Tile {
         }
         self.starts.push(self.positions.len() as u32);
 
-        // The scan would be quadratic. Small tiles have room for a crowded cell or two.
+        // The time of the scan is quadratic in the samples of a cell. The 256 let small tiles have a crowded cell or two.
         if crowd > MAX_CROWD * (256 + self.positions.len()) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
@@ -279,8 +279,9 @@ impl Tile {
         self.scan = scan;
     }
 
-    /// Scans the pairs of all rows, those whose distance may be a conflict with `pair`. `squares` is the square of the number
-    /// of the table's squares in a unit of length.
+    /// Scans the pairs of all rows: marks the bins that they cover, lists the samples whose circles stay open, and calls `pair`
+    /// for pairs that may be in conflict or the closest. `squares` is the square of the number of the table's squares in a
+    /// unit of length.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
@@ -300,7 +301,7 @@ impl Tile {
         let mut nearby = in_squares_at_most(found.nearby, squares);
         let (mut runs, mut unmarked) = (Vec::new(), Unmarked::default());
 
-        // Rows above the tile's own have no pair with it that was not seen from below.
+        // Rows above the tile's own are left out: their pairs with its samples were met from below.
         for row in 0..self.own[1].end {
             for column in 0..self.size[0] {
                 let cell = self.cell(column..column + 1, row);
@@ -311,11 +312,11 @@ impl Tile {
                 let is_own = self.own[1].contains(&row) && self.own[0].contains(&column);
                 self.runs_ahead([column, row], reach, &mut runs);
                 for index in cell {
-                    // Samples before this one in its row have had their pairs with it.
+                    // The first run is the rest of the row: samples before this one have had their pairs with it.
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
-                    // A conflict is counted in the tile that owns its first sample; no square is below 0.
+                    // A conflict counts in the tile that owns its first sample: elsewhere none is near, as no square is below 0.
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
 
                     for run in &runs {
@@ -324,7 +325,7 @@ impl Tile {
                             let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
                             let square = dx * dx + dy * dy;
 
-                            // Lanes beyond the run hold samples of other cells.
+                            // Lanes beyond the run hold samples of other cells or zeros.
                             let count = (run.end - start).min(LANES);
                             let within = (1_u64 << count) - 1;
                             let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;

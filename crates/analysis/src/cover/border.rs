@@ -32,7 +32,7 @@ pub(crate) struct Crossing {
     pub sites: [BorderSite; 2],
 }
 
-/// The crossings on the whole line, in order. Sorts `sites`.
+/// Returns the crossings on the whole line, in order. Sorts `sites`.
 pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     sites.sort_unstable_by(|a, b| {
         (a.foot.total_cmp(&b.foot)).then_with(|| a.offset.total_cmp(&b.offset))
@@ -41,8 +41,6 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     // Each kept site with the place from which on it is the nearest.
     let mut envelope: Vec<(BorderSite, f64)> = Vec::new();
     for site in sites.iter() {
-        let mut from = f64::NEG_INFINITY;
-
         // Of sites with one foot the nearest came first and hides the others.
         if envelope
             .last()
@@ -51,7 +49,9 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
             continue;
         }
 
-        // A site that the new one overtakes before its own place is the nearest nowhere.
+        // The new site is the nearest from its crossing with the last one on. Where that lies before the place from which on the
+        // last one is the nearest, the last one is the nearest nowhere.
+        let mut from = f64::NEG_INFINITY;
         while let Some((last, last_from)) = envelope.last() {
             from = last.crossing(site);
             if from > *last_from {
@@ -65,13 +65,11 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
 
     (envelope.windows(2))
         .map(|pair| {
-            let at = pair[1].1;
-            let sites = [pair[0].0, pair[1].0];
-            let distance = sites[0].distance(at);
+            let ((before, _), (after, at)) = (pair[0], pair[1]);
             Crossing {
                 at,
-                distance,
-                sites,
+                distance: before.distance(at),
+                sites: [before, after],
             }
         })
         .collect()

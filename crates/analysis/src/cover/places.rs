@@ -107,7 +107,8 @@ fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
     gaps.sort_unstable_by(|a, b| a.center[0].total_cmp(&b.center[0]));
     let mut start = 0;
     for end in 1..=gaps.len() {
-        // Within a column of equal x, equal places are neighbours by y.
+        // Gaps that differ in x by at most `same` from one to the next are a column. Sorted by y, gaps at one place are
+        // neighbours in it.
         if end == gaps.len() || gaps[end].center[0] - gaps[end - 1].center[0] > same {
             gaps[start..end].sort_unstable_by(|a, b| {
                 (a.center[1].total_cmp(&b.center[1])).then_with(|| a.rank(b))

@@ -73,7 +73,7 @@ impl Survey {
 
         for crossing in border::crossings(&mut sites) {
             let at = crossing.at;
-            // The window shows samples beyond the ends of the side, which cross there.
+            // Samples of the window beyond the ends of the side have crossings there, which belong to other sides.
             if at < start - task.same || at > end + task.same {
                 continue;
             }
@@ -85,9 +85,9 @@ impl Survey {
                     distance: crossing.distance,
                     kind: GapKind::Border,
                 };
-                let sites = crossing.sites.map(|site| side.site(site, level));
+                let nearest = crossing.sites.map(|site| side.site(site, level));
                 self.claim(task, circle, || {
-                    crossing_exceeds(sites, side.line, extent, task.limit)
+                    crossing_exceeds(nearest, side.line, extent, task.limit)
                 });
             }
         }
@@ -106,7 +106,8 @@ impl Survey {
                 };
                 let corner = DVec2::from(circle.center);
                 self.claim(task, circle, || {
-                    // The distance is rounded, and so is who is nearest: all that may be are compared exactly.
+                    // Rounding decides which of two samples seems nearest: all that may be are compared exactly, and a sample
+                    // at more than twice the distance is not.
                     let mut near = (sites.iter())
                         .filter(|site| site.distance(at) <= 2.0 * distance)
                         .map(|site| side.site(*site, level));
@@ -117,7 +118,7 @@ impl Survey {
         }
     }
 
-    /// Examines the inside: the circumcentres of the window's triangles.
+    /// Examines the inside of a tile: the circumcentres of the triangles of `points`, the window's samples.
     pub fn add_vertices(
         &mut self,
         task: &CoverSearch<'_>,
@@ -142,23 +143,23 @@ impl Survey {
         }
         let inside = |place: DVec2| (place.cmpge(low) & place.cmple(high)).all();
 
-        // Squares within rounding of the limit are claimed, which compares them exactly.
-        let limit = task.limit * task.limit * (1.0 - 1e-12);
-        let mut largest = 0.0_f64;
+        // A circle whose square is within rounding of the limit's is claimed, as `claim` compares it exactly.
+        let limit_square = task.limit * task.limit * (1.0 - 1e-12);
+        let mut largest_square = 0.0_f64;
         for face in triangulation.inner_faces() {
             let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
 
             // Nearly all circles are neither gaps nor the largest so far.
-            if is_below(corners, largest.min(limit)) {
+            if is_below(corners, largest_square.min(limit_square)) {
                 continue;
             }
             let circle = circumcircle(corners);
-            // A place outside belongs to another tile.
+            // A centre outside belongs to another tile.
             if !inside(circle.center) {
                 continue;
             }
-            if circle.square <= limit {
-                largest = largest.max(circle.square);
+            if circle.square <= limit_square {
+                largest_square = largest_square.max(circle.square);
                 continue;
             }
 
@@ -172,7 +173,7 @@ impl Survey {
                 circle_exceeds(sites, domain.extent, task.limit)
             });
         }
-        self.covering_radius = self.covering_radius.max(largest.sqrt());
+        self.covering_radius = self.covering_radius.max(largest_square.sqrt());
         Ok(())
     }
 }

@@ -109,32 +109,30 @@ pub(crate) struct TileWindow {
 }
 
 impl TileWindow {
-    /// Returns the window of a tile, or, if the grid lacks some of them, the rows it needs, numbered on across the
-    /// seams.
+    /// Returns the window of a tile. If the grid lacks some of the rows that it needs, these rows are returned as the error,
+    /// numbered on across the seams.
     pub fn gather(task: &CoverSearch<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
         let grid = task.grid;
         // A little more than the halo pays for rounding and for places claimed beyond the tile.
-        let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
+        let widened = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
 
-        let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, wide));
+        let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, widened));
         let lacks = |row: i64| !grid.holds(wrap(grid, 1, row).0);
         if !grid.is_whole() && rows.cells.clone().any(lacks) {
             return Err(rows.cells);
         }
 
-        let complete = columns.complete && rows.complete;
-
-        let most = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
-        let span = |span: &Span| span.cells.end - span.cells.start;
-        // Which samples are buried is known only if the grid holds the whole set.
-        let is_wide = grid.is_whole() && (span(&columns) > most || span(&rows) > most);
-
-        let points = if is_wide {
+        // A wide window leaves buried samples out. Which samples are buried is known only if the grid holds the whole set.
+        let most_cells = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
+        let is_wide = |span: &Span| span.cells.end - span.cells.start > most_cells;
+        let points = if grid.is_whole() && (is_wide(&columns) || is_wide(&rows)) {
             rim(task, tile, [&columns.cells, &rows.cells])
         } else {
             everything(grid, tile.count, [&columns.cells, &rows.cells])
         };
 
+        // Complete spans hold the nearest copy of every sample.
+        let complete = columns.complete && rows.complete;
         let halo = if complete { f64::INFINITY } else { halo };
         Ok(Self { points, halo })
     }

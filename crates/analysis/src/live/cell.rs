@@ -151,6 +151,7 @@ impl LiveCell {
             Boundary::Bounded => BORDER,
         };
 
+        // A vertex lies where the edge before its own one meets its own one.
         self.vertices.clear();
         self.vertices.extend((0..4).map(|index| Vertex {
             at: Meeting::place(around[(index + 3) % 4], around[index]),
@@ -209,6 +210,8 @@ impl LiveCell {
         cuts
     }
 
+    /// Cuts off the part beyond a line, which becomes the edge toward a neighbour. `sides` says on which side of the line each
+    /// vertex lies: beyond it if greater. New vertices are certain or not as `is_certain` says.
     fn cut_off(&mut self, cut: HalfPlane, neighbour: u32, is_certain: bool, sides: &[Ordering]) {
         let mut kept = std::mem::take(&mut self.kept);
         kept.clear();
@@ -219,6 +222,7 @@ impl LiveCell {
                 index + 1
             };
             match (sides[index], sides[next]) {
+                // The outline turns onto the line where it would cross it.
                 (Ordering::Less, Ordering::Greater) => {
                     kept.push(*vertex);
                     kept.push(Vertex {
@@ -234,6 +238,7 @@ impl LiveCell {
                     neighbour,
                     ..*vertex
                 }),
+                // The outline comes back to the old edge.
                 (Ordering::Greater, Ordering::Less) => kept.push(Vertex {
                     at: Meeting::place(cut, vertex.edge),
                     is_certain,

@@ -138,9 +138,10 @@ impl LiveCover {
         (self.count, self.open) = (0, 0);
     }
 
-    /// Adds a sample at a place of the plane. Returns the counted steps.
+    /// Adds a sample at a place of the plane. Returns the counted steps. Circles do not depend on ids.
     pub fn insert(&mut self, _id: u32, place: [i32; 2]) -> u64 {
         self.count += 1;
+        // A second sample at a place changes no circle.
         if let Some(slot) = self.slot_at(place) {
             self.taken[slot as usize].copies += 1;
             return 1;
@@ -162,7 +163,8 @@ impl LiveCover {
                 steps += self.clip_kept(other, offset.map(i64::from), slot);
             }
         } else {
-            // An uncovered circle has a cell, which names the neighbours, however far they are.
+            // An uncovered circle has a cell, which names the neighbours, however far they are. As seen from them, the sample
+            // lies in the opposite direction.
             let cell = std::mem::take(&mut self.cell);
             for (other, [x, y]) in cell.vertices.iter().filter_map(Vertex::neighbour) {
                 steps += self.clip_kept(other, [-x, -y], slot);
@@ -186,14 +188,14 @@ impl LiveCover {
         self.count -= 1;
         let taken = &mut self.taken[slot as usize];
         taken.copies -= 1;
-        // Another sample is left at the place, and no circle changes.
+        // While another sample is left at the place, no circle changes.
         if taken.copies > 0 {
             return 1;
         }
 
+        // If the sample's cell is kept, it names neighbours that may be farther than any circle reaches.
         let mut touched = std::mem::take(&mut self.touched);
         touched.clear();
-        // A kept cell names neighbours that may be farther than any circle reaches.
         let vertices = std::mem::take(&mut taken.vertices);
         let neighbours = vertices.iter().filter_map(Vertex::neighbour);
         touched.extend(neighbours.map(|(other, _)| other));
@@ -203,23 +205,23 @@ impl LiveCover {
         self.free.push(slot);
 
         // Other neighbours are within two thresholds, or their own cell is kept (see the head).
-        let two = 4.0 * self.threshold * self.threshold;
+        let two_thresholds_square = 4.0 * self.threshold * self.threshold;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let is_kept = !self.taken[other.slot as usize].vertices.is_empty();
-            if is_kept || square(offset) as f64 <= two {
+            if is_kept || square(offset) as f64 <= two_thresholds_square {
                 touched.push(other.slot);
             }
             ControlFlow::Continue(())
         });
 
-        // A sample may be found by its cell and by its distance.
+        // One neighbour may be found both by the cell and by its distance.
         touched.sort_unstable();
         touched.dedup();
 
         for &other in touched.iter().filter(|&&other| other != slot) {
             let kept = &self.taken[other as usize].vertices;
             let mut neighbours = kept.iter().filter_map(Vertex::neighbour);
-            // A kept cell that does not border on the sample does not change. A sample without one may need one now.
+            // A kept cell that does not border on the sample does not change. A neighbour without a kept cell may need one now.
             if kept.is_empty() || neighbours.any(|(neighbour, _)| neighbour == slot) {
                 steps += self.examine(other).0;
             }
@@ -308,9 +310,10 @@ impl LiveCover {
     /// The slots of samples whose circle of the threshold is not proven covered. All samples are tested together, as the judge
     /// by circles does it, which takes less time.
     fn unproven(&self) -> Vec<u32> {
-        // A place that was left covers nothing.
+        // Slots whose places have no sample any more are left out.
         let is_taken = |slot: &u32| self.taken[*slot as usize].copies > 0;
         let slots: Vec<u32> = (0..self.taken.len() as u32).filter(is_taken).collect();
+        // With a threshold of 0, as on narrow tori, all cells are kept.
         if self.threshold == 0.0 {
             return slots;
         }
@@ -333,8 +336,10 @@ impl LiveCover {
         }
     }
 
-    /// Tests quickly whether the disks of the threshold certainly cover the circle of a sample.
+    /// Tests quickly whether the disks of the threshold certainly cover the circle of a sample. Returns the counted steps, and
+    /// whether they do.
     fn test(&self, place: [i32; 2]) -> (u64, bool) {
+        // With a threshold of 0, as on narrow tori, all cells are kept.
         if self.threshold == 0.0 {
             return (0, false);
         }
@@ -363,24 +368,25 @@ impl LiveCover {
         (steps, test.is_covered())
     }
 
-    /// Cuts out the cell of a sample.
+    /// Cuts out the cell of a sample into `self.cell`. Returns the counted steps.
     fn cut(&mut self, place: [i32; 2], slot: u32) -> u64 {
         let cell = &mut self.cell;
         cell.begin(self.plane, place, slot);
         // New vertices are doubtful until all samples that may cut them off have been seen.
         let is_certain = false;
-        let mut widest = f64::INFINITY;
+        let mut widest_square = f64::INFINITY;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
-            // No place of the cell is as near to a sample more than twice as far as its vertices.
+            // A sample more than twice as far as the farthest vertex cuts nothing off.
             if other.slot != slot
-                && square(offset) as f64 <= widest
+                && square(offset) as f64 <= widest_square
                 && cell.clip(offset.map(i64::from), other.slot, is_certain)
             {
-                widest = 4.0 * cell.farthest_square() * (1.0 + 1e-9);
+                widest_square = 4.0 * cell.farthest_square() * (1.0 + 1e-9);
             }
             ControlFlow::Continue(())
         });
 
+        // All samples within the certain distance were seen: no other one cuts off a vertex that is at most half as far.
         cell.trust(0.5 * self.grid.certain_with_copies(REACH));
         while let Some(index) = self.cell.uncertain() {
             let (more, nearer) = self.nearer(place, index);

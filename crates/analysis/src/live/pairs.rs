@@ -217,7 +217,7 @@ impl LivePairs {
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let (square, comes) = (square(offset), false);
             self.histogram.change(offset, square, comes);
-            // Its nearest sample was this one, or one as near: it looks again below.
+            // The other's nearest sample was this one, or is as near as this one was: it looks again below.
             if self.nearest.at(other.slot) == !square {
                 widowed.push(other.slot);
             }
@@ -375,36 +375,39 @@ impl LivePairs {
         });
     }
 
-    /// The closest pair where no two samples are near each other: there are few, and those around each are looked for in the
-    /// pyramid.
+    /// Returns the closest pair where no two samples are near each other, by the square of its distance and its slots. Such samples
+    /// are few, and the nearest to each is looked for in the grid's pyramid.
     fn closest_of_sparse(&self) -> Option<(u64, [u32; 2])> {
         let size = self.histogram.plane.size.map(i64::from);
-        let mut best: Option<(u64, [u32; 2])> = None;
+        let mut closest: Option<(u64, [u32; 2])> = None;
         for occupant in self.grid.all() {
             let center = DVec2::from(occupant.place.map(f64::from));
-            let farthest = size[0] * size[0] + size[1] * size[1];
-            // The best pair so far bounds the search for a closer one; without any, the plane's diagonal does.
-            let least = best.map_or(farthest as f64, |(square, _)| square as f64);
+            // The closest pair so far bounds the search for a closer one; before there is one, the plane's diagonal does.
+            let diagonal_square = size[0] * size[0] + size[1] * size[1];
+            let bound_square = closest.map_or(diagonal_square as f64, |(square, _)| square as f64);
 
-            self.grid.within(center, least, |other, periods, within| {
-                let along = |axis: usize| {
-                    let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
-                    copy - i64::from(occupant.place[axis])
-                };
-                let (x, y) = (along(0), along(1));
-                let found = ((x * x + y * y) as u64, [occupant.slot, other.slot]);
-                // Of equally close pairs the first by ids is listed, as the judges do it.
-                let is_better = |best: (u64, [u32; 2])| {
-                    let [new, old] = [found, best].map(|(square, slots)| self.pair(square, slots));
-                    new.rank(&old).is_lt()
-                };
-                if other.slot != occupant.slot && best.is_none_or(is_better) {
-                    best = Some(found);
-                    *within = within.min(found.0 as f64);
-                }
-            });
+            self.grid
+                .within(center, bound_square, |other, periods, bound_square| {
+                    let along = |axis: usize| {
+                        let copy =
+                            i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
+                        copy - i64::from(occupant.place[axis])
+                    };
+                    let (x, y) = (along(0), along(1));
+                    let found = ((x * x + y * y) as u64, [occupant.slot, other.slot]);
+                    // Of equally close pairs the first by ids is listed, as the judges do it.
+                    let comes_before = |closest: (u64, [u32; 2])| {
+                        let [new, old] =
+                            [found, closest].map(|(square, slots)| self.pair(square, slots));
+                        new.rank(&old).is_lt()
+                    };
+                    if other.slot != occupant.slot && closest.is_none_or(comes_before) {
+                        closest = Some(found);
+                        *bound_square = bound_square.min(found.0 as f64);
+                    }
+                });
         }
-        best
+        closest
     }
 
     /// Returns the conflicts, as [`Report::worst_conflicts`](crate::Report::worst_conflicts) lists them, but all.
@@ -440,6 +443,7 @@ impl LivePairs {
     ///
     /// Those of that function.
     pub fn correlation(&self) -> Result<PairCorrelation, MeasureError> {
+        // Sets are refused for the same reasons as by `PairCorrelation::of`.
         const LEAST: usize = 3;
         let (count, region) = (self.count, self.histogram.plane.region_in_radii());
         if count < LEAST {
@@ -467,7 +471,8 @@ impl LivePairs {
         // One bin more is for farther pairs.
         let (mut counts, mut sums) = (vec![0; bins + 1], vec![0; bins + 1]);
         for (index, in_bin) in self.histogram.counts.iter().enumerate() {
-            // Which of its two bins an edge belongs to follows from the same rounded numbers as in `PairCorrelation`.
+            // Pairs exactly at the beginning of a bin go into it or into the one before, by the same rounded numbers as in
+            // `PairCorrelation`.
             let edge = index as f64 / EACH * domain.scale;
             let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
             for part in [0, 1] {

@@ -266,8 +266,14 @@ impl PlaceGrid {
         mut each: impl FnMut(&Occupant, [i32; 2]) -> ControlFlow<()>,
     ) -> u64 {
         let [column, row] = self.cell_of(place);
+        // For nearly all samples no seam or border is near.
+        let inside = |axis: usize, at: usize| {
+            self.is_wide(axis, reach) && at >= reach && at + reach < self.counts[axis]
+        };
+        let is_inside = inside(0, column) && inside(1, row);
+
         let mut steps = 0;
-        let mut look = |cell: &[Occupant], is_inside: bool| {
+        let mut look = |cell: &[Occupant]| {
             steps += 1 + cell.len() as u64;
             for occupant in cell {
                 let offset = if is_inside {
@@ -281,22 +287,19 @@ impl PlaceGrid {
             ControlFlow::Continue(())
         };
 
-        let inside = |axis: usize, at: usize| {
-            self.is_wide(axis, reach) && at >= reach && at + reach < self.counts[axis]
-        };
-        let _: ControlFlow<()> = if inside(0, column) && inside(1, row) {
-            // As for nearly all samples, no seam or border is near.
+        // The steps count, whether `each` breaks or not.
+        let _: ControlFlow<()> = if is_inside {
             let mut ways = WAYS[..(2 * reach + 1) * (2 * reach + 1)].iter();
             ways.try_for_each(|[across, up]| {
                 let at = [column as i64 + across, row as i64 + up].map(|at| at as usize);
-                look(self.cell(at[0], at[1]), true)
+                look(self.cell(at[0], at[1]))
             })
         } else {
             let (columns, rows) = (self.lines(0, column, reach), self.lines(1, row, reach));
             let mut all = rows
                 .iter()
                 .flat_map(|row| columns.iter().map(move |column| (column, row)));
-            all.try_for_each(|(&column, &row)| look(self.cell(column, row), false))
+            all.try_for_each(|(&column, &row)| look(self.cell(column, row)))
         };
         steps
     }
@@ -334,7 +337,7 @@ impl PlaceGrid {
             return search.steps;
         }
 
-        // The same disk about each copy of the centre that is near enough to the plane.
+        // On a torus the disk is looked at from each copy of the plane that it may meet: as one about a shifted centre.
         let extent = DVec2::from(self.size.map(f64::from));
         let radius = square.sqrt();
         let first = ((center - radius) / extent).floor();
@@ -349,6 +352,7 @@ impl PlaceGrid {
         search.steps
     }
 
+    /// Calls `each` with the samples of a block of a layer that lie in the disk, by way of the layers below.
     fn descend(
         &self,
         layer: usize,
@@ -359,11 +363,13 @@ impl PlaceGrid {
         let Layer { columns, masks } = &self.layers[layer];
         let sides = self.sides * (BLOCK as f64).powi(layer as i32);
         search.steps += 1;
-        // Parts without samples and those beside the square around the disk are passed over at once.
+        // One bit stands for each part of the block: those without samples and those that the square around the disk does not
+        // meet are passed over at once.
         let mut open = masks[block[1] * columns + block[0]] & search.near(block, sides);
 
         while open != 0 {
             let bit = open.trailing_zeros() as usize;
+            // The lowest bit goes out.
             open &= open - 1;
             let at = [
                 block[0] * BLOCK + bit % BLOCK,

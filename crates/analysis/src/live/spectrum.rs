@@ -328,6 +328,7 @@ impl LiveSpectrum {
     /// [`MeasureError::TooFew`] without samples; [`MeasureError::OutOfRange`] unless all frequencies are kept.
     pub fn periodogram(&self) -> Result<Periodogram, MeasureError> {
         self.check_not_empty()?;
+        // With another stride frequencies would be missing.
         check_range(
             "the stride of a periodogram",
             f64::from(self.stride),
@@ -342,13 +343,13 @@ impl LiveSpectrum {
         for row in 0..rows {
             let all = reader.row(row);
             let middle = all.len() / 2;
-            // As far as this number of samples is shown: more is kept for a larger one.
+            // More frequencies may be kept than are shown for this number of samples.
             let powers = &all[middle + 1 - columns..middle + columns];
-            let above = (rows - 1 + row) * window.columns();
-            power[above..][..powers.len()].copy_from_slice(powers);
-            // Opposite frequencies have the same power: a row below zero is the one above it, turned around.
-            let below = (rows - 1 - row) * window.columns();
-            for (power, opposite) in power[below..].iter_mut().zip(powers.iter().rev()) {
+            let row_above = (rows - 1 + row) * window.columns();
+            power[row_above..][..powers.len()].copy_from_slice(powers);
+            // Opposite frequencies have the same power: a row below zero is the one as far above it, turned around.
+            let row_below = (rows - 1 - row) * window.columns();
+            for (power, opposite) in power[row_below..].iter_mut().zip(powers.iter().rev()) {
                 *power = *opposite;
             }
         }
@@ -381,11 +382,12 @@ impl LiveSpectrum {
         for row in 0..rows {
             let all = reader.row_without_zero(row);
             let middle = all.len() / 2;
-            // As far as this number of samples is shown: more is kept for a larger one.
+            // More frequencies may be kept than are shown for this number of samples.
             let powers = &mut all[middle + 1 - columns..middle + columns];
             profile.add_row(row, powers);
             picture.add_row(rows - 1 + row, powers);
-            // The parts below the middle ones are those above them, turned around.
+            // The picture copies the parts below the middle ones from those above them, turned around. Only the middle parts
+            // need the rows below zero.
             if row > 0 && picture.is_in_middle(rows - 1 + row) {
                 powers.reverse();
                 picture.add_row(rows - 1 - row, powers);
@@ -450,16 +452,17 @@ impl Renew for LiveSpectrum {
             annuli: OnceLock::new(),
         };
 
-        // A plan about zero has real weights, and fits: the frequencies along an axis are limited.
+        // There is always a plan, as the frequencies along an axis are limited.
         let plan = (self.plan().ok()).filter(|_| self.is_quicker_transformed(samples.len()));
-        let work = plan.and_then(|plan| {
+        let transform = plan.and_then(|plan| {
             let (weighed, squares) = self.all_weighed(samples);
             let transform = SlicedTransform::new(plan, &weighed)?;
             empty.begin_with(samples.len(), squares);
             Some(transform)
         });
-        let work = match work {
+        let work = match transform {
             Some(transform) => Work::Transform(Box::new(transform)),
+            // No sample is added yet.
             None => Work::Changes(0),
         };
         (empty, SpectrumWork(work))
@@ -476,15 +479,16 @@ impl Renew for LiveSpectrum {
             Work::Changes(added) => {
                 let (_, place) = samples.get(*added)?;
                 *added += 1;
-                self.change(*place, 1);
+                let sign = 1;
+                self.change(*place, sign);
                 Some(self.cost_of_change())
             }
             Work::Transform(transform) => match transform.proceed() {
                 Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
                 Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
                 None => {
-                    // To be finished, the transform is taken out of its slot, where a finished work stands in for it
-                    // meanwhile; the rows follow.
+                    // To finish the transform, it is taken out of `work`, where a finished work stands in for it meanwhile. Its
+                    // rows follow.
                     let transform = std::mem::replace(work, Work::Changes(samples.len()));
                     if let Work::Transform(made) = transform {
                         *work = Work::Rows(made.finish(), 0);

@@ -36,11 +36,13 @@ pub(super) fn at_samples(
     samples: &[Sample],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, MeasureError> {
+    // Large grids are dropped as soon as the next one is made.
     let half = back_along_x(plan, &values, monitor)?;
     drop(values);
     if plan.real {
         let cells = back_along_y_real(plan, &half, monitor)?;
         drop(half);
+        // The window of a real plan is centred at frequency 0, so that the sum is the value.
         let value = |_: &Sample, [sum]: [f64; 1]| sum;
         return read(plan, &cells, samples, value, monitor);
     }
@@ -58,7 +60,7 @@ pub(super) fn at_samples(
     read(plan, &cells, samples, value, monitor)
 }
 
-/// Divides the kernel out and transforms each row of the window along x.
+/// Divides the kernel out and transforms each row of the window along x. Returns the rows, one for each frequency along y.
 fn back_along_x(
     plan: &TransformPlan,
     values: &[Complex<f64>],
@@ -72,6 +74,7 @@ fn back_along_x(
     let lines = half.par_chunks_mut(axis.size).enumerate();
     let rows = lines.zip(values.par_chunks(axis.count()));
     rows.try_for_each_init(
+        // Each row is transformed where it lies: no buffer for lines is needed.
         || Scratch::new(&fft, 0),
         |scratch, ((row, line), values)| {
             let along_y = other.factor(plan.first_row() + row as i64);
@@ -91,7 +94,8 @@ fn stride(plan: &TransformPlan) -> usize {
     plan.axes[1].size + WIDTH + 1
 }
 
-/// Transforms along y, two real grid lines as one complex.
+/// Transforms along y, two real grid lines as one complex. Returns the grid, line by line along y, with `stride` from one to
+/// the next.
 fn back_along_y_real(
     plan: &TransformPlan,
     half: &[Complex<f64>],
@@ -114,13 +118,14 @@ fn back_along_y_real(
                 let row = &row[block * TOGETHER..][..lines];
                 for (pair, target) in row.chunks_exact(2).zip(scratch.line.chunks_mut(axis.size)) {
                     let [a, b] = [pair[0], pair[1]];
-                    let turned = |value: Complex<f64>| Complex::new(-value.im, value.re);
-                    // The row ky = 0 holds opposite frequencies itself, and is real now; of other rows the opposite one is missing.
+                    let times_i = |value: Complex<f64>| Complex::new(-value.im, value.re);
+                    // The row ky = 0 holds both of opposite frequencies, so that it is real after the transform along x. For any
+                    // other row the opposite one, of the conjugates, is added.
                     if k == 0 {
                         target[0] = Complex::new(a.re, b.re);
                     } else {
-                        target[k] = a + turned(b);
-                        target[axis.size - k] = a.conj() + turned(b.conj());
+                        target[k] = a + times_i(b);
+                        target[axis.size - k] = a.conj() + times_i(b.conj());
                     }
                 }
             }
@@ -133,7 +138,8 @@ fn back_along_y_real(
     Ok(cells)
 }
 
-/// Transforms along y; real and imaginary parts of a grid line follow each other.
+/// Transforms along y. Returns the grid, line by line along y: the real parts of a line, then its imaginary parts, each with
+/// `stride` to the next.
 fn back_along_y_complex(
     plan: &TransformPlan,
     half: &[Complex<f64>],
@@ -143,12 +149,13 @@ fn back_along_y_complex(
     let fft = FftPlanner::new().plan_fft_inverse(axis.size);
 
     let mut cells = vec![0.0; across.size * 2 * stride];
+    // Several lines at a time share the cache lines of the rows that they are gathered from.
     let blocks = cells.par_chunks_mut(TOGETHER * 2 * stride).enumerate();
     blocks.try_for_each_init(
         || Scratch::new(&fft, axis.size * TOGETHER),
         |scratch, (block, cells)| {
             let lines = cells.len() / (2 * stride);
-            // Grid points between the highest frequency and the lowest have none.
+            // Grid points between the highest frequency and the lowest have no frequency, and stay 0.
             scratch.line.fill(Complex::default());
             for (row, offset) in half.chunks_exact(across.size).zip(-axis.below..) {
                 let row = &row[block * TOGETHER..][..lines];
@@ -177,7 +184,8 @@ fn unpack(from: &[Complex<f64>], size: usize, cells: &mut [f64], stride: usize) 
     }
 }
 
-/// Reads the grid's components around each sample; `value` turns them into the sample's value.
+/// Returns the value of each sample: `value` makes it of the grid's `C` components (one real, or a real and an imaginary part),
+/// each summed around the sample with the kernel's weights.
 fn read<const C: usize>(
     plan: &TransformPlan,
     cells: &[f64],
@@ -217,6 +225,7 @@ fn read<const C: usize>(
     })?;
 
     let mut values = vec![0.0; samples.len()];
+    // Values go back to the order of `samples`.
     for (value, index) in sorted.into_iter().zip(order) {
         values[index as usize] = value;
     }

@@ -108,16 +108,17 @@ impl PowerCurve {
     ///
     /// Those of [`Self::new`].
     pub fn of_pairs(pairs: &PairCorrelation, frequencies: Vec<f64>) -> Result<Self, MeasureError> {
-        // r_max in units of the mean spacing.
-        let unit = (2.0 / 3f64.sqrt()).sqrt();
-        let (step, reach) = (pairs.bin_width * unit, pairs.g.len() as f64);
+        // Bins are given in units of r_max, and wanted in units of the mean spacing.
+        let r_max_in_spacings = (2.0 / 3f64.sqrt()).sqrt();
+        let (step, bins) = (pairs.bin_width * r_max_in_spacings, pairs.g.len() as f64);
 
+        // Each bin is a ring: the distance of its middle, and its weight in the integral.
         let rings: Vec<[f64; 2]> = (0..pairs.g.len())
             .map(|bin| {
                 let s = (bin as f64 + 0.5) * step;
-                let part = PI * (bin as f64 + 0.5) / reach;
-                // Blackman's: it falls to zero where `g` ends, so that the end makes no waves.
-                let window = 0.42 + 0.5 * part.cos() + 0.08 * (2.0 * part).cos();
+                let phase = PI * (bin as f64 + 0.5) / bins;
+                // Blackman's window falls to zero where `g` ends, so that the end makes no waves.
+                let window = 0.42 + 0.5 * phase.cos() + 0.08 * (2.0 * phase).cos();
                 [s, TAU * s * window * step]
             })
             .collect();

@@ -39,14 +39,16 @@ impl CoarsePower {
     pub fn of(periodogram: &Periodogram, most: usize) -> Result<Self, MeasureError> {
         check_count("squares along an axis", most, Self::MAX_SIZE)?;
         let [x0, x1, y0, y1] = periodogram.window.bounds();
+        // The picture has zero in its middle, and reaches as far as the window does to both sides.
         let reach = [(-x0).min(x1 - 1), (-y0).min(y1 - 1)];
-        // The picture has zero in its middle.
         if reach.iter().any(|reach| *reach < 0) {
             let window = [x0, x1, y0, y1];
             return Err(MeasureError::EmptyWindow { window });
         }
 
-        let mut sums = CoarseSums::new(reach, most, 1);
+        // Every frequency of the window counts.
+        let step = 1;
+        let mut sums = CoarseSums::new(reach, most, step);
         let [x, y] = reach;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
             // The power at zero tells the number of samples, and would outshine all others.
@@ -60,6 +62,7 @@ impl CoarsePower {
             sums.along(&powers)
         });
 
+        // Rows are added in their order, so that rounding does not depend on threads.
         for (row, along) in rows.collect::<Vec<_>>().into_iter().enumerate() {
             sums.add(row, &along);
         }

@@ -44,26 +44,29 @@ impl DifferenceCurve {
         reference: &RadialProfile,
         level: f64,
     ) -> Result<Self, MeasureError> {
-        let (x, base) = (
+        let (x, reference_x) = (
             profile.relative_frequencies(),
             reference.relative_frequencies(),
         );
-        // A frequency and its opposite have one power.
+        // A frequency and its opposite have one power, so that half of the frequencies are independent values.
         let values = |annulus: &Annulus, sets: u64| 0.5 * annulus.count as f64 * sets as f64;
 
         let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (x, annulus) in x.into_iter().zip(&profile.annuli) {
-            let Some(between) = Between::of(x, &base) else {
+            // Where the reference is not known, there is no difference.
+            let Some(between) = Between::of(x, &reference_x) else {
                 continue;
             };
 
             let [low, high] = between.ends.map(|end| &reference.annuli[end]);
             let power = between.mean(low.power, high.power);
 
-            // The variance of the interpolated value, as a number of powers.
+            // The interpolated value has the variance of a mean of `reference_count` powers: each end has the variance 1 over
+            // its number of values, and enters by its share.
             let [a, b] = [low, high].map(|annulus| 1.0 / values(annulus, reference.sets));
-            let count = 1.0 / ((1.0 - between.part).powi(2) * a + between.part.powi(2) * b);
-            let counts = [values(annulus, profile.sets), count];
+            let reference_count =
+                1.0 / ((1.0 - between.part).powi(2) * a + between.part.powi(2) * b);
+            let counts = [values(annulus, profile.sets), reference_count];
 
             points.push([x, annulus.power - power]);
             bands.push(power_difference_band(
@@ -91,9 +94,9 @@ impl DifferenceCurve {
     ) -> Result<Self, MeasureError> {
         check_range("the confidence level", level, LEVELS)?;
         let sets = [curve.sets, reference.sets].map(|sets| sets as f64);
-        // Each mean takes one degree of freedom.
+        // Each mean takes one degree of freedom. One set on each side leaves none, and so no band.
         let freedom = sets[0] + sets[1] - 2.0;
-        let reach = (freedom > 0.0).then(|| student_quantile(1.0 - level, freedom));
+        let quantile = (freedom > 0.0).then(|| student_quantile(1.0 - level, freedom));
 
         let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (index, (x, y)) in curve.x.iter().zip(&curve.y).enumerate() {
@@ -104,16 +107,17 @@ impl DifferenceCurve {
                 |values: &[f64]| between.mean(values[between.ends[0]], values[between.ends[1]]);
             points.push([*x, y - at(&reference.y)]);
 
+            // A single set has no error of its own: the other side's deviation serves both.
             let errors = [
                 curve.errors.as_ref().map_or(0.0, |errors| errors[index]),
                 reference.errors.as_deref().map_or(0.0, at),
             ];
-            // From the standard error of a mean back to the sum of squares about it.
+            // The squares of deviations from each mean are added up again: error^2 is their sum over n (n - 1).
             let squares: f64 = (errors.iter().zip(sets))
                 .map(|(error, sets)| error * error * sets * (sets - 1.0))
                 .sum();
             let error = (squares / freedom * (1.0 / sets[0] + 1.0 / sets[1])).sqrt();
-            bands.extend(reach.map(|reach| [-reach * error, reach * error]));
+            bands.extend(quantile.map(|quantile| [-quantile * error, quantile * error]));
         }
         Ok(Self {
             bands: (freedom > 0.0).then_some(bands),

@@ -59,21 +59,23 @@ impl Discrepancy {
             let sums = chunks.map(|chunk| rounded(chunk.iter().map(|&a| value(a))));
             rounded(sums.collect::<Vec<DVec2>>())
         };
-        let (singles, selves) = (sum(single), sum(|a| term(a, a)));
+        let (of_singles, of_selves) = (sum(single), sum(|a| term(a, a)));
 
         points.par_sort_by(|a, b| a.x.total_cmp(&b.x));
+        // Halves are merged into it.
         let mut room = points.clone();
-        let pairs = pairs(&mut points, &mut room, &monitor)?;
+        let of_pairs = pairs(&mut points, &mut room, &monitor)?;
 
+        // The closed forms take pairs in both orders, and each sample with itself.
         let n = points.len() as f64;
-        let single = singles / n;
-        let pair = (selves + 2.0 * pairs) / (n * n);
+        let mean_single = of_singles / n;
+        let mean_pair = (of_selves + 2.0 * of_pairs) / (n * n);
         // Rounding may leave a tiny negative number.
         let root = |square: f64| square.max(0.0).sqrt();
 
         Ok(Self {
-            star: root(1.0 / 9.0 - 0.5 * single.x + pair.x),
-            centered: root(169.0 / 144.0 - 2.0 * single.y + pair.y),
+            star: root(1.0 / 9.0 - 0.5 * mean_single.x + mean_pair.x),
+            centered: root(169.0 / 144.0 - 2.0 * mean_single.y + mean_pair.y),
         })
     }
 }
@@ -184,21 +186,21 @@ fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
     pairs_of_chunk(left, left_room) + pairs_of_chunk(right, right_room) + merge(points, room)
 }
 
-/// Returns the sums over the pairs of a sample of the first half and one of the second, which lies to the right of it. Both halves are
-/// sorted by y, and all are afterwards.
+/// Returns the sums over the pairs of a sample of the first half and one of the second half, which lies to the right of the
+/// first. Each half is sorted by y; afterwards all samples are.
 fn merge(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
-    let (left, right) = points.split_at(points.len() / 2);
+    let (left_half, right_half) = points.split_at(points.len() / 2);
+    // The sums of the left samples that lie below or above the next sample in the order of y. At first all lie above.
     let (mut below, mut above) = (LeftSums::default(), LeftSums::default());
-    // Before the first sample in the sequence of y all of the left half lie above.
-    for a in left {
+    for a in left_half {
         above.add(*a, 1.0);
     }
 
     let mut sum = CompensatedSum::default();
-    let mut left = left.iter().peekable();
-    let mut right = right.iter().peekable();
+    let mut left = left_half.iter().peekable();
+    let mut right = right_half.iter().peekable();
     for place in room.iter_mut() {
-        // Which of two equal ones is the larger does not matter.
+        // Of two samples of equal y either may come first: the terms are the same.
         if let Some(a) = left.next_if(|a| right.peek().is_none_or(|b| a.y <= b.y)) {
             below.add(*a, 1.0);
             above.add(*a, -1.0);

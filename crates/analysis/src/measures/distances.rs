@@ -86,12 +86,14 @@ impl NearestDistances {
             monitor.advance(entries.len() as u64)
         })?;
 
-        // Back to the sequence of the samples. Threads went cell by cell, so that samples near each other were in the
-        // caches together.
+        // Distances go back to the order of the samples. Threads went cell by cell, so that samples near each other were in
+        // the caches together.
         let mut distances = vec![0.0; points.len()];
         for (entry, distance) in grid.entries().iter().zip(found) {
             distances[entry.id as usize] = distance;
         }
+
+        // Without samples there is no summary, but so few were refused above.
         let limit = 3;
         let summary = Summary::of(distances.iter().copied());
         Ok(Self {

@@ -17,7 +17,7 @@ use crate::region::Region;
 /// Pairs that are held at most: 400 MB.
 pub const MAX_PAIRS: usize = 1 << 24;
 
-/// Cells along the largest distance.
+/// Cells along the largest distance: more would fit its circle better, and take longer to walk through.
 const CELLS_ALONG: f64 = 5.0;
 
 /// Two samples at a distance.
@@ -77,12 +77,11 @@ pub fn pairs_between(
     // Each sample is looked at twice: to count its pairs, and to hold them.
     let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
     let domain = Domain::new(region)?;
-    let distances = [least, most].map(|distance| distance * domain.scale);
-    let grid = Grid::new(points, domain, distances[1] / CELLS_ALONG);
-    let neighbors = Neighbors { grid: &grid };
+    let scaled = [least, most].map(|distance| distance * domain.scale);
+    let grid = Grid::new(points, domain, scaled[1] / CELLS_ALONG);
     let search = RangeSearch {
-        neighbors,
-        distances,
+        neighbors: Neighbors { grid: &grid },
+        distances: scaled,
     };
 
     let (total, pairs) = search.run(limit, &monitor)?;
@@ -97,11 +96,13 @@ pub fn pairs_between(
 
 struct RangeSearch<'a> {
     neighbors: Neighbors<'a>,
+    /// The range, in the domain's unit.
     distances: [f64; 2],
 }
 
 impl RangeSearch<'_> {
-    /// Counts the pairs of each row of cells, then holds those of the first rows.
+    /// Counts the pairs of each row of cells, then holds up to `limit` of them, from the first row on. Returns the number of all
+    /// pairs and those held.
     fn run(
         &self,
         limit: usize,
@@ -152,7 +153,8 @@ impl RangeSearch<'_> {
         Ok(pairs)
     }
 
-    /// Calls `see` with each compared pair of a row of cells, and with whether its distance is in the range.
+    /// Calls `see` with each compared pair of a row of cells, and with whether it counts: whether its distance is in the range
+    /// and the pair is not counted elsewhere.
     fn row(
         &self,
         row: usize,
@@ -170,9 +172,9 @@ impl RangeSearch<'_> {
                 for a in own {
                     for b in run {
                         let length = self.neighbors.offset(a, b).length();
-                        // Pairs that are met from both sides count at the lower index.
-                        let new = once || a.id < b.id;
-                        see(a, b, new && least <= length && length < most);
+                        // A pair that is met from both of its samples counts at the lower index.
+                        let counts_here = once || a.id < b.id;
+                        see(a, b, counts_here && least <= length && length < most);
                     }
                 }
             };

@@ -74,7 +74,7 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Coefficients, lowest power first, of the polynomial through the Chebyshev points of -1 to 1.
+/// Returns the coefficients, lowest power first, of the polynomial that agrees with `f` at the Chebyshev points of -1 to 1.
 fn monomials(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
     const COUNT: usize = DEGREE + 1;
     let angle = |i: usize| PI * (i as f64 + 0.5) / COUNT as f64;
@@ -90,7 +90,7 @@ fn monomials(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
         let sum: f64 = (values.iter().enumerate())
             .map(|(i, value)| value * (k as f64 * angle(i)).cos())
             .sum();
-        // That of T(0) is a mean, the others are twice theirs.
+        // The coefficient of T(0) is the mean of these products, any other one twice the mean.
         let coefficient = sum * if k == 0 { 1.0 } else { 2.0 } / COUNT as f64;
 
         for (total, part) in out.iter_mut().zip(now) {

@@ -162,7 +162,7 @@ impl MeasuredSet {
                 self.distances = Some(Arc::new(NearestDistances::of(points, region, control)?));
             }
             Part::Rough => {
-                // Low frequencies first, at a sixteenth of the work of all.
+                // A quarter of the frequencies along each axis are a sixteenth of the work.
                 let window = fewer(&Spectrum::window(samples, region));
                 self.rough = Some(Arc::new(spectrum(points, region, &window, control)?));
             }
@@ -179,7 +179,7 @@ impl MeasuredSet {
             }
         }
 
-        // Also if the set has no such measure: then that is known.
+        // A part is known even if the set has no such measure.
         self.know(part);
         Ok(())
     }

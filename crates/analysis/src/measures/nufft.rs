@@ -127,6 +127,7 @@ pub(crate) struct Transform {
 }
 
 impl TransformPlan {
+    /// Returns the plan of a window that takes less memory.
     pub fn new(window: &FrequencyWindow) -> Result<Self, MeasureError> {
         let [x0, x1, y0, y1] = window.bounds();
         if x0 >= x1 || y0 >= y1 {
@@ -204,7 +205,7 @@ impl TransformPlan {
         2 * samples as u64 + x * y + x * self.rows() as u64
     }
 
-    /// Transforms samples of the unit torus with real weights.
+    /// Returns the transform of samples of the unit torus with real weights.
     pub fn run(
         &self,
         samples: &[Sample],
@@ -214,6 +215,7 @@ impl TransformPlan {
             let spread = Spread::<1>::new(samples, self.sizes(), |sample| [sample.weight]);
             self.along_y_real(&spread.run(monitor)?, monitor)?
         } else {
+            // A phase moves the middle of the window to frequency 0, about which the grid is made.
             let middle = DVec2::from(self.axes.map(|axis| axis.middle as f64));
             let moved = |sample: &Sample| {
                 // Whole turns are dropped before the angle loses digits to them.
@@ -259,7 +261,7 @@ impl TransformPlan {
         Ok(half)
     }
 
-    /// Transforms two grid lines along y, and writes the rows of the window of the one and then of the other.
+    /// Transforms two grid lines along y. Writes the first line's values at the rows of the window to `out`, then the second's.
     pub(super) fn pair_along_y(
         &self,
         grid: &SpreadGrid<1>,
@@ -279,14 +281,15 @@ impl TransformPlan {
         scratch.run(fft);
 
         for k in 0..rows {
-            // The transform of a real line has conjugate values at opposite frequencies, which tells both lines
-            // apart.
+            // The transform of a real line has conjugate values at opposite frequencies. So `a` is the first line's value plus
+            // i times the second's, and `b` the same with minus.
             let [a, b] = [scratch.line[k], scratch.line[(size - k) % size].conj()];
             out[k] = (a + b) * 0.5;
             out[rows + k] = (a - b) * Complex::new(0.0, -0.5);
         }
     }
 
+    /// Transforms complex grid lines along y. Returns the values at the rows of the window, line by line.
     fn along_y_complex(
         &self,
         grid: &SpreadGrid<2>,
@@ -344,7 +347,8 @@ impl TransformPlan {
         Ok(values)
     }
 
-    /// Transforms [`TOGETHER`] rows of the window along x, or those that are left.
+    /// Transforms [`TOGETHER`] rows of the window along x, or those that are left, and divides the kernel out. `half` has the
+    /// values at the rows for each grid point along x; `out` gets the block's rows.
     pub(super) fn block_along_x(
         &self,
         half: &[Complex<f64>],
@@ -354,23 +358,23 @@ impl TransformPlan {
         fft: &Arc<dyn Fft<f64>>,
         out: &mut [Complex<f64>],
     ) {
-        let ([axis, other], rows) = (self.axes, self.rows());
-        let (columns, start) = (axis.count(), block * TOGETHER);
+        let ([x_axis, y_axis], rows) = (self.axes, self.rows());
+        let (columns, start) = (x_axis.count(), block * TOGETHER);
         let count = out.len() / columns;
 
         // Several rows are gathered at a time, so that whole cache lines are read.
         for (index, line) in half.chunks_exact(rows).enumerate() {
             for (row, value) in line[start..start + count].iter().enumerate() {
-                scratch.line[row * axis.size + index] = *value;
+                scratch.line[row * x_axis.size + index] = *value;
             }
         }
         scratch.run(fft);
 
         for (row, out) in out.chunks_exact_mut(columns).enumerate() {
-            let line = &scratch.line[row * axis.size..][..axis.size];
-            let along_y = other.factor(self.first_row() + (start + row) as i64);
-            for ((value, factor), offset) in out.iter_mut().zip(factors).zip(-axis.below..) {
-                *value = line[axis.index(offset)] * factor * along_y;
+            let line = &scratch.line[row * x_axis.size..][..x_axis.size];
+            let along_y = y_axis.factor(self.first_row() + (start + row) as i64);
+            for ((value, factor), offset) in out.iter_mut().zip(factors).zip(-x_axis.below..) {
+                *value = line[x_axis.index(offset)] * factor * along_y;
             }
         }
     }

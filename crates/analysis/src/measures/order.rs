@@ -72,23 +72,24 @@ impl Order {
         self.sides.get(6).copied().unwrap_or(0) as f64 / all as f64
     }
 
+    /// Returns the order of a set from its cells; the error if all of them are at the border.
     fn of_cells(cells: Vec<CellOrder>) -> Result<Self, MeasureError> {
         let inner: Vec<CellOrder> = (cells.iter().copied())
-            // A border cuts cells: their areas and sides say nothing about the set.
+            // The border cuts the cells at it: their areas and sides say nothing about the set.
             .filter(|cell| !cell.at_border)
             .collect();
         let relative_areas = Summary::of(inner.iter().map(|cell| cell.relative_area))
             .ok_or(MeasureError::TooFew { count: 0, limit: 1 })?;
 
-        let most = inner.iter().map(|cell| cell.sides).max().unwrap_or(0);
-        let mut sides = vec![0; most + 1];
-        let (mut total, mut magnitudes, mut sum) = (0, 0.0, [0.0; 2]);
+        let most_sides = inner.iter().map(|cell| cell.sides).max().unwrap_or(0);
+        let mut sides = vec![0; most_sides + 1];
+        let (mut all_sides, mut magnitudes, mut bond_sum) = (0, 0.0, [0.0; 2]);
 
         for cell in &inner {
             sides[cell.sides] += 1;
-            total += cell.sides;
+            all_sides += cell.sides;
             magnitudes += cell.bond_order[0].hypot(cell.bond_order[1]);
-            sum = [0, 1].map(|part| sum[part] + cell.bond_order[part]);
+            bond_sum = [0, 1].map(|part| bond_sum[part] + cell.bond_order[part]);
         }
 
         let count = inner.len() as f64;
@@ -96,9 +97,9 @@ impl Order {
             cells,
             relative_areas,
             sides,
-            mean_sides: total as f64 / count,
+            mean_sides: all_sides as f64 / count,
             bond_order: magnitudes / count,
-            global_bond_order: sum[0].hypot(sum[1]) / count,
+            global_bond_order: bond_sum[0].hypot(bond_sum[1]) / count,
         })
     }
 }

@@ -73,9 +73,10 @@ impl PairCorrelation {
         check_set(points, region, 3)?;
         check_not_all_equal(points)?;
         check_count("bins of g(r)", bins, MAX_BINS)?;
+
+        // Up to half the shorter side two samples have one pair of nearest images. Bins of no width are refused.
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.5 * region.shorter_side() / r_max;
-        // Up to half the shorter side two samples have one pair of nearest images.
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
 
         let monitor = Monitor::begin(control, points.len() as u64)?;
@@ -109,6 +110,7 @@ impl PairCorrelation {
         let count = samples as f64;
         // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets.
         let density = 0.5 * count * (count - 1.0) / (area * area);
+        // The area between the circles of a bin's two distances.
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;
         let g = (weights.iter().enumerate()).map(|(bin, weight)| weight / (density * ring(bin)));
         Self {
@@ -193,6 +195,7 @@ struct PairSums {
 }
 
 impl PairSearch<'_> {
+    /// Returns the pairs in each bin and their weights.
     fn run(&self, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
         let rows = self.neighbors.grid.cells[1];
         let bound = |part: usize| part * rows / PARTS;
@@ -202,11 +205,11 @@ impl PairSearch<'_> {
             .collect::<Result<_, _>>()?;
 
         let mut sum = self.empty();
-        // In sequence, as the rounding of sums depends on it.
+        // Parts are added in their order, as the rounding of sums depends on it.
         for part in parts {
             sum.add(part);
         }
-        // The last count is of farther pairs.
+        // The last count is that of pairs beyond all bins.
         sum.counts.pop();
 
         let domain = &self.neighbors.grid.domain;
@@ -267,7 +270,8 @@ impl PairSearch<'_> {
             .partners([column, row], self.distance, partners);
     }
 
-    /// Calls `look` with the index of each sample of a cell: on all threads where a cluster fills it.
+    /// Calls `look` with the index of each sample of a cell, and with the sums to add its pairs to: on all threads where a
+    /// cluster fills the cell.
     fn each(
         &self,
         own: &[Entry],
@@ -289,7 +293,7 @@ impl PairSearch<'_> {
             }
             part
         });
-        // Added in sequence, so that sums do not depend on threads.
+        // Parts are added in their order, so that sums do not depend on threads.
         for part in chunks.collect::<Vec<PairSums>>() {
             found.add(part);
         }

@@ -166,7 +166,7 @@ impl Periodogram {
         rows.for_each(|(row, powers)| {
             let ky = window.y.start + row as i64;
             for (power, kx) in powers.iter_mut().zip(window.x.clone()) {
-                // Without the mean density, which reaches beyond zero in a tapered set.
+                // The sum is without the mean density, which reaches beyond the zero frequency in a tapered set.
                 let k = [kx, ky];
                 *power = set.sum(k, transform.at(k)).norm_sqr() * set.scale;
             }

@@ -57,15 +57,17 @@ impl RadialProfile {
     /// [`MeasureError::OutOfRange`] for a width outside [`Self::WIDTHS`].
     pub fn of(periodogram: &Periodogram, width: f64) -> Result<Self, MeasureError> {
         check_range("the width of an annulus", width, Self::WIDTHS)?;
-        let (reach, [most_x, most_y]) = reach(periodogram);
-        let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
-        let count = (most_y / ROWS + 1) as usize;
-        let parts = (0..count).into_par_iter().map(|part| {
-            let mut sums = vec![AnnulusSums::default(); whole];
+        let (held_length, [most_x, most_y]) = reach(periodogram);
+        let whole_annuli = ((held_length - 0.5) / width).floor().max(0.0) as usize;
+
+        let part_count = (most_y / ROWS + 1) as usize;
+        let parts = (0..part_count).into_par_iter().map(|part| {
+            let mut sums = vec![AnnulusSums::default(); whole_annuli];
             let first = part as i64 * ROWS;
             let rows = first..(most_y + 1).min(first + ROWS);
-            // One of each two opposite frequencies, as both have one power.
+            // One of each two opposite frequencies is enough, as they have the same power.
             for [length, power] in periodogram.half_plane(most_x, rows) {
+                // Frequencies beyond the last whole annulus count for nothing.
                 if let Some(sums) = sums.get_mut(annulus_of(length, width)) {
                     sums.add(length, power);
                 }
@@ -73,8 +75,8 @@ impl RadialProfile {
             sums
         });
 
-        let mut annuli = vec![AnnulusSums::default(); whole];
-        // In sequence, as the rounding of sums depends on it.
+        let mut annuli = vec![AnnulusSums::default(); whole_annuli];
+        // Parts are merged in their order, as the rounding of sums depends on it.
         for part in parts.collect::<Vec<_>>() {
             for (sums, more) in annuli.iter_mut().zip(part) {
                 sums.merge(more);
@@ -104,15 +106,16 @@ impl RadialProfile {
     }
 }
 
-/// The length below which every frequency or its opposite is in the window, and the largest
-/// frequencies that can be that short.
+/// Returns the length below which every frequency or its opposite is in the window, and the largest frequencies along x and y
+/// that can be shorter than that.
 fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
     let [x0, x1, y0, y1] = periodogram.window.bounds();
     let scale = unit_lengths(periodogram.region);
-    // Whole axes reach as far as their shorter side; one axis may be a half. A reach below 0 is none: the window does not
-    // hold the axis's zero.
-    let (whole_x, whole_y) = ((-x0).min(x1 - 1), (-y0).min(y1 - 1));
-    let half = |first: i64, end: i64| {
+    // An axis that is held on both sides of zero reaches as far as its shorter side. As opposite frequencies stand for each
+    // other, one side is enough of the other axis: it reaches as far as its longer side. Below 0 is no reach, as the window
+    // does not hold the axis's zero.
+    let (both_x, both_y) = ((-x0).min(x1 - 1), (-y0).min(y1 - 1));
+    let one_side = |first: i64, end: i64| {
         if first <= 0 && end > 0 {
             (-first).max(end - 1)
         } else {
@@ -120,17 +123,17 @@ fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
         }
     };
 
-    [[half(x0, x1), whole_y], [whole_x, half(y0, y1)]]
+    [[one_side(x0, x1), both_y], [both_x, one_side(y0, y1)]]
         .into_iter()
         .filter(|most| most[0] >= 0 && most[1] >= 0)
         .map(|most| {
-            let reach = [0, 1].map(|axis| (most[axis] + 1) as f64 * scale[axis]);
-            (reach[0].min(reach[1]), most)
+            // The shortest frequency that is missing lies on an axis, one beyond the last.
+            let missing = [0, 1].map(|axis| (most[axis] + 1) as f64 * scale[axis]);
+            (missing[0].min(missing[1]), most)
         })
-        .fold(
-            (0.0, [0, 0]),
-            |best, next| if next.0 > best.0 { next } else { best },
-        )
+        .fold((0.0, [0, 0]), |longest, next| {
+            if next.0 > longest.0 { next } else { longest }
+        })
 }
 
 /// The annulus of a length.
@@ -193,12 +196,13 @@ pub(crate) struct AnnulusTable {
 }
 
 impl AnnulusTable {
-    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`.
+    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`, with lengths as those of
+    /// [`Periodogram::length`].
     pub fn new([columns, rows]: [usize; 2], step: usize, region: Region, width: f64) -> Self {
-        let scale = unit_lengths(region);
-        let [x_unit, y_unit] = scale;
-        let [reach_x, reach_y] = [columns, rows].map(|count| (count * step) as f64);
-        let whole = annulus_of((reach_x * x_unit).min(reach_y * y_unit), width);
+        let [x_unit, y_unit] = unit_lengths(region);
+        // The shortest frequency that is missing lies on an axis. The annuli before its own are whole.
+        let [missing_x, missing_y] = [columns, rows].map(|count| (count * step) as f64);
+        let whole = annulus_of((missing_x * x_unit).min(missing_y * y_unit), width);
 
         let mut annuli = Vec::with_capacity(columns * rows);
         let (mut counts, mut lengths) = (vec![0; whole + 1], vec![0.0; whole + 1]);
@@ -210,6 +214,7 @@ impl AnnulusTable {
             let first = annuli.len();
             // Frequencies beyond the last whole annulus share the index after it, and are left out in the end.
             annuli.extend((row.iter()).map(|length| annulus_of(*length, width).min(whole) as u32));
+            // Counts are of one frequency of each opposite pair.
             for x in half_row(columns, y) {
                 let annulus = annuli[first + x] as usize;
                 counts[annulus] += 1;

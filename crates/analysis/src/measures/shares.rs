@@ -120,6 +120,7 @@ fn quarters(window: &FrequencyWindow) -> Vec<FrequencyWindow> {
     windows.into_iter().filter(filled).collect()
 }
 
+/// Returns the shares by the transforms of plans that together hold each pair of opposite frequencies once.
 fn shares_by(
     plans: &[TransformPlan],
     points: &[[f64; 2]],
@@ -131,6 +132,7 @@ fn shares_by(
     let monitor = Monitor::begin(control, plans.iter().map(work).sum())?;
     let set = Weighed::new(points, region, Taper::for_boundary(region.boundary));
 
+    // The wave of the ring's frequencies at the place of each sample.
     let (mut sums, mut waves) = (RingSums::default(), vec![0.0; points.len()]);
     for plan in plans {
         let mut values = plan.run(&set.samples, &monitor)?.values;
@@ -141,7 +143,7 @@ fn shares_by(
         }
     }
 
-    // The power of the ring is a sum over samples, each with the wave that the ring's frequencies make at its place.
+    // The power of the ring is the sum over samples of the wave at their places, less the part of the mean density.
     let shares = (set.samples.iter().zip(waves))
         .map(|(sample, wave)| sample.weight * (wave - sums.mean_wave) * set.scale)
         .collect();
@@ -197,7 +199,8 @@ impl RingSums {
     }
 }
 
-/// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Sums count opposite frequencies, too.
+/// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Returns the sums over the ring, which count
+/// opposite frequencies apart.
 fn restrict(
     values: &mut [Complex<f64>],
     plan: &TransformPlan,
@@ -212,12 +215,13 @@ fn restrict(
         .map(|(row, values)| {
             let mut sums = RingSums::default();
             let ky = y.middle + plan.first_row() + row as i64;
-            // The first row of a real plan holds opposite frequencies itself.
+            // The row `ky = 0` of a real plan holds both of two opposite frequencies. Of all others one is held, and counts
+            // twice.
             let times = if plan.real && ky == 0 { 1 } else { 2 };
 
             for (value, kx) in values.iter_mut().zip(x.middle - x.below..) {
                 let length = (kx as f64 * unit_x).hypot(ky as f64 * unit_y);
-                // The frequency zero counts the samples.
+                // The power at frequency zero tells the number of samples alone.
                 if [kx, ky] == [0, 0] || !(inner..outer).contains(&length) {
                     *value = Complex::default();
                     continue;
@@ -231,7 +235,7 @@ fn restrict(
             sums
         })
         .collect();
-    // In the sequence of rows, so that rounding does not depend on threads.
+    // Rows are added in their order, so that rounding does not depend on threads.
     by_row.into_iter().fold(RingSums::default(), RingSums::plus)
 }
 

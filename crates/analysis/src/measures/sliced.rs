@@ -72,10 +72,12 @@ impl SlicedTransform {
     pub fn proceed(&mut self) -> Option<Slice> {
         let index = self.made;
         self.made += 1;
+
+        // The first slices are the bands of samples.
         let bands = self.spread.bands();
         if index < bands {
             let count = self.spread.spread_band(index, &mut self.grid);
-            // Lines beyond the last are known once all samples are spread.
+            // Lines beyond the last one are added to the first ones once all samples are spread.
             if index + 1 == bands {
                 self.spread.fold(&mut self.grid);
             }
@@ -83,7 +85,7 @@ impl SlicedTransform {
         }
 
         let ([x, y], rows) = (self.plan.axes, self.plan.rows());
-        // Lines along y are transformed two at a time: as they are real, both fit into one complex line.
+        // Pairs of lines along y come next: as lines are real, two fit into one complex line.
         let (pair, pairs) = (index - bands, x.size / 2);
         if pair < pairs {
             let out = &mut self.half[pair * 2 * rows..][..2 * rows];
@@ -92,6 +94,7 @@ impl SlicedTransform {
             return Some(Slice::Points(2 * y.size));
         }
 
+        // Blocks of rows along x are the last slices. Beyond the last block there is none.
         let (block, columns) = (pair - pairs, x.count());
         let out = (self.values.chunks_mut(TOGETHER * columns)).nth(block)?;
         let Along { fft, scratch } = &mut self.along_x;

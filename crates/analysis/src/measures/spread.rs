@@ -124,12 +124,12 @@ impl<const C: usize> Spread<C> {
     ) -> Self {
         let Tiles {
             keys,
-            starts,
+            starts: mut cursors,
             bands,
         } = Tiles::of(samples, sizes);
-        let empty = SpreadSample::default();
+
         // Within a tile samples keep their sequence, so that sums have one order.
-        let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts);
+        let mut sorted = vec![SpreadSample::default(); samples.len()];
 
         for (sample, key) in samples.iter().zip(keys) {
             let (first, ahead) = first_grid_point(sample.at, sizes);

@@ -35,7 +35,7 @@ impl Summary {
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         let mut average = Average::new(1);
-        // Before they are sorted: sums run in the sequence given.
+        // The sums run in the sequence given, and so before the values are sorted.
         for value in &values {
             average.push([*value]);
         }
@@ -43,20 +43,21 @@ impl Summary {
         values.par_sort_unstable_by(f64::total_cmp);
         let (least, most) = (*values.first()?, *values.last()?);
 
-        let at = |part: f64| {
+        let quantile = |part: f64| {
             let rank = part * (values.len() - 1) as f64;
             let below = rank.floor() as usize;
             let above = (below + 1).min(values.len() - 1);
             values[below] + (rank - below as f64) * (values[above] - values[below])
         };
 
+        // The standard error of a mean is the deviation over the root of the count. One value has none.
         let error = average.standard_errors().map_or(0.0, |errors| errors[0]);
         Some(Self {
             count: values.len(),
             mean: average.means()[0],
             deviation: error * (values.len() as f64).sqrt(),
             least,
-            quartiles: [at(0.25), at(0.5), at(0.75)],
+            quartiles: [quantile(0.25), quantile(0.5), quantile(0.75)],
             most,
         })
     }

@@ -43,7 +43,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
         Ok(Some((own, mapped)))
     });
 
-    // If one tile could not be done alone, the cells of the others are dropped.
+    // A tile has no cells if they would take a view around the torus. Then the cells of all tiles are dropped.
     let tiles: Option<Vec<_>> = tiles.collect::<Result<_, VerifyError>>()?;
     let mut out: Vec<Option<T>> = vec![None; points.len()];
     for (own, mapped) in tiles.into_iter().flatten() {
@@ -55,7 +55,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
         return Ok(all);
     }
 
-    // If one tile would reach around the torus, the set is triangulated in one piece.
+    // Not every sample has its value: the set is triangulated in one piece.
     let cells = voronoi_cells(points, region)?;
     monitor.advance((points.len() as u64).saturating_sub(monitor.done()))?;
     Ok(cells.iter().map(f).collect())
@@ -116,6 +116,7 @@ impl<'a> CellTile<'a> {
         }
     }
 
+    /// Returns the view of the tile with a margin of so many grid cells; none if it would reach around the torus.
     fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
         let mut view = TileView {
@@ -130,16 +131,17 @@ impl<'a> CellTile<'a> {
             let mut seen = [first - margin, end + margin];
 
             if domain.periodic {
-                // Not a whole period, or the view would hold both a sample and its copy.
+                // A view of a whole period could hold both a sample and its copy.
                 if seen[1] - seen[0] >= all {
                     return None;
                 }
             } else {
+                // Beyond the border there is no sample, so that the view ends with it.
                 view.ends[axis] = [seen[0] <= 0, seen[1] >= all];
                 seen = [seen[0].max(0), seen[1].min(all)];
             }
 
-            // Rounding may put a sample a little beyond its cell.
+            // Rounding may put a sample a little beyond its cell, by far less than a thousandth of the side.
             let slack = 1e-3 * sides[axis];
             if !view.ends[axis][0] {
                 view.low[axis] = seen[0] as f64 * sides[axis] - slack;
@@ -163,7 +165,8 @@ impl<'a> CellTile<'a> {
         };
         let cells = voronoi_cells(&positions, region)?;
 
-        // A cell is that of the whole set if the empty circles at its corners lie in view: no sample out of view is in one.
+        // A cell is that of the whole set if the empty circles at its corners lie in view: no sample out of view is inside of
+        // them. `reach` says how far these circles reach from the sample.
         let follows = |index: usize| {
             [0, 1].into_iter().all(|axis| {
                 let end = |end: usize| positions[index][axis] + cells[index].reach[end][axis];

@@ -191,15 +191,19 @@ impl ClassCounts {
             })
             .collect();
 
-        // A sample in a class without area is infinitely unlikely.
+        // A sample in a class without area makes the sum infinite, as it is infinitely unlikely. Such a class without samples
+        // adds nothing.
         let chi_square: f64 = (self.observed.iter().zip(&self.expected))
             .filter(|(observed, expected)| **observed > 0 || **expected > 0.0)
             .map(|(observed, expected)| (*observed as f64 - expected).powi(2) / expected)
             .sum();
+
+        // The classes less one are the degrees of freedom, and also the m of Cramer's V.
+        let freedom = possible - 1;
         Ok(Uniformity {
             samples,
             runs: self.runs(),
-            chi_square: ChiSquare::new(chi_square, possible - 1, samples as f64, possible - 1),
+            chi_square: ChiSquare::new(chi_square, freedom, samples as f64, freedom),
             deviations,
         })
     }
@@ -243,7 +247,7 @@ impl ClassCounts {
         let (mut sum, mut classes) = (0.0, 0);
         for (a, b) in self.observed.iter().zip(&other.observed) {
             let [a, b] = [*a as f64, *b as f64];
-            // A class that is empty in both does not show their difference.
+            // A class that is empty in both counts does not show a difference between them.
             if a + b > 0.0 {
                 classes += 1;
                 sum += (a * totals[1] - b * totals[0]).powi(2) / (a + b);
@@ -255,12 +259,13 @@ impl ClassCounts {
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
 
-        let chi_square = sum / (totals[0] * totals[1]);
+        // Between two sets of counts the m of Cramer's V is 1.
+        let (chi_square, m) = (sum / (totals[0] * totals[1]), 1);
         Ok(ChiSquare::new(
             chi_square,
             classes - 1,
             totals[0] + totals[1],
-            1,
+            m,
         ))
     }
 }

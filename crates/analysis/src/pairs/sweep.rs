@@ -66,6 +66,7 @@ impl Sweep<'_> {
     /// Finds the pairs: a line sweeps along x, and `behind` holds the samples within reach behind it.
     fn run(&mut self, monitor: &Monitor<'_>) -> Result<(), VerifyError> {
         let count = self.samples.len();
+        // The first sample that `behind` may still hold.
         let mut first = 0;
         for index in 0..count {
             let x = self.samples[index].position[0];
@@ -79,16 +80,17 @@ impl Sweep<'_> {
             }
         }
         monitor.advance((count % CHUNK) as u64)?;
+
         if !self.grid.domain.periodic {
             return Ok(());
         }
 
-        // The first samples once more, a period on: pairs that are closer around the torus.
+        // The line meets the first samples once more, a period on: it finds the pairs that are closer around the torus.
         let period = self.grid.domain.extent[0];
         for index in 0..count {
             let x = self.samples[index].position[0];
             self.drop_behind(&mut first, count, |other| (period - other) + x);
-            // Nothing is within reach across the seam, nor will be further on.
+            // No sample is within reach across the seam, nor will be as the line moves on.
             if self.behind.is_empty() {
                 break;
             }
@@ -128,14 +130,14 @@ impl Sweep<'_> {
         }
     }
 
-    /// Compares a sample with those behind the line. A pair counts where it is closest: straight on, or around the
-    /// torus.
+    /// Compares a sample with those behind the line: straight on, or `around` the torus along x. A pair counts where it is
+    /// closest along x.
     fn look(&mut self, index: usize, around: bool) {
         let entry = self.samples[index];
         let periods = self.grid.domain.periods();
         let reach = self.reach();
-        // Pairs at one place are all alike: one for each witness will do.
-        let most = if reach == 0.0 {
+        // With a reach of 0 only pairs at one place are left. They are all alike: one for each witness is enough.
+        let most_partners = if reach == 0.0 {
             self.witnesses
         } else {
             usize::MAX
@@ -143,12 +145,13 @@ impl Sweep<'_> {
 
         for range in stretches(entry.position[1], reach * SLACK, periods[1]) {
             let range = (*range.start(), 0)..=(*range.end(), u32::MAX);
-            for &(_, other) in self.behind.range(range).take(most) {
+            for &(_, other) in self.behind.range(range).take(most_partners) {
                 let partner = &self.samples[other as usize];
                 let direct = (partner.position[0] - entry.position[0]).abs();
-                // Around the torus a pair would be met from both of its samples.
-                let ahead = !around || other as usize > index;
-                if ahead && (direct + direct > periods[0]) == around {
+                let is_closer_around = direct + direct > periods[0];
+                // Around the torus a pair may be met from each of its samples. It counts from the lower index.
+                let counts_here = !around || other as usize > index;
+                if counts_here && is_closer_around == around {
                     let distance = length(offset(periods, &entry, partner));
                     self.pairs.add([&entry, partner], distance, self.radius);
                 }

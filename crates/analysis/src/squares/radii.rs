@@ -41,6 +41,7 @@ struct BlockLevel {
 }
 
 impl RadiusTable {
+    /// Returns the table of the radii of a region, or the error for a number that is beyond its limit.
     pub(super) fn new(region: LatticeRegion, radii: Radii<'_>) -> Result<Self, SquaresError> {
         let (pitch_bits, columns, nodes) = match radii {
             Radii::Constant(radius) => {
@@ -59,6 +60,7 @@ impl RadiusTable {
         }
         check_radii(nodes)?;
 
+        // In a periodic region the first node follows the last one at the same pitch.
         let sides = [region.width, region.height];
         let uneven = sides.into_iter().find(|side| side % (1 << pitch_bits) != 0);
         let wraps = region.boundary == Boundary::Periodic;
@@ -67,6 +69,7 @@ impl RadiusTable {
             return Err(SquaresError::UnevenPitch { side, bits });
         }
 
+        // The last cell may reach beyond the region. Cells need a node more than there are, but for a periodic region.
         let cells = sides.map(|side| ((side - 1) >> pitch_bits) as usize + 1);
         let [needed_columns, needed_rows] = cells.map(|cells| cells + usize::from(!wraps));
         if columns != needed_columns || nodes.len() != needed_columns * needed_rows {
@@ -196,9 +199,11 @@ impl NodeTable {
         }
     }
 
+    /// Returns radii between which all radii of a span lie, as [`RadiusTable::range`].
     fn range(&self, PointSpan { min, max }: PointSpan, bits: u32) -> RadiusRange {
         if bits <= self.bits {
-            // A bilinear function has its extremes over a rectangle at the corners, and rounding down keeps the order.
+            // The square lies in one cell. A bilinear function has its extremes over a rectangle at the corners, and rounding
+            // down keeps the order.
             let cell = self.cell(min[0], min[1]);
             let corners = [
                 cell.at(min[0], min[1]),
@@ -213,13 +218,15 @@ impl NodeTable {
             };
         }
 
-        // A square that is wider than the whole field is no wider than its last block.
+        // The last level is one block of all cells: wider squares need no more.
         let size = ((bits - self.bits) as usize).min(self.levels.len());
         let Some(level) = size.checked_sub(1).map(|index| &self.levels[index]) else {
+            // A table of a single cell has no levels.
             let [least, greatest] = self.around(0, 0).map(i64::from);
             return RadiusRange { least, greatest };
         };
 
+        // A square at the far border of a bounded region belongs to the last blocks.
         let rows = level.ranges.len() / level.columns;
         let shift = self.bits + size as u32;
         let column = ((min[0] >> shift) as usize).min(level.columns - 1);

@@ -27,10 +27,10 @@ const TILE_SAMPLES: usize = 512;
 /// The side of the largest tiles is two to this power, so that squared distances in a tile stay within 64 bits.
 const MAX_TILE_BITS: u32 = 28;
 
-/// So many tiles are fewer than the largest region has of the largest tiles.
+/// So many tiles are allowed for few samples, too. No region has more of the largest tiles: they are 8 x 8 at most.
 const MIN_TILES: usize = 81;
 
-/// Judges samples that lie in the domain.
+/// Returns the report on samples that lie in the domain.
 pub(super) fn search(
     judge: &SquaresJudge,
     samples: &[[i32; 2]],
@@ -43,11 +43,11 @@ pub(super) fn search(
     let mut all = TileFindings::new(witnesses);
 
     for row in 0..tiles.rows {
-        // Decided for whole rows, so that the report is the same on all threads.
-        let counts = all.conflicts < MAX_CONFLICTS;
+        // Whether conflicts are still counted is decided for whole rows, so that the report is the same on all threads.
+        let counts_conflicts = all.conflicts < MAX_CONFLICTS;
         let of_tile = |column: usize| {
             let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);
-            search.counts_conflicts = counts;
+            search.counts_conflicts = counts_conflicts;
             search.run(&tiles);
             monitor.advance(tiles.entries(column, row).len() as u64)?;
             Ok(search.findings)
@@ -117,12 +117,13 @@ struct SampleTiles {
 }
 
 impl SampleTiles {
+    /// Sorts samples into tiles, by counting.
     fn new(judge: &SquaresJudge, samples: &[[i32; 2]]) -> Self {
         let [right, top] = judge.last();
         let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
-        let most = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
-        let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most as u64;
-        // The smallest tiles of which there are not too many.
+        let most_tiles = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
+        let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most_tiles as u64;
+        // Tiles are the smallest of which there are not too many. Of the largest there never are.
         let bits = (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS);
         let [columns, rows] = counts(bits).map(|count| count as usize);
 
@@ -135,6 +136,7 @@ impl SampleTiles {
             starts[tile + 1] += starts[tile];
         }
 
+        // The next free entry of each tile. All entries are overwritten.
         let mut next = starts.clone();
         let nowhere = TileSample {
             place: [0; 2],
@@ -308,7 +310,8 @@ impl<'a> TileSearch<'a> {
         PointSpan { min, max }
     }
 
-    /// Lists the samples that may be near a place of the tile, or no more than `times` as far from it.
+    /// Lists the samples that may be near a place of the tile, or at most `times` as far from one as near places may be. The
+    /// tile's own samples come first. `span` has the lattice points of the tile.
     fn gather(
         &mut self,
         tiles: &SampleTiles,
@@ -317,7 +320,7 @@ impl<'a> TileSearch<'a> {
         times: i64,
     ) -> List {
         let Self { judge, corner, .. } = *self;
-        // No reach is larger than the larger radius, nor than twice the smaller one.
+        // The harmonic mean of two radii exceeds neither the larger one nor twice the smaller one.
         let greatest = judge.radii.range(*span, self.bits).greatest;
         let reach = times * judge.radii.greatest().min(2 * greatest);
         let wide = PointSpan {
@@ -326,7 +329,7 @@ impl<'a> TileSearch<'a> {
         };
 
         let [width, height] = [judge.region.width, judge.region.height].map(i64::from);
-        // A reach is shorter than a period, so that images one period away suffice.
+        // The image of a sample that is nearest to a place of the region is at most one period away.
         let images = match judge.region.boundary {
             Boundary::Periodic => [-1, 0, 1].as_slice(),
             Boundary::Bounded => &[0],
@@ -344,7 +347,7 @@ impl<'a> TileSearch<'a> {
             };
             tiles.in_tiles_of(&original, |entry| {
                 let place = [0, 1].map(|axis| i64::from(entry.place[axis]) + shift[axis]);
-                // A tile that the rectangle meets may reach far beyond it, where offsets would not fit.
+                // A tile that the rectangle meets may reach far beyond it, where offsets would not fit 32 bits.
                 if (0..2).any(|axis| place[axis] < wide.min[axis] || place[axis] > wide.max[axis]) {
                     return;
                 }
@@ -356,7 +359,7 @@ impl<'a> TileSearch<'a> {
                     radius,
                     index,
                 };
-                // A tile may reach beyond the region, where images lie in it.
+                // Where a tile reaches beyond the region, images lie in it that are not its own samples.
                 let is_own = (i, j) == (&0, &0) && tile.holds(&near);
                 let list = if is_own { &mut self.lists } else { &mut others };
                 list.push(near);
@@ -372,19 +375,21 @@ impl<'a> TileSearch<'a> {
         }
     }
 
-    /// Looks for uncovered places and conflicts in a square, given the samples that may be near a place of a larger one.
-    /// Returns whether it has an uncovered place.
+    /// Looks for uncovered places and conflicts in a square of a larger one, given the larger one's share of the domain and the
+    /// samples that may be near a place of it. Returns whether the square has an uncovered place.
     fn visit(&mut self, square: &TileSquare, around: Share, near: List) -> bool {
         let span = self.span(square);
         // A square may begin beyond the region's border.
         if (0..2).any(|axis| span.min[axis] > span.max[axis]) {
             return false;
         }
+
         let share = match around {
+            // If all of the larger square is inside, so is this part of it.
             Share::Everything => Share::Everything,
             Share::Some | Share::Nothing => self.judge.shape.share(span, square.bits),
         };
-        // No sample lies outside of the domain, so that there is no conflict to find either.
+        // No sample lies outside of the domain, so that the square has no conflict either.
         if share == Share::Nothing {
             return false;
         }
@@ -395,8 +400,8 @@ impl<'a> TileSearch<'a> {
             return false;
         };
 
-        // Where a part of the square may be outside of the domain, it is cut until one of its places is known to be
-        // inside.
+        // A square that no sample reaches is a hole. If a part of it may be outside of the domain, it is cut until one of its
+        // places is known to be inside. A single place that is left here is in the domain, and no sample is near it.
         let is_hole = list.all().is_empty() && share == Share::Everything;
         if is_hole || square.bits == 0 {
             self.report_uncovered(&span);
@@ -406,8 +411,8 @@ impl<'a> TileSearch<'a> {
 
         let mut found = false;
         for quarter in square.quarters() {
-            // Along the rim of a hole are thousands of uncovered places: in a square that one sample could cover, the first
-            // one is enough.
+            // Along the rim of a hole are thousands of uncovered places: in a square no wider than the radius, the first one
+            // is enough. Its other quarters are searched for conflicts alone.
             if found && 1 << square.bits <= range.least {
                 let own = self.list_own(&quarter, list);
                 self.find_conflicts(own, list);

@@ -27,6 +27,7 @@ pub(super) enum ShapeIndex {
 }
 
 impl ShapeIndex {
+    /// Returns the index of a shape in a region, or the error for a ring with too few corners or a mask without whole rows.
     pub(super) fn new(region: LatticeRegion, shape: &Shape) -> Result<Self, SquaresError> {
         match shape {
             Shape::Rectangle => Ok(Self::Rectangle),
@@ -47,6 +48,7 @@ impl ShapeIndex {
                     return Err(SquaresError::Pitch { bits: *pitch_bits });
                 }
 
+                // Pixels are whole rows, one at least.
                 if *columns == 0 || pixels.is_empty() || pixels.len() % columns != 0 {
                     let (pixels, columns) = (pixels.len(), *columns);
                     return Err(SquaresError::Mask { pixels, columns });
@@ -138,6 +140,7 @@ pub(super) struct EdgeRows {
 }
 
 impl EdgeRows {
+    /// Lists the sides of rings, in a region of so many rows, by bands.
     fn new(height: i64, rings: &[Vec<[i32; 2]>]) -> Self {
         let mut edges = Vec::new();
         for ring in rings {
@@ -151,12 +154,13 @@ impl EdgeRows {
         }
 
         let wanted = (edges.len() as i64).clamp(1, MAX_BANDS);
+        // Bands are as low as they can be with no more of them than edges.
         let bits = (0..32).find(|bits| height >> bits < wanted).unwrap_or(32);
         let mut bands = vec![Vec::new(); (height >> bits) as usize + 1];
 
         for (index, edge) in edges.iter().enumerate() {
             let [low, high] = edge.ends(1);
-            // No place outside of the region is asked about.
+            // Edges above or below the region are not listed, as no place there is asked about.
             if high >= 0 && low <= height {
                 let [first, last] = [low.max(0), high.min(height)].map(|y| (y >> bits) as usize);
                 for band in &mut bands[first..=last] {

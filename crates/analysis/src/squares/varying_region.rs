@@ -129,6 +129,7 @@ impl VaryingRegion {
         points.iter().map(|&p| self.lattice_point(p)).collect()
     }
 
+    /// Returns the report on points, in the region's own length, of what the judge found in lattice units.
     fn report(
         &self,
         points: &[[f64; 2]],
@@ -136,15 +137,17 @@ impl VaryingRegion {
         min_distance: f64,
         covering_tolerance: f64,
     ) -> Report {
+        // Distances are those of the points themselves, not of their lattice points.
         let conflict = |&Conflict { first, second, .. }: &Conflict| Conflict {
             first,
             second,
             distance: self.distance(points[first], points[second]),
         };
+
         let units = self.units();
         let places = found.uncovered_places.iter().map(|uncovered| {
             let center = [0, 1].map(|axis| f64::from(uncovered.place[axis]) * units[axis]);
-            // Among all samples, as only a few places are listed.
+            // The nearest of all samples is searched for one by one, as only a few places are listed.
             let distances = points.iter().map(|&point| self.distance(point, center));
             Gap {
                 center,
@@ -153,6 +156,7 @@ impl VaryingRegion {
             }
         });
 
+        // The smallest distance of so many samples in the densest packing, the hexagonal one.
         let (count, area) = (points.len(), self.region.area());
         let r_max = (2.0 * area / (3f64.sqrt() * count as f64)).sqrt();
         Report {

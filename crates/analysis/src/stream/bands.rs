@@ -174,7 +174,7 @@ impl Bands {
         highest: f64,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
-        let most = search.band.most_samples;
+        let most_samples = search.band.most_samples;
         let samples = self.held.len() + self.seam.len();
 
         if search.streams() {
@@ -183,24 +183,24 @@ impl Bands {
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
 
-            // Near a limit of memory bands of any height are worth their halos.
-            let crowded =
-                samples > most || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
-            let least = if crowded { 1 } else { search.band.rows };
-            let enough = self.held.len() >= self.next.max(search.band.samples) || crowded;
-            if enough && end >= begin + least.max(1) {
+            // At the limit of samples, or at half of that of cells, a band of any height is judged, to free memory.
+            let is_tight =
+                samples > most_samples || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
+            let least_rows = if is_tight { 1 } else { search.band.rows };
+            let is_due = self.held.len() >= self.next.max(search.band.samples) || is_tight;
+            if is_due && end >= begin + least_rows.max(1) {
                 self.judge(search, begin..end, complete, monitor)?;
                 self.next = self.held.len() + search.band.samples;
             }
 
-            // Judging has dropped rows. The rest cannot be judged yet.
+            // The rows that are left now cannot be judged yet: their cells must fit.
             let cells = (complete - self.keep).saturating_mul(search.cells[0]);
             if cells > MAX_CELLS {
                 return Err(self.too_large(search));
             }
         }
 
-        if self.held.len() + self.seam.len() > most {
+        if self.held.len() + self.seam.len() > most_samples {
             return Err(self.too_large(search));
         }
         Ok(())
@@ -213,6 +213,7 @@ impl Bands {
         }
     }
 
+    /// Judges the band `rows`, with the rows below `complete` that its tiles see, and drops the rows that no later band needs.
     fn judge(
         &mut self,
         search: &StreamSearch,
@@ -231,7 +232,7 @@ impl Bands {
         let scanned = self.closed.max(search.first_pairs())..rows.end;
         self.scan(search, &grid, scanned, monitor)?;
 
-        // Tiles that wanted rows above come first.
+        // Tiles that were postponed, as they wanted rows above, come first.
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
         visits.extend(new_visits(&task, rows.clone(), search));
@@ -324,7 +325,7 @@ impl Bands {
         let all = search.cells[1];
         let periodic = search.domain.periodic;
         let count = all - self.keep + if periodic { SEAM } else { 0 };
-        // Where rows and those at the seam make a whole torus, they are one grid, not one that meets itself.
+        // If the remaining rows and those at the seam are all rows of a torus, or more, the grid holds each row once.
         let (first, count) = if count < all {
             (self.keep, count)
         } else {
@@ -337,22 +338,24 @@ impl Bands {
         let (held, seam) = (mem::take(&mut self.held), mem::take(&mut self.seam));
         let parts = [&held[..], &seam[..]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
-        // The grid has copied them.
+        // The grid has copied the samples.
         drop((held, seam));
         check_crowd(&grid)?;
 
         self.scan(search, &grid, self.closed..all, monitor)?;
+        // The lowest row of a torus was open until now.
         self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
 
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
         visits.extend(new_visits(&task, self.closed..all, search));
         visits.extend(new_visits(&task, 0..search.first_tiles(), search));
+        // A tile that still wants more has a hole too wide for the rows held.
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
             return Err(too_wide(search, visit));
         }
 
-        // Pairs farther apart than that may not all have been seen.
+        // Pairs farther apart than the certain distance may not all have been seen.
         let limit = pairs::certain_distance(&grid);
         if self.pairs.min_distance > limit {
             let scale = search.domain.scale;

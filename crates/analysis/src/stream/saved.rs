@@ -99,19 +99,19 @@ impl StreamVerifier {
             return Err(bad("its checksum is wrong"));
         }
 
-        // The layout comes first: the rest can be read in that one only.
+        // The number of the layout comes first, since bytes of another layout cannot be read.
         let incomplete = |_| bad("it is incomplete");
-        let (layout, bytes): (u32, _) = postcard::take_from_bytes(bytes).map_err(incomplete)?;
+        let (layout, rest): (u32, _) = postcard::take_from_bytes(bytes).map_err(incomplete)?;
         if layout != LAYOUT {
             return Err(bad("it is of another version"));
         }
 
-        let (search, bytes) = postcard::take_from_bytes(bytes).map_err(incomplete)?;
+        let (search, findings) = postcard::take_from_bytes(rest).map_err(incomplete)?;
         if SavedSearch::of(&verifier) != search {
             return Err(bad("it is of another region, radius, tolerance or judge"));
         }
 
-        let saved: RestoredState = postcard::from_bytes(bytes).map_err(incomplete)?;
+        let saved: RestoredState = postcard::from_bytes(findings).map_err(incomplete)?;
         verifier.expected = saved.expected;
         verifier.intake = saved.intake;
         verifier.bands = saved.bands;

@@ -42,8 +42,10 @@ pub(super) struct Cells {
 }
 
 impl Cells {
+    /// Returns the cells of a window's polygons, with what the disks of `radius` leave uncovered of their sides.
     pub fn new(window: &Window, domain: &Domain, radius: f64, same: f64) -> Self {
         let samples = window.samples.clone();
+        // A cell has six sides on average.
         let (mut sides, mut starts) = (Vec::with_capacity(6 * samples.len()), vec![0]);
         for (cell, polygon) in window.polygons.iter().enumerate() {
             let corners = clipped(polygon, domain, samples[cell]);
@@ -68,6 +70,7 @@ impl Cells {
             starts,
         };
 
+        // Twins are in other cells, so that they are looked for once all sides are there.
         let of_many = cells.sides_of_many();
         for side in 0..cells.sides.len() {
             cells.sides[side].twin = cells.find_twin(side, &of_many);
@@ -166,14 +169,14 @@ impl Cells {
             .find(|&side| self.sides[side].beyond == Some(back))
     }
 
-    /// The parts of a side outside the disk of its cell: on a side the distance is convex, so there are
-    /// one at each end at most.
+    /// Returns the head and the tail of a side: its parts outside the disk of its cell. The distance from the sample is convex
+    /// along a side, so that there is one part at each end at most.
     fn outside(&self, index: usize) -> (Option<f64>, Option<f64>) {
         let side = &self.sides[index];
         let beyond_disk = |reach: f64| reach > self.radius * (1.0 + TOUCH);
-        let out = [side.reach, self.sides[self.next(index)].reach].map(beyond_disk);
-        // The distance is convex along the side: between two covered ends all is covered.
-        if out == [false; 2] {
+        let ends_outside = [side.reach, self.sides[self.next(index)].reach].map(beyond_disk);
+        // Between two covered ends all is covered, as the distance is convex.
+        if ends_outside == [false; 2] {
             return (None, None);
         }
 
@@ -183,7 +186,7 @@ impl Cells {
         let along = (to - from) / whole;
         let to_sample = sample - from;
 
-        // Beyond a side lies the mirror image of the sample, which both cells see at the same distance.
+        // A side lies half-way to the sample beyond: computed from that, the height has the same bits in both cells.
         let height = match side.beyond {
             Some(Seen {
                 sample: other,
@@ -192,21 +195,22 @@ impl Cells {
             None => along.perp_dot(to_sample).abs(),
         };
 
-        // The circle meets the line of the side at the foot of its sample, less and more half a chord.
+        // The circle meets the line of the side at half a chord before and after the foot of the sample.
         let foot = to_sample.dot(along);
-        let half = ((self.radius - height) * (self.radius + height))
+        let half_chord = ((self.radius - height) * (self.radius + height))
             .max(0.0)
             .sqrt();
-        let at = |value: f64| (value / whole).clamp(0.0, 1.0);
+        let (enters, leaves) = (foot - half_chord, foot + half_chord);
+        let fraction = |length: f64| (length / whole).clamp(0.0, 1.0);
 
         // Both ends may be outside though the circle bulges over the middle.
-        let crosses = height < self.radius && foot - half > 0.0 && foot + half < whole;
-        match out {
-            [true, true] if crosses => (Some(at(foot - half)), Some(at(foot + half))),
+        let crosses = height < self.radius && enters > 0.0 && leaves < whole;
+        match ends_outside {
+            [true, true] if crosses => (Some(fraction(enters)), Some(fraction(leaves))),
             [true, true] => (Some(1.0), None),
             // A head of 1 would say that the whole side is outside.
-            [true, false] => (Some(at(foot - half).min(1.0 - f64::EPSILON)), None),
-            _ => (None, Some(at(foot + half))),
+            [true, false] => (Some(fraction(enters).min(1.0 - f64::EPSILON)), None),
+            _ => (None, Some(fraction(leaves))),
         }
     }
 }
@@ -225,7 +229,8 @@ fn clipped(polygon: &[Corner], domain: &Domain, sample: DVec2) -> Vec<Corner> {
     corners
 }
 
-/// Cuts a convex polygon along a line of the border.
+/// Returns the part of a convex polygon on the inner side of a line of the border, on which the coordinate along `axis` is
+/// `bound`.
 fn cut(
     corners: &[Corner],
     axis: usize,
@@ -237,7 +242,7 @@ fn cut(
     for (index, a) in corners.iter().enumerate() {
         let b = &corners[(index + 1) % corners.len()];
         let crossing = |beyond| {
-            // From the lower end, so that both cells at a side find the same place.
+            // The crossing is computed from the lower end, so that both cells at a side find the same place.
             let (low, high) = if a.at[axis] < b.at[axis] {
                 (a.at, b.at)
             } else {
@@ -255,7 +260,9 @@ fn cut(
 
         match (inside(a), inside(b)) {
             (true, true) => kept.push(*a),
+            // The side that begins at the crossing lies on the border.
             (true, false) => kept.extend([*a, crossing(None)]),
+            // The rest of the old side begins at the crossing.
             (false, true) => kept.push(crossing(a.beyond)),
             (false, false) => {}
         }

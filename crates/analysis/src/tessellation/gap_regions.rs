@@ -146,14 +146,14 @@ impl<'a> Runs<'a> {
         runs
     }
 
-    /// Adds the runs of a cell: parts that follow each other without the circle between them.
+    /// Adds the runs of a cell: parts that follow each other at corners of the cell.
     fn add_cell(&mut self, cell: usize) {
         let sides = &self.cells.sides;
         let has = |part: &Part| {
             let side = &sides[part / 2];
             if is_head(*part) { side.head } else { side.tail }.is_some()
         };
-        // Of each side the head, then the tail.
+        // The head of each side comes before its tail.
         let mut parts: Vec<Part> = self
             .cells
             .of(cell)
@@ -161,7 +161,8 @@ impl<'a> Runs<'a> {
             .filter(has)
             .collect();
 
-        // Without a part that begins on the circle, the parts are whole sides: all of them, or a run that no circle ends.
+        // A tail begins on the circle. Without one, all parts are one run, and the circle is whole if no part ends on it
+        // either.
         let Some(start) = parts.iter().position(|&part| !is_head(part)) else {
             if !parts.is_empty() {
                 let closed = parts.iter().all(|&part| self.ends_at_corner(part));
@@ -170,7 +171,7 @@ impl<'a> Runs<'a> {
             return;
         };
 
-        // From a part that begins on the circle on; a new run begins wherever the next does.
+        // The first run begins with a tail, and a new run with each further tail.
         parts.rotate_left(start);
         let mut rest = &parts[..];
         while !rest.is_empty() {
@@ -248,6 +249,7 @@ impl<'a> Runs<'a> {
         self.cells.sides[self.list[run].parts[0] / 2].cell
     }
 
+    /// Returns the gap of some runs, each with the periods by which it is moved.
     fn gap(&self, members: &[(usize, IVec2)], drawn: &mut Drawn) -> GapRegion {
         let cells = self.cells;
         let mut gap = GapRegion {
@@ -270,7 +272,8 @@ impl<'a> Runs<'a> {
                 let [from, to] = self.places(part).map(|place| cells.shifted(place, shift));
                 gap.add_strip(Strip { center, from, to });
 
-                // The distance is convex on every side: the deepest place is a corner.
+                // The deepest place is a corner, as the distance is convex on every side. A head begins at a corner, and a tail
+                // ends at the corner where the next side begins.
                 let side = if is_head(part) {
                     part / 2
                 } else {
@@ -287,11 +290,11 @@ impl<'a> Runs<'a> {
 }
 
 impl GapRegion {
-    /// Adds the area between the disk and a part of a side: a triangle less a sector.
+    /// Adds a strip with its area, which is that of a triangle less a sector of the disk.
     fn add_strip(&mut self, strip: Strip) {
         let [from, to] = strip.ends();
         let angle = from.perp_dot(to).atan2(from.dot(to));
-        // Along a border through the sample there is nothing between.
+        // On a border that runs through the sample the strip has no area.
         if angle <= 0.0 {
             return;
         }
@@ -299,11 +302,12 @@ impl GapRegion {
         self.area += 0.5 * (from.perp_dot(to) - self.radius * self.radius * angle);
         self.strips.push(strip);
 
-        // Drawn in pieces whose chords hardly leave the arc.
+        // The strip is drawn in pieces whose chords hardly leave the arc.
         let count = (angle / CHORD).ceil().max(1.0);
         self.fill.reserve(2 * count as usize);
         let first = from.to_angle();
         let across = to - from;
+        // The place on the arc and the place on the side in one direction from the sample.
         let at = |k: f64| {
             let ray = DVec2::from_angle(first + angle * (k / count));
             let reach = from.perp_dot(across) / ray.perp_dot(across);

@@ -46,7 +46,8 @@ impl Triangle {
     }
 }
 
-/// Goes around every Voronoi vertex of a periodic set, once, and cuts the polygon of its samples.
+/// Returns the triangles of a periodic set: goes once around every Voronoi vertex, and cuts the polygon of the samples around it
+/// into triangles.
 pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
     let mut done = vec![false; cells.sides.len()];
     let mut triangles = Vec::with_capacity(2 * cells.samples.len());
@@ -60,7 +61,8 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             let sample = cells.sides[side].cell;
             around.push((sample, cells.shifted(cells.samples[sample], shift)));
 
-            // Around the vertex at which the side begins, the next cell lies beyond the side before it.
+            // Around the vertex at which the side begins, the next cell lies beyond the side before it. A side without a twin,
+            // as rounding may leave one, ends the walk.
             let before = cells.before(side);
             let (Some(twin), Some(beyond)) = (cells.sides[before].twin, cells.sides[before].beyond)
             else {
@@ -70,7 +72,8 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             side = twin;
         }
 
-        // Samples on one circle share a vertex: their polygon is a fan of triangles.
+        // Samples on one circle share a vertex: their polygon is a fan of triangles about the first of them, which is skipped
+        // in the pairs.
         for pair in around.windows(2).skip(1) {
             let corners = [around[0], pair[0], pair[1]];
             let (samples, places) = (

@@ -53,6 +53,7 @@ pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiC
     Ok((0..points.len()).map(|index| cell(&cells, index)).collect())
 }
 
+/// Returns the cell of a sample, in the unit of the samples.
 fn cell(cells: &Cells, index: usize) -> VoronoiCell {
     let (sample, scale) = (cells.samples[index], cells.domain.scale);
     let mut found = VoronoiCell {
@@ -67,7 +68,7 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         // Triangles between the sample and its sides make up the cell.
         found.area += 0.5 * from.perp_dot(to) / (scale * scale);
 
-        // The empty circle about the corner at which the side begins.
+        // The rectangle grows by the empty circle about the corner at which the side begins.
         let radius = cells.sides[side].reach;
         found.reach[0] = found.reach[0].min((from - radius) / scale);
         found.reach[1] = found.reach[1].max((from + radius) / scale);

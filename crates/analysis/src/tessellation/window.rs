@@ -54,15 +54,18 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// Returns the polygons of a set, and the error of a triangulation that fails.
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
         let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
 
+        // All samples are triangulated together, from the domain's corner on.
         let failed = |cause| VerifyError::Triangulation {
             corner: [0.0; 2],
             cause,
         };
 
-        // A maximal set has circles of at most r. A radius that is far from the samples' spacing says little.
+        // The halo doubles until it holds all empty circles, so that the first one decides the time alone. A maximal set has
+        // circles of at most r; a radius that is far from the samples' spacing says little.
         let spacing = domain.spacing(samples.len());
         let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
         loop {
@@ -79,15 +82,16 @@ impl Window {
                         inserted.map_err(|error| failed(error.to_string()))?;
                     }
                 } else {
-                    // All on one line, and without triangles. With the guards there are some.
+                    // Samples on one line have no triangulation; with the guards they have one.
                     let sites = home_and_copies(&samples, &domain, halo).into_iter();
                     found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
                 }
             }
 
-            // Without periods no copy is missing, and a halo of a period has all that matter.
-            let all = !domain.periodic || halo >= domain.extent.max_element();
-            let polygons = found.and_then(|found| polygons(&found, &samples, &domain, halo, all));
+            // A bounded domain has no copies, and a halo of a period holds all copies that matter.
+            let has_all = !domain.periodic || halo >= domain.extent.max_element();
+            let polygons =
+                found.and_then(|found| polygons(&found, &samples, &domain, halo, has_all));
             if let Some(polygons) = polygons {
                 return Ok(Self {
                     samples,
@@ -100,8 +104,8 @@ impl Window {
     }
 }
 
-/// The samples, each place once, and their copies no further than `halo` from the domain. A period is
-/// always enough: the nearest copies are half a period away at most, from places as far beyond.
+/// Returns the samples, each place once, and their copies no further than `halo` from the domain. A halo of a period is always
+/// enough: no empty circle about a place of the domain has a larger radius than a period.
 fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
     let at = |id: u32| samples[id as usize].to_array();
@@ -162,17 +166,17 @@ fn triangles_of(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
         .collect()
 }
 
-/// The polygon around each sample; none if a circle reaches beyond the halo, where copies are missing.
-/// A circle inside the halo is empty for the whole set, so its triangle is one of the whole set.
+/// Returns the polygon around each sample; none if an empty circle reaches beyond the halo, where copies are missing, unless the
+/// sites are known to have all. A circle inside the halo is empty for the whole set, so its triangle is one of the whole set.
 fn polygons(
     found: &DelaunayTriangulation<Site>,
     samples: &[DVec2],
     domain: &Domain,
     halo: f64,
-    all: bool,
+    has_all: bool,
 ) -> Option<Vec<Vec<Corner>>> {
     let mut polygons = vec![Vec::new(); samples.len()];
-    // Copies and guards only make these cells what they are.
+    // Copies and guards only bound the cells of samples. Cells of their own are not wanted.
     let homes = (found.vertices()).filter(|vertex| {
         vertex.data().seen.sample != GUARD && vertex.data().seen.shift == IVec2::ZERO
     });
@@ -182,14 +186,14 @@ fn polygons(
         let first = vertex.out_edge()?;
         let mut edge = first;
         loop {
-            // The side towards a neighbour begins in the triangle before it.
+            // The side towards a neighbour begins in the triangle before it. A cell that no triangle bounds needs more copies.
             let face = edge.cw().face().as_inner()?;
             let circle = circumcircle(face.positions().map(|p| DVec2::new(p.x, p.y)));
             let reach = circle.square.sqrt();
 
             let inside = (circle.center - reach).cmpge(-DVec2::splat(halo))
                 & (circle.center + reach).cmple(domain.extent + halo);
-            if !(all || inside.all()) {
+            if !(has_all || inside.all()) {
                 return None;
             }
 

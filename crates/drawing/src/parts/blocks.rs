@@ -57,8 +57,8 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws each block enlarged by r, dashed, as it is laid on the pattern: that of exact tiling has no margin. While
-/// blocks are tiled, only the current one.
+/// Draws the clip of each block, dashed: the block enlarged by r, as it is laid on the pattern. While blocks are tiled, only the
+/// current one is drawn.
 pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     let is_tiling = scene.stage == Stage::Tile && !scene.shown.ends_stage();
     let context = scene.shown.context().filter(|_| is_tiling);
@@ -71,7 +71,7 @@ pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     };
 
     for (index, rect) in visible(scene).filter(|(index, _)| is_drawn(*index)) {
-        // Outside the view there could be millions of dashes.
+        // A clip is cut a little outside the view, since there could be millions of dashes farther out.
         let clip = rect.expand(margin).intersect(scene.rect.expand(20.0));
 
         let corners = [

@@ -7,7 +7,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::units::{position, radii};
 
 use crate::scene::Scene;
-use crate::surface::{Mark, Stroke, Surface};
+use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
 /// Below so many screen points to an r, lines to blockers would be a tangle.
 const MIN_SCALE_OF_LINES: f32 = 14.0;
@@ -15,11 +15,13 @@ const MIN_SCALE_OF_LINES: f32 = 14.0;
 /// Half the side of the smallest square that shows a cell, in screen points: the last cells hold one lattice point.
 const LEAST_HALF: f32 = 1.5;
 
-/// Draws what the level that is shown asks about.
+/// Draws the cells that throw darts at the level that is shown, the darts that it refused, and those that wait.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
+    // Darts are read from recorded events.
     let Some(debugger) = scene.shown.debugger else {
         return;
     };
+
     if scene.has(Layer::Detectors)
         && let Stage::Iterate(k) = scene.stage
     {
@@ -29,7 +31,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
     // Refused darts have no layer of their own, and share that of eliminated samples.
     if scene.has(Layer::Eliminated) {
-        // Darts that earlier levels refused are history: the level that is shown begins where the one before ends.
+        // Darts that earlier levels refused are not drawn: the level that is shown begins where the stage before it ends, or
+        // with the recording.
         let index = scene.session.stage_index(scene.stage);
         let before = index.checked_sub(1);
         let start = before.and_then(|before| scene.session.stage_end(before));
@@ -37,13 +40,14 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
             refused(scene, surface, dart, by);
         }
     }
+
     if scene.has(Layer::Candidates) {
         let radius = (0.3 * scene.scale()).clamp(1.4, 8.0);
         for dart in recording.waiting(cursor) {
             if is_seen(scene, dart) {
                 let at = scene.point(dart);
                 let color = scene.palette.candidate;
-                surface.mark(Mark::Triangle, at, [radius, 0.0], color);
+                surface.mark(Mark::Triangle, at, [radius, NO_GROWTH], color);
             }
         }
     }
@@ -78,7 +82,7 @@ fn refused(scene: &Scene<'_>, surface: &mut impl Surface, dart: Point, by: u32) 
     }
     let (at, color) = (scene.point(dart), scene.palette.muted);
     let size = (0.1 * scene.scale()).clamp(1.2, 4.0);
-    surface.mark(Mark::Cross, at, [size, 0.0], color);
+    surface.mark(Mark::Cross, at, [size, NO_GROWTH], color);
     if by != NONE && scene.scale() >= MIN_SCALE_OF_LINES {
         let blocker = scene.session.image_near(by, position(dart));
         let stroke = Stroke::new(0.8, color.gamma_multiply(0.7));

@@ -82,6 +82,7 @@ pub fn voronoi(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
+/// Draws the circumcircles of triangles that are larger than r.
 pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(tessellation) = tessellation(scene) else {
         return;
@@ -116,12 +117,15 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(borders) = scene.subject.geometry.borders(&scene.shown) else {
         return;
     };
+
     let (palette, radius) = (scene.palette, scene.scale());
     let index = &scene.session.index;
     // More circles than that would hide each other.
     if scene.is_fine() && index.count_in(scene.low, scene.high) <= MAX_CIRCLES {
         let stroke = Stroke::new(0.8, palette.sample.gamma_multiply(0.3));
-        index.visit(scene.low, scene.high, 1.0, |seen| {
+        // The circle of a sample up to r out of view reaches into it.
+        let reach = 1.0;
+        index.visit(scene.low, scene.high, reach, |seen| {
             // Eliminated samples cover nothing.
             if matches!(
                 scene.shown.standing(seen.id),
@@ -133,9 +137,9 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     let mut net = Net::of(scene, surface);
-    // The wide, faint line comes first: it is the halo of the other.
-    let glow = [(7.0, 0.25), (2.8, 1.0)];
-    for (width, strength) in glow {
+    // Each arc is drawn twice: a wide, faint line comes first, as a halo below the bright one.
+    let halo_and_line = [(7.0, 0.25), (2.8, 1.0)];
+    for (width, strength) in halo_and_line {
         let stroke = Stroke::new(width, palette.gap.gamma_multiply(strength));
         for arc in &borders.arcs {
             net.arc(arc, stroke);

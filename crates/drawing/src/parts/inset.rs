@@ -8,7 +8,7 @@ use tilescope_core::{Origin, R, Rect as LatticeRect, Standing};
 use tilescope_session::units::size;
 
 use crate::scene::Scene;
-use crate::surface::{Mark, Stroke, Surface};
+use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
 /// The side of the inset as a share of the picture's shorter side, and its limits in screen points.
 const SHARE: f32 = 0.3;
@@ -30,15 +30,16 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (Some(block), Some(tile)) = (block, tile) else {
         return;
     };
+
     let leaf = &run.blocks.leaves[block as usize].rect;
-    let rect = scene.lattice_rect(leaf);
-    let Some(inset) = Inset::beside(scene, rect) else {
+    let block_rect = scene.lattice_rect(leaf);
+    let Some(inset) = Inset::beside(scene, block_rect) else {
         return;
     };
     ground(scene, surface, &inset);
 
     let color = scene.palette.block(block);
-    let last = copied(scene, surface, &inset, tile, color);
+    let last_copy = copied(scene, surface, &inset, tile, color);
     let extent = run.pattern.domain().rect().max;
     for piece in window(tile, leaf, [extent.x, extent.y]) {
         let [low, high] = piece.map(|[x, y]| inset.at(x, y));
@@ -49,16 +50,18 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         );
     }
 
-    // The line leads from the pattern to the last copy; before the first one, the clip itself comes in.
+    // A line leads from the pattern to the last copy, and grows while the event is animated. Before the first copy the clip
+    // itself comes in.
     let share = scene.subject.drawn_in;
-    if let Some((id, from)) = last {
+    if let Some((id, from)) = last_copy {
         let to = scene.at(scene.session.position(id));
         let stroke = Stroke::new(1.2, color.gamma_multiply(0.8));
         surface.dashes([from, from.lerp(to, share)], stroke);
     } else {
-        fly(scene, surface, &inset, tile, rect, color);
+        fly(scene, surface, &inset, tile, block_rect, color);
     }
 
+    // The label stands below the frame, which lies six points around the inset, and begins or ends at its side.
     let (below, anchor) = if inset.is_left {
         (
             inset.rect.left_bottom() + vec2(-6.0, 10.0),
@@ -142,7 +145,7 @@ fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
         let color = palette.sample.gamma_multiply(0.4);
         for point in positions {
             let at = inset.at(point.x, point.y);
-            surface.mark(Mark::Dot, at, [inset.dot(), 0.0], color);
+            surface.mark(Mark::Dot, at, [inset.dot(), NO_GROWTH], color);
         }
     }
 }
@@ -163,13 +166,14 @@ fn copied(
             continue;
         };
         // The ids of the whole block are known, but some of its samples may still be to come.
-        let there = scene.shown.standing(id) != Standing::Absent;
-        let Some(point) = positions.get(pattern as usize).filter(|_| there) else {
+        let is_there = scene.shown.standing(id) != Standing::Absent;
+        let Some(point) = positions.get(pattern as usize).filter(|_| is_there) else {
             continue;
         };
 
+        // The mark is a little larger than the dot of the pattern that it covers.
         let from = inset.at(point.x, point.y);
-        surface.mark(Mark::Dot, from, [inset.dot() + 0.7, 0.0], color);
+        surface.mark(Mark::Dot, from, [inset.dot() + 0.7, NO_GROWTH], color);
         last = Some((id, from));
     }
     last
@@ -190,13 +194,14 @@ fn fly(
         return;
     }
 
-    // The clip is the block enlarged by r; it grows on its way from the pattern's scale to that of the picture.
+    // The clip is the block enlarged by r. It grows on its way from the pattern's scale to the picture's scale.
     let from = inset.at(tile.start.x, tile.start.y);
     let to = block.expand(scene.scale()).left_bottom();
     let size = block.expand(scene.scale()).size();
     let small = size * (inset.scale / scene.scale());
     let (corner, size) = (from.lerp(to, share), small + (size - small) * share);
 
+    // The corner is the lower left one, and the screen's y points down.
     let rect = Rect::from_min_size(corner - vec2(0.0, size.y), size);
     surface.rect(
         rect,

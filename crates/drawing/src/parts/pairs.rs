@@ -23,14 +23,14 @@ pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Sur
     }
 }
 
-/// Returns the edges in view, limited to those nearest to its middle, and how many there are in all.
+/// Returns the edges in view by their ends on the screen, limited to the [`MAX_PAIRS`] nearest to its middle, and how many there
+/// are in all.
 #[must_use]
 pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
-    let cause = scene.subject.causes.map(|found| &found.cause);
     // Before tiling there are no samples to join.
-    let (Some(Cause::Pairs { pairs, .. }), true) =
-        (cause, scene.stage >= tilescope_core::Stage::Tile)
-    else {
+    let is_tiled = scene.stage >= tilescope_core::Stage::Tile;
+    let cause = scene.subject.causes.map(|found| &found.cause);
+    let Some(Cause::Pairs { pairs, .. }) = cause.filter(|_| is_tiled) else {
         return (Vec::new(), 0);
     };
 

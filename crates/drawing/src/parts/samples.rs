@@ -9,7 +9,7 @@ use tilescope_session::layers::Layer;
 use crate::look::{Symbol, outline, radii as radii_at};
 use crate::looks::Looks;
 use crate::scene::{Scene, drawn_around};
-use crate::surface::{Mark, Stroke, Surface};
+use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
 /// The width of a conflict's edge, in screen points.
 const EDGE_WIDTH: f32 = 1.4;
@@ -32,7 +32,7 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.17 * scene.scale()).clamp(0.8, 5.0);
     let positions = (scene.session.run().pattern.samples().iter()).map(|point| scene.point(*point));
     for pos in positions.filter(|pos| scene.rect.expand(8.0).contains(*pos)) {
-        surface.mark(Mark::Dot, pos, [radius, 0.0], scene.palette.sample);
+        surface.mark(Mark::Dot, pos, [radius, NO_GROWTH], scene.palette.sample);
     }
 }
 
@@ -59,7 +59,7 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
         let by = radius * (look.size - 1.0);
         match look.symbol {
             Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, by], look.color),
-            Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, 0.0], look.color),
+            Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, NO_GROWTH], look.color),
             // A larger diamond below, in the colour of the ground, keeps it apart from dots around it.
             Symbol::Diamond => {
                 let ground = scene.palette.domain;
@@ -79,7 +79,12 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
         let look = looks.of(seen.id);
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
-            surface.mark(Mark::Dot, scene.at(seen.position), [radius, 0.0], color);
+            surface.mark(
+                Mark::Dot,
+                scene.at(seen.position),
+                [radius, NO_GROWTH],
+                color,
+            );
         }
     });
 }
@@ -154,23 +159,24 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     if scene.has(Layer::Detectors) {
         // The last of the radii is that of detectors.
         let [.., radius] = radii_at(scale);
-        // There are too many detectors for a strong colour.
+        // Where the scale is small, detectors lie so close that a strong colour would hide the samples.
         let color = (scene.palette.detector).gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
 
         let detectors = iteration.detectors.iter();
         let marked = detectors.filter(|&&id| scene.shown.is_marked(id));
         let positions = marked.map(|&id| scene.at(scene.session.position(id)));
         for pos in positions.filter(|pos| view.contains(*pos)) {
-            surface.mark(Mark::Detector, pos, [radius, 0.0], color);
+            surface.mark(Mark::Detector, pos, [radius, NO_GROWTH], color);
         }
     }
 
+    // The first search has not begun at the end of elimination.
     if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
         let radius = (0.36 * scale).clamp(1.4, 10.0);
         let positions = candidates(scene, iteration).map(|point| scene.point(point));
         for pos in positions.filter(|pos| view.contains(*pos)) {
             let color = scene.palette.candidate;
-            surface.mark(Mark::Triangle, pos, [radius, 0.0], color);
+            surface.mark(Mark::Triangle, pos, [radius, NO_GROWTH], color);
         }
     }
 }

@@ -7,7 +7,7 @@ use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::WitnessMark;
 
 use crate::scene::Scene;
-use crate::surface::{Mark, Stroke, Surface, dashed_circle};
+use crate::surface::{Mark, NO_GROWTH, Stroke, Surface, dashed_circle};
 
 /// Draws the marks of selection, pointer and witness.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
@@ -30,7 +30,12 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     if let Some(id) = subject.selected {
         for position in images(scene, scene.session.position(id)) {
             selected(scene, surface, id, position, stroke);
-            surface.mark(Mark::Halo, scene.at(position), [radius, 0.0], palette.halo);
+            surface.mark(
+                Mark::Halo,
+                scene.at(position),
+                [radius, NO_GROWTH],
+                palette.halo,
+            );
         }
     }
 
@@ -39,7 +44,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     if let Some(id) = hovered {
         let color = palette.halo.gamma_multiply(0.6);
         for position in images(scene, scene.session.position(id)) {
-            surface.mark(Mark::Halo, scene.at(position), [radius, 0.0], color);
+            surface.mark(Mark::Halo, scene.at(position), [radius, NO_GROWTH], color);
         }
     }
 }
@@ -82,6 +87,7 @@ fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
     }
 }
 
+/// Draws the witness of a verdict with its length: the closest pair, or the largest empty circle.
 fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: WitnessMark) {
     let palette = scene.palette;
     let color = |is_valid| {
@@ -102,7 +108,7 @@ fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: Wit
             scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
         }
         WitnessMark::Circle(center, radius) => {
-            // The tolerance of the verdict, so that the colour agrees with it.
+            // The circle may exceed r by the tolerance of the verdict, so that the colour agrees with the verdict.
             let color = color(radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE);
             let (at, reach) = (
                 scene.at(center),

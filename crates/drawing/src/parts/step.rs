@@ -14,10 +14,13 @@ use crate::surface::{Stroke, Surface, dashed_circle};
 /// Circles of a larger radius, in screen points, are not drawn.
 const MAX_CIRCLE: f32 = 4_000.0;
 
+/// Draws the current step: the search, the candidate or dart under test, the current sample, and what changed last.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(context) = scene.shown.context() else {
         return;
     };
+
+    // A candidate across the border is shown inside the domain, and the search around it with it.
     let palette = scene.palette;
     let shift = context
         .examined
@@ -34,7 +37,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
                 let at = scene.at(scene.session.image_near(id, center));
                 let stroke = Stroke::new(1.3, palette.detector);
                 surface.circle(at, ring(scene), None, Some(stroke));
-                // An image across the border is drawn while it is in the buffer.
+                // A sample may be in the buffer as an image across the border, where nothing else draws it.
                 let color = palette.sample.gamma_multiply(0.7);
                 surface.circle(at, 0.45 * ring(scene), Some(color), None);
             }
@@ -49,6 +52,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
+        // The event of a refused dart names its blocker, if one is known.
         if let Verdict::Covered { by } = verdict
             && by != NONE
         {
@@ -64,7 +68,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         surface.circle(at, scene.scale(), None, Some(faint));
     }
 
-    // Last, so that nothing covers the change.
+    // The change comes last, so that nothing covers it.
     last_event(scene, surface);
 }
 
@@ -123,6 +127,7 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
         RunEvent::Keep { sample, .. } | RunEvent::Tiled { sample, .. } => {
             (None, Some((sample, palette.accent)))
         }
+        // Other events change no sample.
         _ => (None, None),
     };
 
@@ -204,9 +209,9 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
     let radius = offset.length() as f32 * scene.scale();
 
     let color = color_of(scene, examined.verdict);
-    // The centre of so large a circle is far out of view, and the candidate's mark is at the centre.
-    let far = radius > MAX_CIRCLE || !radius.is_finite();
-    if !far {
+    // The centre of so large a circle is far out of view, and so is the candidate's mark, which stands at the centre.
+    let is_far = radius > MAX_CIRCLE || !radius.is_finite();
+    if !is_far {
         surface.circle(at, radius, None, Some(Stroke::new(1.8, color)));
     }
 
@@ -214,7 +219,7 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
         let site = scene.at(scene.session.image_near(id, detector));
         let stroke = Stroke::new(2.2, color);
         surface.circle(site, ring(scene) + 1.0, None, Some(stroke));
-        if !far {
+        if !is_far {
             surface.line([site, at], Stroke::new(1.0, color.gamma_multiply(0.7)));
         }
     }
@@ -225,7 +230,7 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
         surface.circle(covering, scene.scale(), None, Some(Stroke::new(1.2, color)));
     }
 
-    if !far {
+    if !is_far {
         let triangle = [vec2(0.0, -7.0), vec2(6.0, 4.5), vec2(-6.0, 4.5)].map(|v| at + v);
         surface.outline(&triangle, Stroke::new(2.0, color));
         let text = verdict_text(examined.verdict).to_owned();

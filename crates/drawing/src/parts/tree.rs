@@ -42,7 +42,9 @@ fn width(split: &Split) -> f32 {
     (MAX_WIDTH * TAPER.powi(split.depth as i32)).max(MIN_WIDTH)
 }
 
+/// Draws the lines of the splits, with a halo around the one that was just made.
 pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
+    // Splits are numbered from 1, so that no split has the number 0.
     let just_made = match scene.shown.last_event().and_then(Event::run_event) {
         Some(RunEvent::Split { index, .. }) => index as usize + 1,
         _ => 0,
@@ -55,6 +57,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         0.5
     };
     let color = scene.palette.text.gamma_multiply(presence);
+
     // The halo of the line that was just made lies below all lines.
     for (number, split, ends) in visible(scene) {
         if number == just_made {
@@ -86,13 +89,13 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
         let rect = Align2::CENTER_CENTER.anchor_size(middle, surface.text_size(&text, size));
         let ground = rect.expand2(padding);
 
-        let long_enough = (to - from).length() >= min_length * ground.width();
-        // Splits come in the order of making, so that an earlier one has the place.
-        if !long_enough || taken.iter().any(|other| other.intersects(ground)) {
+        let is_long_enough = (to - from).length() >= min_length * ground.width();
+        // Splits come in the order in which they were made, so that the earlier of two keeps its place.
+        if !is_long_enough || taken.iter().any(|other| other.intersects(ground)) {
             continue;
         }
 
-        // Two points more, so that two numbers do not touch.
+        // Two points more on each side keep two numbers apart.
         taken.push(ground.expand(2.0));
         surface.tag(&Tag {
             text,

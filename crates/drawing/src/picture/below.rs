@@ -51,6 +51,7 @@ struct LegendEntry {
 }
 
 impl Below {
+    /// Returns the layout below the picture of a view.
     pub(super) fn of(view: &PictureView) -> Self {
         let (room, width) = (view.size[0], view.width());
         let lines = wrapped(&view.caption, room, CAPTION_SIZE * width);
@@ -62,10 +63,11 @@ impl Below {
             let mut x = 0.0;
             for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
                 let meaning = layer.meaning(kind);
-                // The symbol, and as much room before the next entry.
+                // An entry has room for its symbol, and as much again before the next entry.
                 let entry_width =
                     2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
-                // An entry wider than the picture has a line of its own, but no empty one above.
+                // An entry that does not fit goes to the next line. One wider than the picture is not moved from the beginning
+                // of its line, which would leave an empty one.
                 if x > 0.0 && x + entry_width > room {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }

@@ -100,6 +100,7 @@ impl Beside {
         group
     }
 
+    /// Returns the periodogram in shades of grey, or its empty frame with the reason for the lack.
     fn periodogram(&self, view: &PictureView) -> Panel {
         let printed = spectra::periodogram(&self.spectrum, "Periodogram".to_owned());
         // A white square would outshine a dark canvas in a lecture hall.
@@ -131,7 +132,8 @@ impl Beside {
         }
     }
 
-    /// Returns the radial mean. Its axis ends where the shades of the periodogram do, in every moment.
+    /// Returns the radial mean, or its empty frame with the reason for the lack. Its vertical axis ends where the shades of the
+    /// periodogram do.
     fn mean(&self) -> Panel {
         let samples = grouped(self.spectrum.profile.samples.round() as usize);
         let frequency = format!("frequency \u{3bd} = |k| / \u{221a}{samples}");
@@ -142,7 +144,7 @@ impl Beside {
             points: self.spectrum.power(),
             band: None,
         };
-        // One scale for all moments: otherwise the eye could not compare two frames.
+        // The scale is the same for all moments: otherwise the eye could not compare two frames.
         let y = Axis::new(power).with_range(0.0, BLACK);
         let chart = spectra::radial_mean(&frequency, y, vec![series]);
 

@@ -29,7 +29,8 @@ pub(super) fn groups(
     let layers = shown.session.drawable(view.layers(shown.stage));
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
     let is_wanted = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
-    // A triangulation takes longer than the drawing, and before tiling there is nothing to triangulate.
+    // A triangulation takes longer than the drawing, so that it is made only for layers that need it. Before tiling there is
+    // nothing to triangulate.
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
         Geometry::computed(&shown, layers.has_net())
     } else {
@@ -49,6 +50,7 @@ pub(super) fn groups(
     let mut swatches = Swatches::default();
     swatches.follow(&scene.subject, scene.palette);
     let looks = Looks::new(&scene.subject, scene.palette, &swatches);
+
     // Gaps come first: the parts are drawn over the disks that cover the hatching.
     if draws_gaps(&scene) {
         groups.extend(gaps(&scene, scene.domain(), scene.palette.domain));
@@ -73,6 +75,7 @@ pub(super) fn empty_domain(shown: ShownMoment<'_>, view: &PictureView, frame: Re
     ground(&Scene::new(frame, subject, view.palette()), view)
 }
 
+/// Returns what a picture of a moment shows.
 fn subject<'a>(
     shown: ShownMoment<'a>,
     view: &PictureView,
@@ -126,14 +129,14 @@ fn draws_gaps(scene: &Scene<'_>) -> bool {
 /// Returns an area, hatched and then covered with disks of the colour of its ground: exactly the gaps stay hatched.
 fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let gap = color(scene.palette.gap);
-    // As opaque as on the canvas: lines of 0.85 of 255, and 0.5 of it between them.
+    // Gaps are as opaque as on the canvas: the lines are 217 of 255, which is 0.85, and the area between them is 128, a half.
     let hatch = Hatch {
         color: with_alpha(gap, 217),
         spacing: 5.0,
         width: 2.0,
     };
     let fills = [Fill::Solid(with_alpha(gap, 128)), Fill::Hatch(hatch)];
-    // Exact at any size, where the canvas looks for gaps pixel by pixel.
+    // The hatching is exact at any size, whereas the canvas looks for gaps pixel by pixel.
     let hatched = fills.map(|fill| Shape::Rect {
         rect: rect(area),
         style: Style {
@@ -145,9 +148,10 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let style = Style::filled(color(ground));
     let mut disks = Vec::new();
     let index = &scene.session.index;
-    // The disk of a sample reaches one radius into the part that is drawn.
-    let beyond = drawn_around(scene.session) + 1.0;
-    index.visit_around(scene.low, scene.high, 1.0, beyond, |seen| {
+    // The disk of a sample reaches r far, so that samples a little outside of the drawn part count.
+    let reach = 1.0;
+    let beyond = drawn_around(scene.session) + reach;
+    index.visit_around(scene.low, scene.high, reach, beyond, |seen| {
         if scene.shown.covers(seen.id) {
             let radius = f64::from(scene.scale());
             disks.push(Shape::circle(at(scene.at(seen.position)), radius, style));

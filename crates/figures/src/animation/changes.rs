@@ -16,8 +16,8 @@ pub(super) struct Change {
 }
 
 impl Change {
-    /// The change from one frame to another of the same size; all of it where there is none before. A frame that
-    /// changes nothing has one pixel, which stays.
+    /// Returns the change from one frame to another of the same size; without a frame before, the whole frame is the change. A
+    /// frame that changes nothing has one pixel, which stays.
     pub fn between(before: Option<&Pixels>, now: &Pixels) -> Self {
         let width = now.width as usize;
         let stays: Vec<bool> = match before {
@@ -42,18 +42,17 @@ impl Change {
             .max()
             .unwrap_or(0);
 
-        let columns = left..right + 1;
-        let rows = rows().enumerate().skip(top).take(bottom + 1 - top);
+        let (columns, height) = (left..right + 1, bottom + 1 - top);
         let mut change = Self {
             left: left as u32,
             top: top as u32,
             width: columns.len() as u32,
-            height: (bottom + 1 - top) as u32,
-            rgba: Vec::with_capacity(4 * columns.len() * (bottom + 1 - top)),
-            stays: Vec::with_capacity(columns.len() * (bottom + 1 - top)),
+            height: height as u32,
+            rgba: Vec::with_capacity(4 * columns.len() * height),
+            stays: Vec::with_capacity(columns.len() * height),
         };
 
-        for (y, row) in rows {
+        for (y, row) in rows().enumerate().skip(top).take(height) {
             let start = 4 * (y * width + left);
             let end = start + 4 * columns.len();
             change.rgba.extend(&now.rgba[start..end]);

@@ -9,9 +9,9 @@ const COLORS: usize = 256;
 
 type Rgb = [u8; 3];
 
-/// The palette of a change, the index of each pixel, and the index of those that stay as they are, if there are any.
-/// Pictures of flat colours keep them exactly, which a palette of averages would not; shades between them are rare
-/// and take the nearest.
+/// Returns the palette of a change, the index of each pixel, and the index of those that stay as they are, if there are any.
+/// The palette has the most frequent colours, so that flat colours are kept exactly, which a palette of averages would not do.
+/// Other colours take the nearest one.
 pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
     let pixels = || change.rgba.chunks_exact(4).zip(&change.stays);
     let colors = || {
@@ -23,9 +23,9 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
     let some_stay = change.stays.contains(&true);
     let room = COLORS - usize::from(some_stay);
 
+    // Equal neighbours are counted together, as most pixels have one: a look-up for each pixel would take longer.
     let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
     let mut last: Option<(Rgb, u32)> = None;
-    // Equal neighbours are counted together, as most pixels have one.
     for color in colors() {
         last = match last {
             Some((same, count)) if same == color => Some((same, count + 1)),
@@ -45,11 +45,12 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
     let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
         .map(|(place, &(color, _))| match u8::try_from(place) {
             Ok(index) if place < room => (color, index),
+            // A colour that did not fit takes the nearest one that did.
             _ => (color, nearest(&kept, color)),
         })
         .collect();
 
-    // Where some pixels stay, `room` leaves an index of a byte for them.
+    // Where some pixels stay, `room` has left the index after the colours for them.
     let transparent = some_stay.then_some(kept.len() as u8);
     let index_of = |(pixel, stays): (&[u8], &bool)| match transparent {
         Some(transparent) if *stays => transparent,

@@ -50,14 +50,26 @@ pub struct BarChart {
     pub groups: Vec<BarGroup>,
 }
 
+// Lengths are in pixels.
+
+/// Room for a heading above its bars.
 const HEAD: f64 = 34.0;
+/// How far the heading's baseline lies below the top of a group.
+const HEADING_BASELINE: f64 = 20.0;
+/// The height that each bar takes.
 const LINE: f64 = 27.0;
+/// How thick a bar is.
 const THICK: f64 = 17.0;
 /// Room below a group, and below all of them for the axis.
 const GAP: f64 = 10.0;
 const AXIS: f64 = 46.0;
+/// Room between a bar's longest name or text and the axis's ends; the words stand a little nearer to the bars.
+const BESIDE: f64 = 12.0;
+/// The size of names and texts.
 const SIZE: f64 = 13.0;
+/// The size of the ticks' numbers.
 const TICK: f64 = 12.0;
+/// The most ticks along the axis.
 const MAX_TICKS: usize = 9;
 
 impl BarChart {
@@ -90,22 +102,23 @@ impl BarChart {
             widths.fold(0.0, f64::max)
         };
 
-        let left = MARGIN + widest(|bar| &bar.name) + 12.0;
-        let right = WIDTH - MARGIN - widest(|bar| &bar.text) - 12.0;
+        let left = MARGIN + widest(|bar| &bar.name) + BESIDE;
+        let right = WIDTH - MARGIN - widest(|bar| &bar.text) - BESIDE;
         // Bars that all have no length still need a scale, whose divisor is not zero.
-        let most = self.bars().map(Bar::end).fold(f64::MIN_POSITIVE, f64::max);
+        let farthest = self.bars().map(Bar::end).fold(f64::MIN_POSITIVE, f64::max);
         let bar_scale = BarScale {
             left,
-            scale: (right - left) / most,
+            scale: (right - left) / farthest,
             palette,
         };
 
-        let ticks = Ticks::of([0.0, most], MAX_TICKS);
+        let ticks = Ticks::of([0.0, farthest], MAX_TICKS);
         let mut drawn = Group::new("bars");
         let mut y = top;
         for group in &self.groups {
             if !group.heading.is_empty() {
-                let mut text = Text::new([MARGIN, y + 20.0], &group.heading, HEADING, palette.text);
+                let at = [MARGIN, y + HEADING_BASELINE];
+                let mut text = Text::new(at, &group.heading, HEADING, palette.text);
                 text.font = Font::SemiBold;
                 drawn.shapes.push(Shape::Text(text));
             }
@@ -134,7 +147,7 @@ impl BarChart {
             y = end + GAP;
         }
 
-        vec![drawn, bar_scale.axis(&self.label, most, &ticks, y)]
+        vec![drawn, bar_scale.axis(&self.label, farthest, &ticks, y)]
     }
 }
 
@@ -179,6 +192,7 @@ impl BarScale<'_> {
         group
     }
 
+    /// Adds a bar with its whisker, its name and its text to a group; `middle` is its ordinate in pixels.
     fn draw(&self, bar: &Bar, middle: f64, group: &mut Group) {
         let colors = self.palette.block_borders;
         let [top, bottom] = [-0.5, 0.5].map(|half| middle + half * THICK);
@@ -189,6 +203,7 @@ impl BarScale<'_> {
 
         if let Some(ends) = bar.whisker {
             let [low, high] = ends.map(|end| DVec2::new(self.at(end), middle));
+            // A short line ends the whisker on each side.
             let across = |end: DVec2| [end - 4.0 * DVec2::Y, end + 4.0 * DVec2::Y];
             group.shapes.push(Shape::Segments {
                 segments: vec![[low, high], across(low), across(high)],
@@ -200,7 +215,7 @@ impl BarScale<'_> {
         let mut name = Text::new(at, &bar.name, SIZE, self.palette.text);
         (name.anchor, name.baseline) = (Anchor::End, Baseline::Middle);
 
-        // A whisker may reach farther than its bar, and the text stands behind both.
+        // A whisker may reach farther than its bar: the text stands behind the farther one.
         let at = [self.at(bar.end()) + 8.0, middle];
         let mut text = Text::new(at, &bar.text, SIZE, self.palette.muted);
         text.baseline = Baseline::Middle;

@@ -17,8 +17,15 @@ pub(super) const RIGHT: f64 = 18.0;
 /// Size of a heading.
 pub(super) const HEADING: f64 = 15.0;
 
+/// The size of an axis's label.
 const LABEL: f64 = 13.0;
+
+/// The size of a tick's number.
 pub(super) const TICK: f64 = 12.0;
+
+/// The length of a tick in pixels, and how far its number stands from the border.
+const TICK_LENGTH: f64 = 5.0;
+const TICK_ROOM: f64 = 9.0;
 
 /// The pixels of a plot and the values at its borders.
 pub(super) struct Frame<'a> {
@@ -86,18 +93,18 @@ impl Frame<'_> {
         let [x, y] = self.ticks();
         for (value, label) in &x {
             let at = self.pixel([*value, self.y[0]]);
-            let mut text = self.text(at + 9.0 * DVec2::Y, label, TICK);
+            let mut text = self.text(at + TICK_ROOM * DVec2::Y, label, TICK);
             (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
             group.shapes.push(Shape::Text(text));
-            group.shapes.push(self.tick(at, 5.0 * DVec2::Y));
+            group.shapes.push(self.tick(at, TICK_LENGTH * DVec2::Y));
         }
 
         for (value, label) in &y {
             let at = self.pixel([self.x[0], *value]);
-            let mut text = self.text(at - 9.0 * DVec2::X, label, TICK);
+            let mut text = self.text(at - TICK_ROOM * DVec2::X, label, TICK);
             (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
             group.shapes.push(Shape::Text(text));
-            group.shapes.push(self.tick(at, -5.0 * DVec2::X));
+            group.shapes.push(self.tick(at, -TICK_LENGTH * DVec2::X));
         }
 
         group.shapes.extend(self.words(title).map(Shape::Text));

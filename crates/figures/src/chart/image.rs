@@ -21,16 +21,17 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         ..Group::new("cells")
     };
 
-    // A shape for each cell would be up to a million of them: cells of one shade are lines as thick as a row is high.
     let Rect { min, max } = frame.plot;
     let rows = chart.values.len() / chart.columns;
     let size = frame.plot.size() / DVec2::new(chart.columns as f64, rows as f64);
 
-    // Edges between pixels, of which a unit has two, would show the background through: there cells lie a little over each
-    // other.
+    // Pictures have two pixels for each unit. Where edges of cells lie between pixels, the background would show through: there
+    // cells overlap a little.
     let on_pixels = (2.0 * size).fract().max_element() < 1e-6;
     let over = if on_pixels { 0.0 } else { OVER };
 
+    // A shape for each cell would be up to a million shapes. Instead the cells of one shade are one shape, of lines as thick as
+    // a row is high.
     let shades = runs(chart);
     for (shade, runs) in shades
         .iter()
@@ -49,14 +50,14 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         });
     }
 
-    let ring = chart.absent.map(|absent| {
+    let absent_ring = chart.absent.map(|absent| {
         let [column, row] = [absent % chart.columns, absent / chart.columns];
         let offset = (DVec2::new(column as f64, row as f64) + 0.5) * size;
         let center = DVec2::new(min.x + offset.x, max.y - offset.y);
         ring(center, size.max_element(), frame)
     });
 
-    std::iter::once(cells).chain(ring).collect()
+    std::iter::once(cells).chain(absent_ring).collect()
 }
 
 fn ring(center: DVec2, cell: f64, frame: &Frame<'_>) -> Group {

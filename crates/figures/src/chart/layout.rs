@@ -16,11 +16,16 @@ pub(super) const WIDTH: f64 = 1200.0;
 const ROW: f64 = 380.0;
 /// Left and right of everything, and below.
 pub(super) const MARGIN: f64 = 20.0;
+/// Room for the title above the legend.
 const TITLE: f64 = 52.0;
+/// Height of a line of the legend, and room below the last one.
 const LEGEND_LINE: f64 = 24.0;
+const LEGEND_FOOT: f64 = 8.0;
+/// The size of names in the legend.
 const LEGEND_TEXT: f64 = 13.0;
-/// A line's sample in the legend, and what follows its name.
+/// Room for a line's sample before its name, of which the last pixels stay free, and room after the name.
 const SAMPLE: f64 = 44.0;
+const SAMPLE_END: f64 = 8.0;
 const GAP: f64 = 28.0;
 
 /// Cells of whole pixels may leave a tenth of an image's room unused.
@@ -59,8 +64,9 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
     }
 
     let (legend, mut top) = legend(figure, palette, TITLE);
-    let tiles = tiles_width(figure);
-    let mut scene = Scene::new(tiles.unwrap_or(WIDTH), 1.0, palette.background);
+    // The height is set once all rows are there.
+    let (width, height) = (tiles_width(figure).unwrap_or(WIDTH), 1.0);
+    let mut scene = Scene::new(width, height, palette.background);
     scene.title.clone_from(&figure.title);
     scene.groups.extend([title(figure, palette), legend]);
     for panel in figure.rows.iter().flatten() {
@@ -70,7 +76,7 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
     }
 
     let mut columns = 1;
-    let first = MARGIN + names_width(figure);
+    let first_tile = MARGIN + names_width(figure);
     for row in &figure.rows {
         let panels: Vec<&Panel> = (row.iter())
             // Scales of colours stand beside the title and take no room in their row.
@@ -88,7 +94,7 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
             continue;
         }
         if panels.iter().any(|panel| matches!(panel, Panel::Tile(_))) {
-            top = tile_row(&panels, first, top, &mut scene, palette)?;
+            top = tile_row(&panels, first_tile, top, &mut scene, palette)?;
             continue;
         }
 
@@ -129,10 +135,11 @@ fn title(figure: &Figure, palette: &Palette) -> Group {
     group
 }
 
-/// Adds a row of tiles and returns its lower end.
+/// Adds a row of tiles whose upper end is `top`, and returns its lower end. Tiles of a given side stand side by side from
+/// `first_tile` on.
 fn tile_row(
     row: &[&Panel],
-    first: f64,
+    first_tile: f64,
     top: f64,
     scene: &mut Scene,
     palette: &Palette,
@@ -148,12 +155,12 @@ fn tile_row(
     let mut below = top;
     for (index, tile) in (0..).map(f64::from).zip(all) {
         let (left, side) = match tile.side {
-            Some(side) => (first + index * (side + tiles::GAP), side),
+            Some(side) => (first_tile + index * (side + tiles::GAP), side),
             // Without a side of its own, a tile is as wide as the plots of charts above and below it.
             None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),
         };
 
-        // The titles above all tiles of a row have the same height, so that the tiles stand in one line.
+        // Every tile has the room of the highest title above it, so that the tiles of a row stand in one line.
         let corner = DVec2::new(left, top + head);
         let frame = Rect::new(corner, corner + side);
         scene.groups.extend(tile.groups(frame, palette)?);
@@ -260,8 +267,9 @@ pub fn panel_groups(
         Panel::Blank(chart) => {
             chart.check()?;
             let ranges = [chart.x.checked_range()?, chart.y.checked_range()?];
-            let image = |cells| true_to_scale(cells, ranges, plot);
-            let plot = chart.cells.map_or(plot, image);
+            // The frame is as large as the image's would be.
+            let of_image = |cells| true_to_scale(cells, ranges, plot);
+            let plot = chart.cells.map_or(plot, of_image);
             let frame = framed(plot, ranges, [&chart.x, &chart.y]);
             Ok(vec![
                 blank::words(&chart.why, &frame),
@@ -295,7 +303,7 @@ fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect)
     Rect::new(min, min + cell * cells)
 }
 
-/// Returns the legend and its lower end.
+/// Returns the legend, whose upper end is `top`, and its lower end. Without names it takes no room.
 fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     let mut group = Group::new("legend");
     let entries = entries(figure);
@@ -306,13 +314,14 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     let mut at = DVec2::new(MARGIN, top + 0.5 * LEGEND_LINE);
     for (name, look) in entries {
         let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
-        // A name that is wider than the figure gets a line of its own, but no empty line before it.
+        // A name that does not fit goes to the next line. A name wider than the figure is not moved from the beginning of its
+        // line, which would leave an empty one.
         if at.x > MARGIN && at.x + width - GAP > WIDTH - MARGIN {
             at = DVec2::new(MARGIN, at.y + LEGEND_LINE);
         }
 
         let drawn = drawn(look, palette);
-        let along = (SAMPLE - 8.0) * DVec2::X;
+        let along = (SAMPLE - SAMPLE_END) * DVec2::X;
         group.shapes.push(Shape::line(at, at + along, drawn.stroke));
         if let Some(marker) = drawn.marker {
             let middle = at + 0.5 * along;
@@ -327,7 +336,7 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
         at.x += width;
     }
 
-    (group, at.y + 0.5 * LEGEND_LINE + 8.0)
+    (group, at.y + 0.5 * LEGEND_LINE + LEGEND_FOOT)
 }
 
 /// Returns each name once, in sequence.

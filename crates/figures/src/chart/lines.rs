@@ -157,8 +157,8 @@ fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
     group
 }
 
-/// Returns the levels' names: beside the heading, where no curve runs, each behind a piece of its line; or at their lines where there
-/// is no room for all of them.
+/// Returns the levels' names: above the plot beside the heading, where no curve runs, each behind a piece of its line. Where there
+/// is no room for all of them, they stand at their lines.
 fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("level names");
     let Rect { min, max } = frame.plot;
@@ -166,7 +166,7 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let widths: Vec<f64> = (chart.levels.iter())
         .map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME))
         .collect();
-    // The heading and all names share one line above the plot.
+    // The heading and all names share one line above the plot. A single name stands there in any case.
     let all: f64 = widths
         .iter()
         .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)
@@ -175,12 +175,13 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let fits = head + all + LEVEL_GAP < frame.plot.size().x || chart.levels.len() == 1;
 
     // The names above the plot are told apart by the dashes before them, so there may be no more of them than kinds of dashes.
-    let beside = fits && chart.levels.len() <= LEVEL_DASHES.len();
+    let is_above = fits && chart.levels.len() <= LEVEL_DASHES.len();
 
+    // Names are placed from the right, the last one first, so that they stand in the sequence of the levels.
     let mut right = max.x;
-    // From the right, so that the names stand in the sequence of the levels.
     for (index, (level, width)) in chart.levels.iter().zip(widths).enumerate().rev() {
-        let at = if beside {
+        let at = if is_above {
+            // The piece of line ends a little before the name, at half of its height.
             let at = DVec2::new(right, min.y - 12.0);
             let [from, to] = [LEVEL_SAMPLE, 8.0].map(|left| [right - width - left, at.y - 4.0]);
             let stroke = level_stroke(frame, index);
@@ -199,23 +200,25 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     group
 }
 
+/// Adds the line and the marks of a series.
 fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
     let drawn = drawn(series.look, frame.palette);
 
-    let mut next = frame.plot.min.x + 0.5 * MARK_EVERY;
+    let mut next_mark = frame.plot.min.x + 0.5 * MARK_EVERY;
     if let Look::Numbered(number) = series.look {
-        // Marks of curves that run together stand beside each other.
-        next += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
+        // Each of eight numbers begins at another eighth of the distance of two marks, so that the marks of curves that run
+        // together stand beside each other.
+        next_mark += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
     }
 
     let mut marks = Vec::new();
     for point in &points {
         if let Some(marker) = drawn.marker
-            && point.x >= next
+            && point.x >= next_mark
         {
             marks.push(mark(marker, *point, drawn.stroke.color));
-            next = point.x + MARK_EVERY;
+            next_mark = point.x + MARK_EVERY;
         }
     }
 

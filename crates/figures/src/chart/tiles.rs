@@ -76,7 +76,7 @@ impl TileChart {
         match &self.content {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
-                // A whole number of pixels for each, so that none is wider than its neighbour.
+                // Each pixel of the bitmap is a whole number of pixels wide, so that none is wider than its neighbour.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
@@ -141,6 +141,7 @@ fn fitting(at: DVec2, text: &str, size: f64, font: Font, room: f64) -> Text {
 fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, ChartError> {
     let at = [frame.min.x - NAME, frame.middle().y];
     let mut name = Text::new(at, &axis.label, LABEL, palette.text);
+    // Three quarter turns make the name read upwards.
     (name.anchor, name.quarter_turns) = (Anchor::Middle, 3);
     let mut shapes = vec![Shape::Text(name)];
 
@@ -151,6 +152,7 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     let [low, high] = axis.checked_range()?;
 
     for (value, label) in ticks {
+        // The scene's y points down. A tick begins outside of the tile's border, which is two pixels thick.
         let share = (high - value) / (high - low);
         let at = frame.min + DVec2::new(-1.0, share * frame.size().y);
         let stroke = Stroke::new(palette.muted, 1.0);
@@ -164,7 +166,12 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     Ok(shapes)
 }
 
+/// Width and height of a scale of colours, and how far below the top of the figure it lies.
 const SCALE: [f64; 2] = [128.0, 14.0];
+const SCALE_TOP: f64 = 20.0;
+/// The distance of the labels from the scale, and that of their baseline from its upper side.
+const SCALE_GAP: f64 = 8.0;
+const SCALE_BASELINE: f64 = 12.0;
 
 impl ColorScale {
     /// Returns its shapes, at the upper right corner of a figure of this width.
@@ -172,8 +179,8 @@ impl ColorScale {
         let mut group = Group::new("scale");
 
         let [low, high] = &self.ends;
-        let right = width - MARGIN - text_width(high, Font::Regular, LABEL) - 8.0;
-        let [left, top] = [right - SCALE[0], 20.0];
+        let right = width - MARGIN - text_width(high, Font::Regular, LABEL) - SCALE_GAP;
+        let [left, top] = [right - SCALE[0], SCALE_TOP];
         // A scale without colours is an empty frame, and nothing is divided by zero.
         let step = SCALE[0] / self.colors.len().max(1) as f64;
 
@@ -190,10 +197,10 @@ impl ColorScale {
             style: Style::stroked(palette.muted, 1.0),
         });
 
-        let base = top + 12.0;
-        let mut low = Text::new([left - 8.0, base], low, LABEL, palette.text);
+        let baseline = top + SCALE_BASELINE;
+        let mut low = Text::new([left - SCALE_GAP, baseline], low, LABEL, palette.text);
         low.anchor = Anchor::End;
-        let high = Text::new([right + 8.0, base], high, LABEL, palette.text);
+        let high = Text::new([right + SCALE_GAP, baseline], high, LABEL, palette.text);
 
         group.shapes.extend([low, high].map(Shape::Text));
         group

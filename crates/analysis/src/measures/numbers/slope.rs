@@ -25,15 +25,16 @@ pub(super) fn slope(profile: &RadialProfile) -> Option<f64> {
     let frequencies = profile.relative_frequencies();
     frequencies.last().filter(|last| **last >= MAX_NU)?;
 
-    let rings = frequencies.iter().zip(&profile.annuli);
-    let low = rings.take_while(|(nu, _)| **nu < MAX_NU);
-    let low: Vec<_> = low.map(|(nu, annulus)| (nu.ln(), annulus)).collect();
+    let low: Vec<_> = (frequencies.iter().zip(&profile.annuli))
+        .take_while(|(nu, _)| **nu < MAX_NU)
+        .map(|(nu, annulus)| (nu.ln(), annulus))
+        .collect();
     if low.len() < MIN_RINGS || low.iter().any(|(_, annulus)| annulus.power <= NO_POWER) {
         return None;
     }
 
-    // The logarithm of a mean of n powers has a variance of about 1 / n, and the inverse of it is its weight: the lowest
-    // rings, of four and eight frequencies, would otherwise turn the line as they please.
+    // The logarithm of a mean of n powers has a variance of about 1 / n, so that n is its weight. With equal weights the lowest
+    // rings, of four and eight frequencies, would decide the slope.
     let sum = |value: &dyn Fn(f64, f64) -> f64| -> f64 {
         let weighed = low.iter().map(|(x, annulus)| {
             let weight = annulus.count as f64;

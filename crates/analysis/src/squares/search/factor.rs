@@ -56,10 +56,12 @@ pub(in super::super) fn covering_factor(
     let mut largest = FactorSquared::COVERED;
 
     for row in 0..tiles.rows {
-        // The largest factor is that of a place, whatever was found before it: it depends on no order.
+        // Tiles of a row all begin with the largest factor of the rows before. It only spares work: the largest factor of all
+        // places is the same in any order.
         let so_far = largest;
         let of_tile = |column: usize| {
-            let mut search = TileSearch::new(judge, &tiles, [column, row], 0);
+            let witnesses = 0;
+            let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);
             let found = search.largest_factor(&tiles, so_far);
             monitor.advance(tiles.entries(column, row).len() as u64)?;
             Ok(found)
@@ -93,7 +95,8 @@ impl TileSearch<'_> {
         largest
     }
 
-    /// Raises `largest` to the largest factor of a place of a square, if that is larger. Above the limit it stops early.
+    /// Raises `largest` to the largest factor of a place of a square, if that is larger. Above the limit it stops early. `around`
+    /// and `near` are the share of the domain and the samples of a larger square that holds this one.
     fn measure(
         &mut self,
         square: &TileSquare,
@@ -106,7 +109,9 @@ impl TileSearch<'_> {
         if (0..2).any(|axis| span.min[axis] > span.max[axis]) || *largest > FactorSquared::LIMIT {
             return;
         }
+
         let share = match around {
+            // If all of the larger square is inside, so is this part of it.
             Share::Everything => Share::Everything,
             Share::Some | Share::Nothing => self.judge.shape.share(span, square.bits),
         };
@@ -120,14 +125,16 @@ impl TileSearch<'_> {
         if bound <= *largest {
             return;
         }
+        // The bound of a single place is its factor.
         if square.bits == 0 {
             *largest = bound;
             return;
         }
-        // A place in the middle soon gives a factor that is nearly the largest, so that fewer squares are cut.
+
+        // The place in the middle soon gives a factor that is nearly the largest, so that fewer squares are cut.
         *largest = largest.max(self.factor_in_the_middle(&span, near));
 
-        // A sample that is farther in the whole square than the bound gives no place its factor.
+        // A sample whose factor exceeds the bound at all places of the square gives none of them its factor.
         let first = self.lists.len();
         for index in near.all() {
             let sample = self.lists[index];
@@ -139,9 +146,11 @@ impl TileSearch<'_> {
         }
         let list = List {
             first,
+            // The square's own samples are told apart for conflicts only.
             outside: first,
             end: self.lists.len(),
         };
+
         for quarter in square.quarters() {
             self.measure(&quarter, share, list, largest);
         }
