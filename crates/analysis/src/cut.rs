@@ -34,7 +34,7 @@ impl CutReport {
 /// The part needs a margin around the window, except where the large set itself ends. Two radii are enough: every empty
 /// circle of up to two radii about a place of the window then lies in the part, with the samples on it.
 ///
-/// If there are more gaps than [`MAX_GAPS`], the gaps that are not listed count as lying in the window, so that none is
+/// At most 2^20 gaps are listed. If there are more, the gaps that are not listed count as lying in the window, so that none is
 /// overlooked.
 ///
 /// # Errors

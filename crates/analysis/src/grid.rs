@@ -99,7 +99,7 @@ impl Grid {
         count: usize,
         entry: impl Fn(usize) -> Entry + Sync,
     ) -> Self {
-        // No cell has this number, as there are at most about as many cells as samples.
+        // No cell has this number: grids have far fewer cells.
         const NOT_HELD: u32 = u32::MAX;
         let cell_of = |index: usize| {
             let [column, row] = cell_at(&domain, cells, entry(index).position);

@@ -85,6 +85,9 @@ use crate::domain::Domain;
 use crate::input::check_points;
 use crate::region::Region;
 
+/// The fewest samples of a set whose distances or cells are measured.
+pub(crate) const MIN_SAMPLES: usize = 3;
+
 /// Refuses sets that cannot be measured.
 fn check_set(points: &[[f64; 2]], region: Region, least: usize) -> Result<(), MeasureError> {
     Domain::new(region)?;

@@ -87,14 +87,14 @@ impl Report {
             region,
             radius,
             covering_tolerance,
-            // How far a search counts beyond the limit depends on its way, and is not told.
+            // Searches stop counting somewhere beyond the limit, so that the number itself means nothing there.
             conflicts: found.conflicts.min(MAX_CONFLICTS),
             worst_conflicts: conflicts.into_iter().map(conflict).collect(),
             gaps: found.gaps,
             worst_gaps: gaps.into_iter().map(gap).collect(),
             min_distance,
             covering_radius: found.covering_radius / scale,
-            // The judge of the beginnings of sets measures it.
+            // Only `VaryingRegion::verify_prefix` measures it.
             covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,

@@ -254,7 +254,7 @@ impl StreamVerifier {
         let search = &self.search;
         let (region, radius, options) = (search.region, search.radius, &search.options);
 
-        // A stream of which no band was judged yet is verified as a set, since holes and crowds refuse streams alone.
+        // A stream of which no band was judged yet is verified as a whole set, which is never refused for holes or crowds.
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
             (None, Some(circles)) => circles.unjudged(),
@@ -286,6 +286,7 @@ impl StreamVerifier {
         match (delaunay.map(report_on), circles) {
             (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
             (Some(report), None) | (None, Some(report)) => Ok(report),
+            // At least one judge is always asked.
             (None, None) => Err(VerifyError::Empty),
         }
     }

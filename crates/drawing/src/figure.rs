@@ -194,10 +194,10 @@ impl Figure<'_> {
             vec2(60.0, -20.0),
         ];
 
-        let [a, b, c, d] = rect(140.0, 88.0);
+        let (block, [a, b, c, d]) = (rect(98.0, 50.0), rect(140.0, 88.0));
         let mut shapes = vec![
-            filled(rect(98.0, 50.0), color.gamma_multiply(0.2)),
-            outline(rect(98.0, 50.0), Self::thin(color)),
+            filled(block, color.gamma_multiply(0.2)),
+            outline(block, Self::thin(color)),
             dashed([a, b, c, d, a], Self::thin(self.0.sample), [5.0, 3.0]),
         ];
 

@@ -171,6 +171,7 @@ impl<'a> Looks<'a> {
                     .with_outline(symbol == Symbol::Diamond)
                     .with_size(self.tint(id).map_or(1.0, |(_, size)| size))
             }
+            // Other samples are not there yet, or belong to a layer that is off.
             _ => SampleLook::HIDDEN,
         }
     }

@@ -153,6 +153,7 @@ impl Part {
             Self::Pairs => is_tiled && scene.subject.causes.is_some(),
             // At the end of a stage the whole stage is shown, not its last event.
             Self::Step => !scene.shown.ends_stage(),
+            // The inset shows from where the block that is being tiled gets its samples.
             Self::Inset => {
                 scene.stage == Stage::Tile && has(Layer::Pattern) && !scene.shown.ends_stage()
             }

@@ -318,7 +318,7 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
         event => format!("{text} ({event})"),
     };
 
-    // The sentence is cut an em before the event's number.
+    // The sentence is cut an em before the event's number. The words stand a little above the frame.
     let event_width = text_width(&event, Font::Regular, size);
     let room = frame.size().x - event_width - size;
     let line = frame.min.y - 0.8 * size;

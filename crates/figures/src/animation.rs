@@ -154,7 +154,7 @@ pub fn write_gif(
             ..Frame::default()
         };
 
-        // Its pixels are freed before the next frame is drawn, so that two frames are in memory at a time.
+        // The pixels of the change are freed before the next frame is drawn, so that two frames are in memory at a time.
         drop(change);
         encoder.write_frame(&frame).map_err(refused)?;
         next = frames.next()?;

@@ -75,8 +75,8 @@ impl Fonts {
         advances.sum::<f64>() * size / f64::from(face.units_per_em())
     }
 
-    /// The outlines of `text`, if it has any. `place` turns pixels from the start of the text, y downwards, into pixels of
-    /// the picture.
+    /// Returns the outlines of `text`, if it has any. `place` turns pixels from the start of the text, y downwards, into pixels
+    /// of the picture.
     pub(crate) fn outline(
         &self,
         text: &str,

@@ -10,7 +10,7 @@ use crate::scene::{Marker, Rect};
 /// Half the width of a cross's arm as a fraction of its size, measured along an axis: √2 times that across the arm.
 const ARM: f64 = 0.16;
 
-/// The corners of a marker `size` pixels wide at `center`; a dot has none.
+/// Returns the corners of a marker `size` pixels wide at `center`; a dot has none.
 pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DVec2> {
     let half = size / 2.0;
     let arm = ARM * size;
@@ -77,7 +77,7 @@ pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]
     is_seen.then(|| [enter, leave].map(|t| a + t * step))
 }
 
-/// Returns the polygon cut to a rectangle, side by side, after Sutherland & Hodgman (1974).
+/// Returns the polygon cut to a rectangle, by one side of it after the other, after Sutherland & Hodgman (1974).
 pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVec2> {
     let mut kept = points.to_vec();
     for (axis, sign, level) in [
@@ -86,7 +86,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
         (0, -1.0, max.x),
         (1, -1.0, max.y),
     ] {
-        // How far a place lies on the inner side of the line on which this side lies; below 0 on the outer one.
+        // How far inside of this side a place lies; below 0 outside.
         let depth = |p: DVec2| sign * (p[axis] - level);
         let mut cut = Vec::with_capacity(kept.len() + 4);
         for [a, b] in edges(&kept) {
@@ -94,7 +94,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
             if u >= 0.0 {
                 cut.push(a);
             }
-            // An edge that crosses the line is cut there. The signs differ, so that the divisor is not zero.
+            // An edge from inside to outside, or back, is cut. The signs differ, so that the divisor is not zero.
             if (u < 0.0) != (v < 0.0) {
                 cut.push(a + u / (u - v) * (b - a));
             }

@@ -63,7 +63,7 @@ pub fn to_png_controlled(
     }
     let mut writer = encoder.write_header().map_err(encode_error)?;
 
-    // Row by row, since a large picture takes seconds to compress.
+    // Rows are compressed one by one, so that `control` can stop a large picture, which takes seconds.
     let mut stream = writer.stream_writer().map_err(encode_error)?;
     for row in rgba.chunks(rgba.len() / height as usize) {
         steps.row()?;

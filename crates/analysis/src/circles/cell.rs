@@ -124,7 +124,7 @@ impl CellCutter {
 
     /// Cuts off the part of the cell that is nearer to a neighbour, which lies at `offset` from the sample.
     fn clip(&mut self, offset: DVec2, neighbour: usize) {
-        // Positive on the neighbour's side of the bisector, whose places p have p . offset = |offset|^2 / 2.
+        // The places p of the bisector have p . offset = |offset|^2 / 2. On the neighbour's side of it `beyond` is positive.
         let limit = 0.5 * offset.length_squared();
         let beyond = |corner: &Corner| corner.at.dot(offset) - limit;
         // A neighbour at the sample's own place has the same cell, and cuts nothing off.
@@ -222,7 +222,7 @@ impl Circles<'_> {
     }
 
     /// Returns the circle about the crossing of two samples' bisector with a line of the border, and whether it is larger than
-    /// the limit. None for a bisector along the line.
+    /// the limit. None for a bisector parallel to the line.
     fn crossing(&self, indices: [usize; 2], line: BorderLine, limit: f64) -> Option<(Gap, bool)> {
         let [first, second] = self.in_sequence(indices).map(|(_, site)| site);
         let (axis, level) = (line.axis, line.level(self.extent()));
@@ -248,6 +248,7 @@ impl Circles<'_> {
             kind: GapKind::Border,
         };
 
+        // How much the division by `along` enlarges errors of the lengths.
         let flatness = distance / along.abs();
         let exceeds = exceeds(distance, limit, flatness, || {
             crossing_exceeds([first, second], line, self.extent(), limit)

@@ -110,14 +110,15 @@ fn of_open_circles<T: Send>(
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
 
-    // All circles have the radius of the question from the start: it is the largest distance of a corner that matters here.
+    // The search is told that a corner as far as the radius was found: all circles then have that radius, and no cell is cut out
+    // to find a radius to begin with.
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 
     let found = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, rectangle| {
-            let mut found = Found::new(0);
+            let mut found = Found::new(question.witnesses);
             search
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
@@ -137,8 +138,8 @@ fn of_open_circles<T: Send>(
     Ok(found.into_iter().flatten().collect())
 }
 
-/// Returns the arcs of the circle that no given arc covers. An arc is given by the direction of its middle and the
-/// cosine of half its angle.
+/// Returns the arcs of the circle that no given arc covers, as angles in radians, in the order of their beginnings: each begins
+/// in 0 to 2 pi and goes on anticlockwise. An arc is given by the direction of its middle and the cosine of half its angle.
 pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut arcs: Vec<[f64; 2]> = covered
         .iter()
@@ -163,7 +164,7 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut open = Vec::new();
     for &[start, end] in &arcs {
         if start - covered_to > SHORTEST {
-            // Between the end of all arcs so far and the next one.
+            // The circle is open from the farthest end of all arcs so far to the beginning of this one.
             open.push([covered_to, start]);
         }
         covered_to = covered_to.max(end);

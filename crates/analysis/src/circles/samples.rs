@@ -210,7 +210,7 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; cells + 2];
     for &cell in cell_of {
         if cell != NO_CELL {
-            // Two cells on, as handing out the places below moves each start by one cell.
+            // Samples are counted two entries on, since each start moves by one cell when places are handed out below.
             starts[cell as usize + 2] += 1;
         }
     }
@@ -228,7 +228,7 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
             *next += 1;
         }
     }
-    // The last entry is left over: one place of the two was used up.
+    // The starts now lie one entry on, so that the last entry is left over.
     starts.pop();
     (starts, order)
 }

@@ -172,6 +172,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        // All cells of the set are that small.
         Err(Declined::Crowded)
     }
 
@@ -353,7 +354,7 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.at(tile.source[index] as usize);
-            // Not all samples of the tile's own cells are exposed. Those that are come sorted by index.
+            // Not all samples in the tile's own cells are exposed. `exposed` is sorted by index.
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()
@@ -372,7 +373,7 @@ impl<'a> Search<'a> {
         (gaps, rest)
     }
 
-    /// Completes the smallest distance and settles the gaps.
+    /// Returns the findings on all `count` samples: completes the smallest distance and settles the gaps.
     pub fn finish(&self, mut found: Found, count: usize) -> Result<Found, Declined> {
         let Question {
             domain,
@@ -382,7 +383,8 @@ impl<'a> Search<'a> {
         } = *self.question;
         let samples = self.samples;
 
-        // The scan notes pairs up to twice the radius of the first circles: a smaller distance would have been found.
+        // The scan notes all pairs up to twice the radius of the first circles. A smallest distance beyond that may not be the
+        // true one.
         if found.min_distance > 2.0 * self.least {
             // All pairs of many samples would take too long. Of a stream, only some rows are still held.
             if count > FEW || count > samples.len() {

@@ -244,7 +244,7 @@ impl CircleBands {
         // The rows go on across the seam: after the last one come the first ones, which were kept for that.
         let mut held = mem::replace(&mut self.rows, SortedRows::new(0));
         if cells.domain.periodic {
-            // The lowest row is complete only now.
+            // The lowest row, which ends before row 1, is complete only now.
             let mut lowest = SortedRows::new(0);
             lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);
             for rows in [&lowest, &self.seam] {
@@ -264,7 +264,8 @@ impl CircleBands {
             // The first rows of a torus come last: now the rows below them are there, across the seam.
             self.judge(question, &samples, 0..first(&cells), monitor)?;
         }
-        self.holes(question, &samples, |_| true, monitor)?;
+        let all_are_ready = |_: usize| true;
+        self.holes(question, &samples, all_are_ready, monitor)?;
 
         let search = Search::resumed(question, &samples, self.farthest, self.least);
         let finished = search.finish(self.found, count);

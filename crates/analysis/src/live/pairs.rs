@@ -11,7 +11,7 @@ use super::plane::Plane;
 use super::renewal::{LiveSample, Renew};
 use super::tournament::Tournament;
 use crate::domain::Domain;
-use crate::measures::{MeasureError, PairCorrelation, largest_min_distance};
+use crate::measures::{MIN_SAMPLES, MeasureError, PairCorrelation, largest_min_distance};
 use crate::region::Boundary;
 use crate::witness::Conflict;
 use crate::worst::Witness;
@@ -444,14 +444,14 @@ impl LivePairs {
     /// Those of that function.
     pub fn correlation(&self) -> Result<PairCorrelation, MeasureError> {
         // Sets are refused for the same reasons as by `PairCorrelation::of`.
-        const LEAST: usize = 3;
         let (count, region) = (self.count, self.histogram.plane.region_in_radii());
-        if count < LEAST {
+        if count < MIN_SAMPLES {
             return Err(MeasureError::TooFew {
                 count,
-                limit: LEAST,
+                limit: MIN_SAMPLES,
             });
         }
+        // All pairs are at one place.
         if self.histogram.coincident == count as u64 * (count as u64 - 1) / 2 {
             let place = self
                 .grid
@@ -463,7 +463,9 @@ impl LivePairs {
             return Err(MeasureError::AllEqual { count, point });
         }
 
-        let (most, bins) = PairCorrelation::bins_in_units_of(count, region, 1.0)?;
+        // The region is in radii, so that a radius, the unit of the bins, is 1.
+        let unit = 1.0;
+        let (most, bins) = PairCorrelation::bins_in_units_of(count, region, unit)?;
         let domain = Domain::new(region)?;
         let distance = most * largest_min_distance(count, region.area()) * domain.scale;
         let per_length = bins as f64 / distance;

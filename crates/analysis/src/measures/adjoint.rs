@@ -54,7 +54,7 @@ pub(super) fn at_samples(
         // The grid is centred at the window's middle frequency. Whole turns are dropped before the angle loses digits to them.
         let turns = middle.dot(sample.at);
         let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
-        // A frequency and its opposite, whose values are conjugates.
+        // A frequency and its opposite together give the sum of a value and its conjugate.
         2.0 * (re * cos - im * sin)
     };
     read(plan, &cells, samples, value, monitor)
@@ -66,24 +66,24 @@ fn back_along_x(
     values: &[Complex<f64>],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<Complex<f64>>, MeasureError> {
-    let [axis, other] = plan.axes;
-    let factors = axis.factors();
-    let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+    let [x_axis, y_axis] = plan.axes;
+    let factors = x_axis.factors();
+    let fft = FftPlanner::new().plan_fft_inverse(x_axis.size);
 
-    let mut half = zeros(axis.size * plan.rows());
-    let lines = half.par_chunks_mut(axis.size).enumerate();
-    let rows = lines.zip(values.par_chunks(axis.count()));
+    let mut half = zeros(x_axis.size * plan.rows());
+    let lines = half.par_chunks_mut(x_axis.size).enumerate();
+    let rows = lines.zip(values.par_chunks(x_axis.count()));
     rows.try_for_each_init(
         // Each row is transformed where it lies: no buffer for lines is needed.
         || Scratch::new(&fft, 0),
         |scratch, ((row, line), values)| {
-            let along_y = other.factor(plan.first_row() + row as i64);
-            for ((value, factor), offset) in values.iter().zip(&factors).zip(-axis.below..) {
+            let along_y = y_axis.factor(plan.first_row() + row as i64);
+            for ((value, factor), offset) in values.iter().zip(&factors).zip(-x_axis.below..) {
                 // The adjoint has the conjugates of the factors of the transform.
-                line[axis.index(offset)] = value * (factor * along_y).conj();
+                line[x_axis.index(offset)] = value * (factor * along_y).conj();
             }
             scratch.run_on(&fft, line);
-            monitor.advance(axis.size as u64)
+            monitor.advance(x_axis.size as u64)
         },
     )?;
     Ok(half)
@@ -224,8 +224,8 @@ fn read<const C: usize>(
         monitor.advance(values.len() as u64)
     })?;
 
-    let mut values = vec![0.0; samples.len()];
     // Values go back to the order of `samples`.
+    let mut values = vec![0.0; samples.len()];
     for (value, index) in sorted.into_iter().zip(order) {
         values[index as usize] = value;
     }

@@ -51,7 +51,7 @@ impl CoarsePower {
         let mut sums = CoarseSums::new(reach, most, step);
         let [x, y] = reach;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
-            // The power at zero tells the number of samples, and would outshine all others.
+            // The power at zero counts as 0: it tells the number of samples, and would outshine all others.
             let of_structure = |k: &[i64; 2]| *k != [0, 0];
             let power = |kx| {
                 Some([kx, ky])

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::MeasureError;
 use super::neighbors::Neighbors;
 use super::statistics::Summary;
-use super::{check_not_all_equal, check_range, check_set};
+use super::{MIN_SAMPLES, check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
@@ -68,7 +68,7 @@ impl NearestDistances {
         region: Region,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 3)?;
+        check_set(points, region, MIN_SAMPLES)?;
         check_not_all_equal(points)?;
         let monitor = Monitor::begin(control, points.len() as u64)?;
         let domain = Domain::new(region)?;
@@ -94,7 +94,7 @@ impl NearestDistances {
         }
 
         // Without samples there is no summary, but so few were refused above.
-        let limit = 3;
+        let limit = MIN_SAMPLES;
         let summary = Summary::of(distances.iter().copied());
         Ok(Self {
             summary: summary.ok_or(MeasureError::TooFew { count: 0, limit })?,

@@ -113,7 +113,7 @@ impl RangeSearch<'_> {
             .into_par_iter()
             .map(|row| {
                 let mut count = 0;
-                self.row(row, monitor, |_, _, found| count += u64::from(found))?;
+                self.row(row, monitor, |_, _, counts| count += u64::from(counts))?;
                 Ok(count)
             })
             .collect::<Result<_, VerifyError>>()?;
@@ -168,7 +168,7 @@ impl RangeSearch<'_> {
                 continue;
             }
 
-            let partners = |run: &[Entry], once: bool| {
+            let compare = |run: &[Entry], once: bool| {
                 for a in own {
                     for b in run {
                         let length = self.neighbors.offset(a, b).length();
@@ -178,7 +178,7 @@ impl RangeSearch<'_> {
                     }
                 }
             };
-            self.neighbors.partners([column, row], most, partners);
+            self.neighbors.partners([column, row], most, compare);
             monitor.advance(own.len() as u64)?;
         }
         Ok(())

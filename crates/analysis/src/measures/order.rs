@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::error::MeasureError;
 use super::statistics::Summary;
 use super::tiles::{TILE_CELLS, map_cells};
-use super::{check_not_all_equal, check_set};
+use super::{MIN_SAMPLES, check_not_all_equal, check_set};
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 use crate::tessellation::VoronoiCell;
@@ -55,7 +55,7 @@ impl Order {
         region: Region,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 3)?;
+        check_set(points, region, MIN_SAMPLES)?;
         check_not_all_equal(points)?;
         let monitor = Monitor::begin(control, points.len() as u64)?;
         let mean_area = region.area() / points.len() as f64;

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::distances::largest_min_distance;
 use super::error::MeasureError;
 use super::neighbors::Neighbors;
-use super::{check_count, check_not_all_equal, check_range, check_set};
+use super::{MIN_SAMPLES, check_count, check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
@@ -70,7 +70,7 @@ impl PairCorrelation {
         bins: usize,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 3)?;
+        check_set(points, region, MIN_SAMPLES)?;
         check_not_all_equal(points)?;
         check_count("bins of g(r)", bins, MAX_BINS)?;
 
@@ -149,7 +149,7 @@ impl PairCorrelation {
         unit: f64,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 3)?;
+        check_set(points, region, MIN_SAMPLES)?;
         let (most, bins) = Self::bins_in_units_of(points.len(), region, unit)?;
         Self::of(points, region, most, bins, control)
     }

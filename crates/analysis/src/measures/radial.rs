@@ -200,7 +200,7 @@ impl AnnulusTable {
     /// [`Periodogram::length`].
     pub fn new([columns, rows]: [usize; 2], step: usize, region: Region, width: f64) -> Self {
         let [x_unit, y_unit] = unit_lengths(region);
-        // The shortest frequency that is missing lies on an axis. The annuli before its own are whole.
+        // The shortest frequency that is missing lies on an axis. All annuli before the one that it lies in are whole.
         let [missing_x, missing_y] = [columns, rows].map(|count| (count * step) as f64);
         let whole = annulus_of((missing_x * x_unit).min(missing_y * y_unit), width);
 

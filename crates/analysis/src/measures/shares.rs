@@ -147,6 +147,7 @@ fn shares_by(
     let shares = (set.samples.iter().zip(waves))
         .map(|(sample, wave)| sample.weight * (wave - sums.mean_wave) * set.scale)
         .collect();
+    // A ring without frequencies has a mean power of 0.
     let count = sums.frequencies.max(1) as f64;
     Ok(FrequencyShares {
         ring,

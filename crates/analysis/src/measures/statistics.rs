@@ -34,8 +34,8 @@ impl Summary {
     #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
+        // Each value is taken as a curve of length 1. The sums run in the sequence given, and so before the values are sorted.
         let mut average = Average::new(1);
-        // The sums run in the sequence given, and so before the values are sorted.
         for value in &values {
             average.push([*value]);
         }

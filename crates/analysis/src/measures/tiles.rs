@@ -119,6 +119,7 @@ impl<'a> CellTile<'a> {
     /// Returns the view of the tile with a margin of so many grid cells; none if it would reach around the torus.
     fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
+        // The view begins as the whole domain.
         let mut view = TileView {
             cells: [[0; 2]; 2],
             ends: [[false; 2]; 2],
@@ -154,7 +155,8 @@ impl<'a> CellTile<'a> {
         Some(view)
     }
 
-    /// The cells of its samples from those in view; none if one depends on samples out of view.
+    /// Returns the cells of the tile's samples as they follow from the samples in view; none if one of them depends on samples out
+    /// of view.
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (positions, own) = self.positions(view);
         let size = view.high - view.low;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::distributions::{chi_square_tail, student_quantile};
 use super::error::MeasureError;
-use super::statistics::Average;
+use super::statistics::{Average, LEVELS};
 use super::{check_count, check_length, check_range, check_rising, check_set};
 use crate::region::Region;
 
@@ -175,7 +175,7 @@ impl ClassCounts {
     /// [`MeasureError::TooFew`] for no sample, or fewer than two classes that can hold samples;
     /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn uniformity(&self, level: f64) -> Result<Uniformity, MeasureError> {
-        check_range("the confidence level", level, [0.01, 0.999_999])?;
+        check_range("the confidence level", level, LEVELS)?;
         let samples: u64 = self.observed.iter().sum();
         let possible = self.expected.iter().filter(|value| **value > 0.0).count();
         if samples == 0 || possible < 2 {
@@ -244,6 +244,7 @@ impl ClassCounts {
         check_length("classes", other.observed.len(), self.observed.len())?;
         let totals = [self, other].map(|counts| counts.observed.iter().sum::<u64>() as f64);
 
+        // The terms of chi-square for two sets of counts, times both totals.
         let (mut sum, mut classes) = (0.0, 0);
         for (a, b) in self.observed.iter().zip(&other.observed) {
             let [a, b] = [*a as f64, *b as f64];

@@ -69,7 +69,8 @@ impl RadiusTable {
             return Err(SquaresError::UnevenPitch { side, bits });
         }
 
-        // The last cell may reach beyond the region. Cells need a node more than there are, but for a periodic region.
+        // The last cell may reach beyond the region. Along each axis there is a node more than cells, unless the first node
+        // follows the last one.
         let cells = sides.map(|side| ((side - 1) >> pitch_bits) as usize + 1);
         let [needed_columns, needed_rows] = cells.map(|cells| cells + usize::from(!wraps));
         if columns != needed_columns || nodes.len() != needed_columns * needed_rows {

@@ -310,8 +310,8 @@ impl<'a> TileSearch<'a> {
         PointSpan { min, max }
     }
 
-    /// Lists the samples that may be near a place of the tile, or at most `times` as far from one as near places may be. The
-    /// tile's own samples come first. `span` has the lattice points of the tile.
+    /// Lists the samples that may be near a place of the tile, or at most `times` as far from one as near places may be, and
+    /// returns the list, which is the first one. The tile's own samples come first. `span` has the lattice points of the tile.
     fn gather(
         &mut self,
         tiles: &SampleTiles,
@@ -320,7 +320,8 @@ impl<'a> TileSearch<'a> {
         times: i64,
     ) -> List {
         let Self { judge, corner, .. } = *self;
-        // The harmonic mean of two radii exceeds neither the larger one nor twice the smaller one.
+        // Near places are at most the harmonic mean of their radii apart, which exceeds neither the larger radius nor twice the
+        // smaller one.
         let greatest = judge.radii.range(*span, self.bits).greatest;
         let reach = times * judge.radii.greatest().min(2 * greatest);
         let wide = PointSpan {
@@ -411,8 +412,8 @@ impl<'a> TileSearch<'a> {
 
         let mut found = false;
         for quarter in square.quarters() {
-            // Along the rim of a hole are thousands of uncovered places: in a square no wider than the radius, the first one
-            // is enough. Its other quarters are searched for conflicts alone.
+            // Along the rim of a hole are thousands of uncovered places: in a square no wider than the least radius in it, the
+            // first one is enough. The remaining quarters are searched for conflicts alone.
             if found && 1 << square.bits <= range.least {
                 let own = self.list_own(&quarter, list);
                 self.find_conflicts(own, list);

@@ -172,6 +172,7 @@ impl VaryingRegion {
             min_distance,
             // Squares tell whether a place is covered, not how far its nearest sample is.
             covering_radius: f64::INFINITY,
+            // Only `verify_prefix` measures it.
             covering_factor: None,
             density: count as f64 * self.radius * self.radius / area,
             relative_radius: min_distance / r_max,

@@ -225,6 +225,7 @@ impl Bands {
         let first = self.keep.max(search.first_pairs());
         let count = complete - first;
 
+        // The samples at the seam are needed at the end alone.
         let parts = [&self.held[..], &[]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         check_crowd(&grid)?;
@@ -316,7 +317,7 @@ impl Bands {
         })
     }
 
-    /// Judges the remaining rows, those at the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included, and returns all findings.
     pub fn finish(
         &mut self,
         search: &StreamSearch,
@@ -366,6 +367,7 @@ impl Bands {
             });
         }
 
+        // The findings are taken out, and empty ones stay behind.
         let places = mem::replace(&mut self.places, Places::new(0));
         let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
         let cover = places.finish(&search.domain, search.same);

@@ -82,7 +82,7 @@ impl StreamVerifier {
         Ok(bytes)
     }
 
-    /// The verifier that was saved as `state`, for the same region, radius and options.
+    /// Returns the verifier that was saved as `state`, for the same region, radius and options.
     ///
     /// # Errors
     ///

@@ -182,8 +182,8 @@ impl Cells {
 
         let sample = self.samples[side.cell];
         let [from, to] = self.ends(index);
-        let whole = from.distance(to);
-        let along = (to - from) / whole;
+        let side_length = from.distance(to);
+        let along = (to - from) / side_length;
         let to_sample = sample - from;
 
         // A side lies half-way to the sample beyond: computed from that, the height has the same bits in both cells.
@@ -201,10 +201,10 @@ impl Cells {
             .max(0.0)
             .sqrt();
         let (enters, leaves) = (foot - half_chord, foot + half_chord);
-        let fraction = |length: f64| (length / whole).clamp(0.0, 1.0);
+        let fraction = |length: f64| (length / side_length).clamp(0.0, 1.0);
 
         // Both ends may be outside though the circle bulges over the middle.
-        let crosses = height < self.radius && enters > 0.0 && leaves < whole;
+        let crosses = height < self.radius && enters > 0.0 && leaves < side_length;
         match ends_outside {
             [true, true] if crosses => (Some(fraction(enters)), Some(fraction(leaves))),
             [true, true] => (Some(1.0), None),

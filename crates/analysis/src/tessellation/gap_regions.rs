@@ -312,7 +312,7 @@ impl GapRegion {
             let ray = DVec2::from_angle(first + angle * (k / count));
             let reach = from.perp_dot(across) / ray.perp_dot(across);
             let inner = ray * self.radius;
-            // The ends are the side's own, so that strips side by side share them.
+            // The outer ends are those of the side itself, so that strips side by side share them.
             let outer = match k {
                 0.0 => from,
                 _ if k >= count => to,

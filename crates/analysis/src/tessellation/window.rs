@@ -105,7 +105,8 @@ impl Window {
 }
 
 /// Returns the samples, each place once, and their copies no further than `halo` from the domain. A halo of a period is always
-/// enough: no empty circle about a place of the domain has a larger radius than a period.
+/// enough: a cell reaches at most half a period beyond the domain, and the samples nearest to its places are at most half a
+/// period away from them.
 fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
     let at = |id: u32| samples[id as usize].to_array();

@@ -232,6 +232,7 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
         ranges
     };
 
+    // The clip is the block enlarged by r on each side.
     let columns = ranges(tile.start.x, block.width() + 2 * R, turned[0]);
     let rows = ranges(tile.start.y, block.height() + 2 * R, turned[1]);
 

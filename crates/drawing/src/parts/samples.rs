@@ -139,9 +139,11 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
+    // Exact tiling searches by darts.
     if scene.session.is_exact() {
         return super::darts::draw(scene, surface);
     }
+
     let iteration = match scene.stage {
         // After elimination the first search comes next, and its detectors are known.
         Stage::Eliminate => scene.session.iteration(1),

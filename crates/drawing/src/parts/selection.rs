@@ -19,6 +19,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
     let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
 
+    // A selected place is marked by a cross.
     if let Some(place) = subject.place {
         for at in images(scene, place).map(|place| scene.at(place)) {
             for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {

@@ -189,6 +189,7 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
             right -= width + LEVEL_SAMPLE + LEVEL_GAP;
             at
         } else {
+            // The name stands at the right end of its line, a little above it.
             let y = frame.pixel([frame.x[0], level.y]).y;
             DVec2::new(max.x - 8.0, y - 6.0)
         };

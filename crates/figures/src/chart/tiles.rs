@@ -152,7 +152,8 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     let [low, high] = axis.checked_range()?;
 
     for (value, label) in ticks {
-        // The scene's y points down. A tick begins outside of the tile's border, which is two pixels thick.
+        // The scene's y points down. A tick of five pixels ends outside of the tile's border, which is two pixels thick. Its
+        // label ends three pixels before it.
         let share = (high - value) / (high - low);
         let at = frame.min + DVec2::new(-1.0, share * frame.size().y);
         let stroke = Stroke::new(palette.muted, 1.0);
@@ -174,7 +175,7 @@ const SCALE_GAP: f64 = 8.0;
 const SCALE_BASELINE: f64 = 12.0;
 
 impl ColorScale {
-    /// Returns its shapes, at the upper right corner of a figure of this width.
+    /// Returns the shapes of the scale, at the upper right corner of a figure of this width.
     pub(super) fn group(&self, width: f64, palette: &Palette) -> Group {
         let mut group = Group::new("scale");
 
