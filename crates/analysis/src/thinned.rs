@@ -432,6 +432,7 @@ impl Search<'_> {
             let mut is_covered = self.set.is_kept(index);
             let mut last_index = None;
             for other in near.iter() {
+                // A point is not compared with itself, and with another one only once: `are_near` takes the nearest images.
                 let is_again = last_index.replace(other.index) == Some(other.index);
                 if is_again || other.index == index || !self.set.are_near(index, other.index) {
                     continue;

@@ -311,6 +311,7 @@ impl Painter {
 
     /// Draws a line along a path, if there is one.
     fn stroke(&mut self, path: Option<Path>, stroke: Stroke) {
+        // A line without a width is not drawn.
         let width = stroke.width * self.scale;
         let Some(path) = path.filter(|_| width > 0.0) else {
             return;

@@ -72,6 +72,7 @@ impl CellCutter {
                 index,
             }
             .at([before.edge, corner.edge], limit);
+            // A corner that only rounding makes has no circle.
             let Some((circle, exceeds)) = circle else {
                 continue;
             };
@@ -99,7 +100,7 @@ impl CellCutter {
             }
         }
 
-        // Anticlockwise from the lowest corner on, each with the edge that begins there.
+        // Corners go anticlockwise from the lowest one on, each with the edge that begins at it.
         let [[left, right], [bottom, top]] = edges;
         self.corners.clear();
         self.corners.extend([
@@ -188,8 +189,8 @@ impl Circles<'_> {
         let (a, b) = (self.between(first, second), self.between(first, third));
         let c = b - a;
 
-        // The centre loses the fewest digits as seen from the corner opposite the longest edge. That corner is given from
-        // the first sample on, and with it the two edges that begin there.
+        // The centre loses the fewest digits as seen from the corner opposite the longest edge. `corner` is its offset from the
+        // first sample; `p` and `q` are the two edges that begin at it.
         let squares = [a, b, c].map(DVec2::length_squared);
         let (corner, p, q) = if squares[2] >= squares[0] && squares[2] >= squares[1] {
             (DVec2::ZERO, a, b)

@@ -40,6 +40,7 @@ impl Gaps {
     /// Keeps one of all gaps within `same` of each other along both axes, in the order of places. If no gap is left, the covering
     /// radius is at most `limit`.
     pub fn settle(&mut self, domain: &Domain, same: f64, limit: f64) {
+        // Around a torus, a gap at the seam may be seen from both sides: its places come together on one side.
         for gap in &mut self.all {
             gap.center = domain.at_seam(gap.center.into(), same).into();
         }

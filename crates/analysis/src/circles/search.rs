@@ -153,10 +153,10 @@ impl<'a> Search<'a> {
 
         for rectangle in tiles {
             self.fill(&mut scratch.tile, rectangle, reach)?;
-            for first in scratch.tile.own().flatten() {
+            for index in scratch.tile.own().flatten() {
                 let cell = scratch
                     .cutter
-                    .cut(self.samples, &scratch.tile, first, reach, limit);
+                    .cut(self.samples, &scratch.tile, index, reach, limit);
                 // A cell that is larger than its known surroundings reaches the limit at least.
                 self.reaches(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();

@@ -261,7 +261,7 @@ impl CircleBands {
             monitor,
         )?;
         if cells.domain.periodic {
-            // The first rows of a torus come last: now the rows below them are there, across the seam.
+            // The first rows of a torus come last: only now the rows below them, across the seam, are held.
             self.judge(question, &samples, 0..first(&cells), monitor)?;
         }
         let all_are_ready = |_: usize| true;

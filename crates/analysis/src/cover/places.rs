@@ -97,8 +97,8 @@ impl Places {
     }
 }
 
-/// Replaces gaps whose places are within `same` along both axes by one. Which bits survive does not
-/// depend on their order.
+/// Replaces gaps whose places are within `same` along both axes by one. The result has the same bits in whatever order the gaps
+/// come.
 fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
     if gaps.len() < 2 {
         return;

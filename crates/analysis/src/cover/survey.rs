@@ -73,7 +73,7 @@ impl Survey {
 
         for crossing in border::crossings(&mut sites) {
             let at = crossing.at;
-            // Samples of the window beyond the ends of the side have crossings there, which belong to other sides.
+            // The window also holds samples beyond the ends of the side. Crossings beyond the ends belong to other sides.
             if at < start - task.same || at > end + task.same {
                 continue;
             }

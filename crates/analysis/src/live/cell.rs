@@ -151,7 +151,7 @@ impl LiveCell {
             Boundary::Bounded => BORDER,
         };
 
-        // A vertex lies where the edge before its own one meets its own one.
+        // Each vertex lies where the edge before it meets the edge that begins at it.
         self.vertices.clear();
         self.vertices.extend((0..4).map(|index| Vertex {
             at: Meeting::place(around[(index + 3) % 4], around[index]),

@@ -204,7 +204,7 @@ impl LiveCover {
         self.grid.remove(place, |occupant| occupant.slot == slot);
         self.free.push(slot);
 
-        // Other neighbours are within two thresholds, or their own cell is kept (see the head).
+        // All other neighbours are within two thresholds, or their cells are kept (see the head of this file).
         let two_thresholds_square = 4.0 * self.threshold * self.threshold;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let is_kept = !self.taken[other.slot as usize].vertices.is_empty();

@@ -326,6 +326,8 @@ impl PlaceGrid {
         square: f64,
         mut each: impl FnMut(&Occupant, [i32; 2], &mut f64),
     ) -> u64 {
+        // Each search begins with the one block of the highest layer.
+        let (highest, block) = (self.layers.len() - 1, [0; 2]);
         let mut search = DiskSearch {
             center,
             square,
@@ -333,7 +335,7 @@ impl PlaceGrid {
             steps: 0,
         };
         if !self.is_periodic {
-            self.descend(self.layers.len() - 1, [0; 2], &mut search, &mut each);
+            self.descend(highest, block, &mut search, &mut each);
             return search.steps;
         }
 
@@ -346,7 +348,7 @@ impl PlaceGrid {
             for across in first.x as i32..=last.x as i32 {
                 search.periods = [across, up];
                 search.center = center - DVec2::new(across.into(), up.into()) * extent;
-                self.descend(self.layers.len() - 1, [0; 2], &mut search, &mut each);
+                self.descend(highest, block, &mut search, &mut each);
             }
         }
         search.steps

@@ -113,14 +113,15 @@ fn back_along_y_real(
             let lines = cells.len() / stride;
             scratch.line.fill(Complex::default());
 
-            // A transform of a + i b has the line of a as its real part and that of b as its imaginary part, since both are real.
+            // Grid lines are real. So a transform of a + i b has the line of a as its real part and the line of b as its
+            // imaginary part.
             for (k, row) in half.chunks_exact(across.size).enumerate() {
                 let row = &row[block * TOGETHER..][..lines];
                 for (pair, target) in row.chunks_exact(2).zip(scratch.line.chunks_mut(axis.size)) {
                     let [a, b] = [pair[0], pair[1]];
                     let times_i = |value: Complex<f64>| Complex::new(-value.im, value.re);
-                    // The row ky = 0 holds both of opposite frequencies, so that it is real after the transform along x. For any
-                    // other row the opposite one, of the conjugates, is added.
+                    // The row ky = 0 holds both of any two opposite frequencies, so that it is real after the transform along
+                    // x. For any other row the opposite row, of the conjugates, is added.
                     if k == 0 {
                         target[0] = Complex::new(a.re, b.re);
                     } else {

@@ -100,6 +100,7 @@ impl DifferenceCurve {
 
         let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (index, (x, y)) in curve.x.iter().zip(&curve.y).enumerate() {
+            // Where the reference is not known, there is no difference.
             let Some(between) = Between::of(*x, &reference.x) else {
                 continue;
             };

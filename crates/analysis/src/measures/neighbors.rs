@@ -24,8 +24,9 @@ impl Neighbors<'_> {
         }
     }
 
-    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met: once
-    /// where the argument of `see` is true, and otherwise twice, from both sides, or with itself.
+    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met. The second
+    /// argument of `see` is true where each pair is met once, and false where each is met twice, from both of its samples,
+    /// and each sample also meets itself.
     pub fn partners(
         &self,
         [column, row]: [usize; 2],
@@ -79,7 +80,7 @@ impl Neighbors<'_> {
         // Around a torus every row is within half of them.
         let farthest = if domain.periodic { rows / 2 } else { rows - 1 };
         for step in 0..=farthest {
-            // Samples of rows so many steps off are at least a step less away.
+            // A sample in a row `step` rows away is at least `step - 1` sides away, less some rounding.
             if (step as f64 - 1.0 - 2.0 * Grid::ROUNDING) * side > least_square.sqrt() {
                 break;
             }

@@ -78,6 +78,7 @@ impl Order {
             // The border cuts the cells at it: their areas and sides say nothing about the set.
             .filter(|cell| !cell.at_border)
             .collect();
+        // Without an inner cell there is no order.
         let relative_areas = Summary::of(inner.iter().map(|cell| cell.relative_area))
             .ok_or(MeasureError::TooFew { count: 0, limit: 1 })?;
 

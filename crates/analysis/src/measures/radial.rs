@@ -49,8 +49,9 @@ impl RadialProfile {
     /// Widths of annuli that are accepted.
     pub const WIDTHS: [f64; 2] = [0.25, 1e6];
 
-    /// Returns the annuli `1/2 + j width <= |k| < 1/2 + (j + 1) width`, `j` from 0 on, that lie in the window. The
-    /// first one has the frequencies below 1/2 of an oblong region as well, but zero. Of a window that holds one half of the plane, opposite frequencies stand for the other half.
+    /// Returns the annuli `1/2 + j width <= |k| < 1/2 + (j + 1) width`, `j` from 0 on, that lie in the window. The first annulus
+    /// also has the frequencies shorter than 1/2 that an oblong region has, except zero. Where the window holds one half of the
+    /// plane, opposite frequencies stand for the other half.
     ///
     /// # Errors
     ///
@@ -196,7 +197,7 @@ pub(crate) struct AnnulusTable {
 }
 
 impl AnnulusTable {
-    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`, with lengths as those of
+    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`. Lengths are those of
     /// [`Periodogram::length`].
     pub fn new([columns, rows]: [usize; 2], step: usize, region: Region, width: f64) -> Self {
         let [x_unit, y_unit] = unit_lengths(region);

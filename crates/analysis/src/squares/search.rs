@@ -123,7 +123,7 @@ impl SampleTiles {
         let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
         let most_tiles = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
         let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most_tiles as u64;
-        // Tiles are the smallest of which there are not too many. Of the largest there never are.
+        // Tiles are as small as their greatest number allows. Tiles of the largest size are never too many.
         let bits = (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS);
         let [columns, rows] = counts(bits).map(|count| count as usize);
 
@@ -397,6 +397,7 @@ impl<'a> TileSearch<'a> {
 
         self.findings.squares += 1;
         let range = self.judge.radii.range(span, square.bits);
+        // The square is proven if one sample is near all of its places.
         let Some(list) = self.list(square, &span, range, near) else {
             return false;
         };

@@ -129,7 +129,7 @@ impl VaryingRegion {
         points.iter().map(|&p| self.lattice_point(p)).collect()
     }
 
-    /// Returns the report on points, in the region's own length, of what the judge found in lattice units.
+    /// Returns the report on points, in the region's unit of length, of what the judge found in lattice units.
     fn report(
         &self,
         points: &[[f64; 2]],

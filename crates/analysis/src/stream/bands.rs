@@ -183,7 +183,8 @@ impl Bands {
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
 
-            // At the limit of samples, or at half of that of cells, a band of any height is judged, to free memory.
+            // At the limit of samples, or at half of that of cells, a band of any height is judged, to free memory. A band has
+            // one row at least.
             let is_tight =
                 samples > most_samples || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
             let least_rows = if is_tight { 1 } else { search.band.rows };

@@ -162,6 +162,7 @@ fn copied(
     let positions = run.pattern.samples();
     let mut last: Option<(u32, Pos2)> = None;
     for id in tile.samples.clone() {
+        // Only tiled samples are copies of samples of the pattern.
         let Origin::Tiled { pattern, .. } = run.samples.origins[id as usize] else {
             continue;
         };

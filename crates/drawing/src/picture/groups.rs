@@ -40,6 +40,7 @@ pub(super) fn groups(
     let subject = subject(shown, view, causes, &geometry);
     let scene = Scene::new(frame, subject, view.palette());
     let mut groups = ground(&scene, view);
+    // At the stage of the pattern there is nothing but the pattern, in its own domain.
     if shown.stage == Stage::Pattern {
         let mut shapes = Shapes::default();
         parts::pattern(&scene, &mut shapes);
@@ -88,7 +89,7 @@ fn subject<'a>(
         Selection::Place(place) => (None, Some(place)),
     };
 
-    // A file has no pointer, no verdict that one flew to, and no animation in progress.
+    // A file has no pointer, no witness of a verdict, no second run to compare with, and no animation in progress.
     Subject {
         shown,
         camera: view.camera,

@@ -139,7 +139,7 @@ impl BarChart {
                 bar_scale.draw(bar, y + (index as f64 + 0.5) * LINE, &mut drawn);
             }
 
-            // The line at zero lies over the bars that begin there.
+            // The line at zero comes last, as it covers the ends of the bars that begin at it.
             let stroke = Stroke::new(palette.muted, 1.0);
             drawn
                 .shapes

@@ -90,6 +90,7 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
             continue;
         }
 
+        // A row of scales alone takes no room.
         if panels.is_empty() {
             continue;
         }

@@ -166,7 +166,7 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let widths: Vec<f64> = (chart.levels.iter())
         .map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME))
         .collect();
-    // The heading and all names share one line above the plot. A single name stands there in any case.
+    // The heading and all names share one line above the plot, if they fit. A single name stands above the plot in any case.
     let all: f64 = widths
         .iter()
         .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)

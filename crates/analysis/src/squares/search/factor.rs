@@ -121,6 +121,7 @@ impl TileSearch<'_> {
 
         let range = self.judge.radii.range(span, square.bits);
         let offset = self.offset(&span);
+        // No place of the square has a larger factor than the bound.
         let bound = self.bound(&offset, range.least, near);
         if bound <= *largest {
             return;
