@@ -18,6 +18,7 @@ pub(crate) struct Entry {
     pub id: u32,
 }
 
+/// The samples of a region, or of some of its rows, sorted by cell.
 pub(crate) struct Grid {
     pub domain: Domain,
     /// Cells along x and y, of the whole region.

@@ -187,6 +187,7 @@ struct Stretch {
     shift: Option<f64>,
 }
 
+/// The scan of some cells, with the pairs that it found.
 struct Scan<'a> {
     grid: &'a Grid,
     periods: DVec2,

@@ -214,6 +214,7 @@ fn covered_circle(palette: &Palette) -> Vec<SymbolShape> {
     ]
 }
 
+/// The corners of the triangle in the symbols of the triangulation.
 const TRIANGLE: [Vec2; 3] = [vec2(-6.0, 4.0), vec2(1.0, -5.5), vec2(6.0, 4.5)];
 
 /// Returns a hatched square.

@@ -238,8 +238,11 @@ fn refused(error: impl std::fmt::Display) -> AnimationError {
 /// Frames, one at a time, each checked against the limits.
 struct Frames<'a, I> {
     source: I,
+    /// The number of frames that were announced.
     count: usize,
+    /// The number of frames that were written.
     written: usize,
+    /// The width and the height of the first frame.
     size: [u32; 2],
     /// The last frame, with which the next one is compared.
     last: Option<Pixels>,

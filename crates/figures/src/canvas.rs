@@ -46,11 +46,14 @@ impl Default for PictureOptions {
 /// A scene in the making: user units, y upwards, one frame below a caption.
 pub(crate) struct Canvas<'a> {
     pub(crate) options: &'a PictureOptions,
+    /// The width and the height of the domain, in user units.
     pub(crate) size: DVec2,
     pub(crate) periodic: bool,
     /// Of the disk around the sample that is drawn.
     pub(crate) radius: f64,
+    /// The part of the domain that is shown, in user units.
     pub(crate) shown: Rect,
+    /// The rectangle of the picture that shows it, in pixels.
     pub(crate) frame: Rect,
     view: View,
     scene: Scene,

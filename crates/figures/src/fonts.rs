@@ -157,6 +157,7 @@ fn advance(face: &Face<'_>, character: char) -> f64 {
 /// The box of a character that a font lacks: its code point in two rows of hexadecimal digits. Lengths are in ems.
 struct CodeBox {
     rows: [String; 2],
+    /// The width of the box without the space beside it.
     width: f64,
 }
 
@@ -232,7 +233,9 @@ struct Outline<P> {
     x: f64,
     /// How far its baseline lies above that of the text.
     y: f64,
+    /// How many pixels a unit of the font has.
     scale: f64,
+    /// Turns pixels of the text into pixels of the picture.
     place: P,
 }
 

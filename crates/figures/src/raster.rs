@@ -108,10 +108,12 @@ pub(crate) fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
     Ok([width as u32, height as u32])
 }
 
+/// Paints groups of a scene on a picture, one after the other.
 struct Painter {
     pixmap: Pixmap,
     fonts: Fonts,
     scale: f64,
+    /// The mask of the current group's clip, if it has one.
     clip: Option<Mask>,
     /// The part of the picture that the current group can paint, in pixels.
     frame: Rect,

@@ -107,6 +107,7 @@ pub fn font_faces(fonts: &[Font]) -> String {
     out
 }
 
+/// The document so far, and the fonts that its texts are measured with.
 struct Writer {
     out: String,
     fonts: Fonts,

@@ -36,7 +36,9 @@ pub(crate) struct Cells {
     pub domain: Domain,
     /// How many columns and rows there are.
     pub counts: [usize; 2],
+    /// How many cells a unit of length holds, along each axis.
     pub per_unit: DVec2,
+    /// The width and the height of a cell.
     pub sides: DVec2,
     /// Cells to either side, along each axis, that hold all samples within two radii.
     pub reach: [usize; 2],

@@ -58,6 +58,7 @@ pub(crate) fn search(
     Ok(found.and_then(|found| search.finish(found, points.len())))
 }
 
+/// The search for exposed circles among the samples that are held.
 pub(super) struct Search<'a> {
     question: &'a Question,
     samples: &'a Samples<'a>,

@@ -110,6 +110,7 @@ pub(super) struct Table(Box<[Stretch; SQUARES * SQUARES]>);
 /// on the number of quarter turns.
 pub(super) type Square = i32;
 
+/// The number of bits of the index of a square in the first quarter.
 const TURN_SHIFT: u32 = (SQUARES * SQUARES).trailing_zeros();
 
 impl Table {
@@ -180,7 +181,9 @@ fn square_of(dx: f32, dy: f32) -> Square {
 /// A quick test of one circle: whether the disks of other samples certainly cover it.
 pub(crate) struct CircleTest {
     table: &'static Table,
+    /// How many sides of squares a unit of length has.
     squares_per_unit: f64,
+    /// The bins that are certainly covered.
     covered: Mask,
 }
 

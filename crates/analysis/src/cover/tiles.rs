@@ -186,6 +186,7 @@ fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -
 /// The cells that a window spans along an axis, counted on across the seams.
 struct Span {
     cells: Range<i64>,
+    /// Whether they hold the nearest copy of every sample.
     complete: bool,
 }
 

@@ -112,8 +112,11 @@ impl Vertex {
 /// A cell. The buffers are reused when it begins again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LiveCell {
+    /// The corners of the cell, anticlockwise.
     pub vertices: Vec<Vertex>,
+    /// A buffer for the vertices that a cut leaves.
     kept: Vec<Vertex>,
+    /// A buffer: on which side of a cutting line each vertex lies.
     sides: Vec<Ordering>,
 }
 
@@ -281,6 +284,7 @@ impl LiveCell {
 #[derive(Clone, Copy)]
 pub(super) struct CellVertices<'a> {
     pub plane: Plane,
+    /// Vertices farther than this are open places.
     pub limit: f64,
     pub place: [i32; 2],
     pub vertices: &'a [Vertex],

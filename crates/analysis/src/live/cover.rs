@@ -81,15 +81,20 @@ pub struct LiveCover {
     plane: Plane,
     /// The largest covering radius of a maximal set, in units.
     limit: f64,
+    /// Cells that reach farther are kept, see the head of this file.
     threshold: f64,
     grid: PlaceGrid,
+    /// The places with their samples and cells, by slot.
     taken: Vec<Taken>,
     /// Slots without a sample.
     free: Vec<u32>,
     /// Of each kept cell the distance of the farthest vertex, as bits: those sort as the numbers do.
     reaches: Tournament,
+    /// The number of samples, each copy counted.
     count: usize,
+    /// The number of open places.
     open: u64,
+    /// The cell that was cut out last, a buffer.
     cell: LiveCell,
     /// Slots to look at, a buffer.
     touched: Vec<u32>,

@@ -51,21 +51,27 @@ struct Bucket {
 /// A layer of the pyramid: of each block of 8 x 8 cells, or of 8 x 8 blocks of the layer below, which are occupied.
 #[derive(Clone, Debug)]
 struct Layer {
+    /// How many blocks a row of the layer has.
     columns: usize,
+    /// A bit for each part of each block, row by row.
     masks: Vec<u64>,
 }
 
 /// The samples of a plane.
 #[derive(Clone, Debug)]
 pub(super) struct PlaceGrid {
+    /// The sides of the plane, in units.
     size: [i32; 2],
     is_periodic: bool,
     /// How many columns and rows of cells there are.
     counts: [usize; 2],
     /// Sides of a cell.
     sides: DVec2,
+    /// How many cells a unit holds, along each axis.
     per_unit: DVec2,
+    /// The buckets of the cells, row by row.
     buckets: Vec<Bucket>,
+    /// The occupants of all cells, and free room.
     pool: Vec<Occupant>,
     /// Places in the pool that were left, by room.
     free: Vec<Vec<u32>>,
@@ -401,9 +407,11 @@ impl PlaceGrid {
 /// A disk in which samples are looked for, as seen from one copy of the plane.
 struct DiskSearch {
     center: DVec2,
+    /// The square of the disk's radius.
     square: f64,
     /// Which copy that is, in periods along x and y.
     periods: [i32; 2],
+    /// The counted steps so far.
     steps: u64,
 }
 

@@ -94,6 +94,7 @@ pub fn pairs_between(
     })
 }
 
+/// The search for pairs whose distance lies in a range.
 struct RangeSearch<'a> {
     neighbors: Neighbors<'a>,
     /// The range, in the domain's unit.

@@ -115,12 +115,14 @@ fn smooth_size(least: usize) -> usize {
 pub(crate) struct TransformPlan {
     /// Along x, the slow axis of the grid, and along y.
     pub axes: [GridAxis; 2],
+    /// Whether the window is centred at zero, so that the grid is real.
     pub real: bool,
 }
 
 /// The transform at the frequencies of a plan.
 pub(crate) struct Transform {
     pub axes: [GridAxis; 2],
+    /// Whether only the rows from `ky = 0` up are held.
     pub real: bool,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.
     pub values: Vec<Complex<f64>>,
@@ -407,7 +409,9 @@ pub(super) fn zeros(count: usize) -> Vec<Complex<f64>> {
 
 /// Buffers of a thread.
 pub(super) struct Scratch {
+    /// The lines that are transformed.
     pub line: Vec<Complex<f64>>,
+    /// The memory that the transform itself needs.
     scratch: Vec<Complex<f64>>,
 }
 

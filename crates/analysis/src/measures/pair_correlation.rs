@@ -182,8 +182,10 @@ impl PairCorrelation {
     }
 }
 
+/// The search for the pairs of all bins.
 struct PairSearch<'a> {
     neighbors: Neighbors<'a>,
+    /// The end of the last bin, in the domain's unit.
     distance: f64,
     bins: usize,
 }

@@ -146,8 +146,11 @@ fn annulus_of(length: f64, width: f64) -> usize {
 #[derive(Clone, Copy, Default)]
 struct AnnulusSums {
     count: u64,
+    /// The sum of the lengths of its frequencies.
     length: f64,
+    /// The mean of their powers.
     mean: f64,
+    /// The sum of the squared deviations from that mean.
     squares: f64,
 }
 

@@ -39,8 +39,11 @@ pub(crate) struct SlicedTransform {
     grid: SpreadGrid<1>,
     along_x: Along,
     along_y: Along,
+    /// The factors along x that divide the kernel out.
     factors: Vec<Complex<f64>>,
+    /// The grid after the transform along y.
     half: Vec<Complex<f64>>,
+    /// The values of the whole transform.
     values: Vec<Complex<f64>>,
     /// Slices that are made.
     made: usize,

@@ -28,6 +28,7 @@ pub(crate) struct Sample {
 struct SpreadSample<const C: usize> {
     /// Of the slow axis x and of y.
     first: [u32; 2],
+    /// How far that point lies behind the kernel's lower end, in grid points.
     ahead: [f64; 2],
     value: [f64; C],
 }
@@ -102,6 +103,7 @@ impl Tiles {
 
 /// A grid with margins, of `C` components that follow each other line by line.
 pub(super) struct SpreadGrid<const C: usize> {
+    /// The number of values from one line to the next.
     stride: usize,
     cells: Vec<f64>,
 }

@@ -68,6 +68,7 @@ impl Summary {
 pub struct Average {
     sets: u64,
     means: Vec<f64>,
+    /// The sums of squared deviations from the means.
     squares: Vec<f64>,
 }
 

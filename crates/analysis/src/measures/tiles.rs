@@ -74,6 +74,7 @@ struct TileView {
     cells: [[i64; 2]; 2],
     /// Whether its sides are those of a bounded domain: low and high, by axis.
     ends: [[bool; 2]; 2],
+    /// Its corners, in the domain's unit.
     low: DVec2,
     high: DVec2,
 }

@@ -25,6 +25,7 @@ const CHUNK: usize = 4096;
 /// Allows for the rounding of a reach and of the distances compared with it.
 const SLACK: f64 = 1.0 + 1e-9;
 
+/// The sweep of a line along x, with the pairs that it found.
 struct Sweep<'a> {
     grid: &'a Grid,
     radius: f64,

@@ -36,7 +36,9 @@ pub(super) struct NodeTable {
 /// The least and greatest nodes of the blocks of a size.
 #[derive(Clone, Debug)]
 struct BlockLevel {
+    /// How many blocks a row has.
     columns: usize,
+    /// The least and the greatest node of each block, row by row.
     ranges: Vec<[i32; 2]>,
 }
 
@@ -240,8 +242,10 @@ impl NodeTable {
 /// The four nodes around a place.
 struct NodeCell {
     bits: u32,
+    /// The lowest place of the cell, of which a side is 2^`bits`.
     x: i64,
     y: i64,
+    /// The radii at the left and the right node, of the lower side and of the upper one.
     below: [i64; 2],
     above: [i64; 2],
 }

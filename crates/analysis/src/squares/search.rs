@@ -108,11 +108,13 @@ struct TileSample {
 
 /// The samples by tiles.
 struct SampleTiles {
+    /// The side of a tile is two to this power.
     bits: u32,
     columns: usize,
     rows: usize,
     /// Where the samples of each tile start, and the end.
     starts: Vec<usize>,
+    /// The samples, tile by tile.
     entries: Vec<TileSample>,
 }
 
@@ -259,6 +261,7 @@ struct TileSearch<'a> {
     /// The tile's lowest place, and the region's highest.
     corner: [i64; 2],
     last: [i64; 2],
+    /// The side of the tile is two to this power.
     bits: u32,
     /// The lists of the squares that are being cut, one after another.
     lists: Vec<Near>,

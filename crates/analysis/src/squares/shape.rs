@@ -215,7 +215,9 @@ impl EdgeRows {
 /// Pixels, and for blocks of 2 x 2, of 4 x 4, and so on up to one of all, whether any or all of their pixels are inside.
 #[derive(Clone, Debug)]
 pub(super) struct Pixels {
+    /// A pixel is 2^`bits` units wide.
     bits: u32,
+    /// The pixels, then blocks twice as wide on each level.
     levels: Vec<PixelLevel>,
 }
 

@@ -42,6 +42,7 @@ pub(super) struct StreamSearch {
     pub radius: f64,
     pub options: VerifyOptions,
     pub domain: Domain,
+    /// The radius in the domain's unit.
     pub scaled_radius: f64,
     pub band: StreamBand,
     /// Whether all samples are held and judged at the end.

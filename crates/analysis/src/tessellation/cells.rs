@@ -20,9 +20,13 @@ const MANY_SIDES: usize = 64;
 /// A directed side of a cell; it ends where the next one of its cell begins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
+    /// The index of the sample whose cell it bounds.
     pub cell: usize,
+    /// The place where it begins.
     pub from: DVec2,
+    /// How far that place is from the sample.
     pub reach: f64,
+    /// The sample on the other side; none at the border.
     pub beyond: Option<Seen>,
     /// The same side in the cell beyond.
     pub twin: Option<usize>,
@@ -32,8 +36,10 @@ pub(super) struct Side {
     pub tail: Option<f64>,
 }
 
+/// The Voronoi cells of a set, with their sides in one list.
 pub(super) struct Cells {
     pub domain: Domain,
+    /// The radius of the disks, in the domain's unit.
     pub radius: f64,
     pub samples: Vec<DVec2>,
     pub sides: Vec<Side>,

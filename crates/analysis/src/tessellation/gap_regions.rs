@@ -113,9 +113,11 @@ pub(super) struct Run {
 pub(super) struct Runs<'a> {
     pub cells: &'a Cells,
     pub list: Vec<Run>,
+    /// The index of the run of each part.
     pub run_of: Vec<usize>,
 }
 
+/// The run of a part that no gap has.
 const NO_RUN: usize = usize::MAX;
 
 /// Returns the gaps, in the unit of the samples.

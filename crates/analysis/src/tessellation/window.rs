@@ -20,6 +20,7 @@ pub(super) struct Seen {
 /// The sites that keep the cells of a bounded domain finite.
 const GUARD: u32 = u32::MAX;
 
+/// A sample, a copy or a guard, as it is triangulated.
 #[derive(Clone, Copy, Debug)]
 struct Site {
     position: Point2<f64>,

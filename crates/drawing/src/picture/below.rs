@@ -38,10 +38,12 @@ const FONT_OF_SYMBOLS: f64 = 12.5;
 pub(super) struct Below {
     /// The height of caption and legend together.
     pub(super) height: f64,
+    /// The caption, line by line.
     lines: Vec<String>,
     entries: Vec<LegendEntry>,
 }
 
+/// The symbol of a layer with its meaning.
 struct LegendEntry {
     layer: Layer,
     kind: SessionKind,

@@ -51,6 +51,7 @@ pub(super) struct Shapes {
     drawn: Vec<Shape>,
     /// Consecutive lines of one style.
     lines: Vec<[DVec2; 2]>,
+    /// The style of these lines, and whether they are dashed.
     stroke: Option<(Stroke, bool)>,
     /// Marks of each kind, in the order of [`Mark::ALL`].
     marks: [Vec<Shape>; Mark::ALL.len()],
