@@ -23,8 +23,8 @@
 //!    exposed exactly when a corner of the cell is `rho` or farther away. The corner's distance decides, by exact
 //!    integers where the difference from the limit is within rounding ([`crate::exact`]).
 //!
-//! Steps 1 and 2 use the largest distance of any such corner so far, at most the limit. A circle that they prove has no farther corner, so
-//! the covering radius is the exact one although only few cells are ever cut out.
+//! Steps 1 and 2 use the largest distance of any such corner so far, at most the limit. A circle that they prove has no farther
+//! corner, so the covering radius is the exact one although only few cells are ever cut out.
 //!
 //! # Errors
 //!

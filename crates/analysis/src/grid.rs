@@ -50,7 +50,8 @@ impl Rows {
 }
 
 impl Grid {
-    /// Mean square of the samples of a cell, weighed by samples, at which a set is crowded. It is 1 to 3 for maximal sets and noise.
+    /// Mean square of the samples of a cell, weighed by samples, at which a set is crowded. It is 1 to 3 for maximal sets and
+    /// noise.
     const CROWD: u64 = 64;
 
     /// Samples that 32-bit indices can name.

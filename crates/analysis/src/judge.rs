@@ -13,7 +13,8 @@ pub enum Judge {
     Delaunay,
     /// Covered circles: the disks cover the region when they cover each other's circles.
     Circles,
-    /// Subdivision: squares, cut until each is seen to be covered. It judges what [`VaryingRegion`](crate::VaryingRegion) describes.
+    /// Subdivision: squares, cut until each is seen to be covered. It judges what [`VaryingRegion`](crate::VaryingRegion)
+    /// describes.
     Subdivision,
 }
 

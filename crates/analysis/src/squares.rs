@@ -7,11 +7,11 @@
 //!
 //! # How it decides
 //!
-//! Begin with [`search`]. A square is *proven* if one sample is near all of its places: its farthest corner is near
-//! enough for the least radius in the square. Any other square is cut in four, and its quarters look only at the samples
-//! that are near enough to some place of it, for the greatest radius in it. A square that none of them reaches is a hole. A square of one
-//! point has an exact answer, so the search ends. Covered circles and triangulations do not apply, since the
-//! region that a sample covers is no disk where the radius varies.
+//! Begin with [`search`]. A square is *proven* if one sample is near all of its places: its farthest corner is near enough for the
+//! least radius in the square. Any other square is cut in four, and its quarters look only at the samples that are near enough to
+//! some place of it, for the greatest radius in it. A square that none of them reaches is a hole. A square of one point has an
+//! exact answer, so the search ends. Covered circles and triangulations do not apply, since the region that a sample covers is no
+//! disk where the radius varies.
 //!
 //! The samples that a square looks at include every one that is near a sample in it. So conflicts are found where a
 //! square is settled, without a search of their own.

@@ -48,15 +48,14 @@ impl Default for VerifyOptions {
 
 /// Judges whether `points` are conflict-free and maximal in `region` for the given `radius`.
 ///
-/// Distances between samples are exact up to the rounding of their `f64` formula, and a conflict is
-/// a distance strictly below `radius`. The covering radius is that of the true largest empty
-/// circle, also with large holes or a radius far off. Samples may lie at one place or on one line. Scaling region, samples and radius by
-/// a power of two changes neither verdict. The report does not depend on the number of
-/// threads nor, up to rounding of exactly cocircular samples, on `tile_samples`.
+/// Distances between samples are exact up to the rounding of their `f64` formula, and a conflict is a distance strictly below
+/// `radius`. The covering radius is that of the true largest empty circle, also with large holes or a radius far off. Samples may
+/// lie at one place or on one line. Scaling region, samples and radius by a power of two changes neither verdict. The report does
+/// not depend on the number of threads nor, up to rounding of exactly cocircular samples, on `tile_samples`.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels.
 /// Time is below one microsecond per sample and thread for a maximal set; memory about 32 bytes per
-/// sample besides the input and, per thread, a triangulation of a tile. It grows no faster than with `N log N` for sets of any
+/// sample besides the input and, per thread, a triangulation of a tile. Time grows no faster than with `N log N` for sets of any
 /// kind and any radius: conflicts are counted up to [`MAX_CONFLICTS`](crate::MAX_CONFLICTS).
 ///
 /// # Errors

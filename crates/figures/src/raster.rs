@@ -172,6 +172,7 @@ impl Painter {
         }
     }
 
+    /// Paints a shape; `at` turns its places and lengths into pixels.
     fn shape(&mut self, shape: &Shape, at: Placing) {
         match shape {
             Shape::Circle {

@@ -193,6 +193,7 @@ impl Writer {
         Ok(())
     }
 
+    /// Writes a shape as SVG elements; `at` turns its places and lengths into pixels.
     fn shape(&mut self, shape: &Shape, at: Placing) -> Result<(), FigureError> {
         match shape {
             Shape::Circle {
@@ -283,6 +284,7 @@ impl Writer {
         self.push(format_args!("<path d=\"{data}\" fill=\"none\"{stroke}/>\n"));
     }
 
+    /// Writes a text at a place in pixels.
     fn text(&mut self, text: &Text, at: DVec2) {
         // The baseline follows from the program's font and not from SVG's own baselines, so that text stands where it does in a
         // PNG, whatever font a reader has.

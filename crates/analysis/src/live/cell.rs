@@ -148,7 +148,8 @@ impl LiveCell {
         };
 
         // Anticlockwise: bottom, right, top, left.
-        let around = [edge(1, false), edge(0, true), edge(1, true), edge(0, false)];
+        let (near, far) = (false, true);
+        let around = [edge(1, near), edge(0, far), edge(1, far), edge(0, near)];
         let neighbour = match plane.boundary {
             Boundary::Periodic => slot,
             Boundary::Bounded => BORDER,

@@ -312,8 +312,8 @@ impl LiveCover {
         unproven.into_iter().map(|slot| self.examine(slot).0).sum()
     }
 
-    /// The slots of samples whose circle of the threshold is not proven covered. All samples are tested together, as the judge
-    /// by circles does it, which takes less time.
+    /// Returns the slots of samples whose circle of the threshold is not proven covered. All samples are tested together, as the
+    /// judge by circles does it, which takes less time.
     fn unproven(&self) -> Vec<u32> {
         // Slots whose places have no sample any more are left out.
         let is_taken = |slot: &u32| self.taken[*slot as usize].copies > 0;

@@ -451,7 +451,7 @@ impl LivePairs {
                 limit: MIN_SAMPLES,
             });
         }
-        // All pairs are at one place.
+        // If all pairs are at one place, so are all samples.
         if self.histogram.coincident == count as u64 * (count as u64 - 1) / 2 {
             let place = self
                 .grid

@@ -264,7 +264,8 @@ impl PlaceGrid {
     }
 
     /// Calls `each` with the samples of the cells at most `reach` cells away, two at most, and their offsets, until it breaks;
-    /// nearer cells come first, but at seams and borders. Each sample is seen once, at its shorter offset. Returns the counted steps.
+    /// nearer cells come first, but at seams and borders. Each sample is seen once, at its shorter offset. Returns the counted
+    /// steps.
     pub fn around(
         &self,
         place: [i32; 2],

@@ -68,10 +68,10 @@ impl PowerCurve {
         })
     }
 
-    /// Returns the curve of a set from which effective Nyquist frequency and oscillation are read: [`Self::of_pairs`]
-    /// with `g(r)` up to eight `r_max`, or half the shorter side, at the frequencies `0.01, 0.02 ... 6`. Unlike a radial mean
-    /// it hardly scatters, and its range is the same for any number of samples; what scatter there is adds to the oscillation of sets of
-    /// a few hundred. None where half the shorter side is below four `r_max`.
+    /// Returns the curve of a set from which effective Nyquist frequency and oscillation are read: [`Self::of_pairs`] with `g(r)`
+    /// up to eight `r_max`, or half the shorter side, at the frequencies `0.01, 0.02 ... 6`. Unlike a radial mean it hardly
+    /// scatters, and its range is the same for any number of samples; what scatter there is adds to the oscillation of sets of a
+    /// few hundred. None where half the shorter side is below four `r_max`.
     ///
     /// # Errors
     ///
@@ -101,8 +101,8 @@ impl PowerCurve {
     /// It smooths by about the inverse of the range of `g` and needs bins far shorter than a wave; eight
     /// `r_max` in 800 bins serve up to `nu = 5`. Unlike psa it takes no absolute value.
     ///
-    /// Among `N` samples `g` tends to `1 + (1 - P(0)) / N`, since all pairs are counted: that is taken off instead of 1, or small sets would
-    /// have power at zero by their number alone. [`PairCorrelation::samples`] of 0 stand for any number.
+    /// Among `N` samples `g` tends to `1 + (1 - P(0)) / N`, since all pairs are counted: that is taken off instead of 1, or small
+    /// sets would have power at zero by their number alone. [`PairCorrelation::samples`] of 0 stand for any number.
     ///
     /// # Errors
     ///

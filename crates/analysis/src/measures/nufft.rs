@@ -129,7 +129,7 @@ pub(crate) struct Transform {
 }
 
 impl TransformPlan {
-    /// Returns the plan of a window that takes less memory.
+    /// Returns the plan of a window. Of a grid about zero and one about the window's middle it has the one of less memory.
     pub fn new(window: &FrequencyWindow) -> Result<Self, MeasureError> {
         let [x0, x1, y0, y1] = window.bounds();
         if x0 >= x1 || y0 >= y1 {

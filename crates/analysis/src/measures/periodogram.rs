@@ -131,11 +131,11 @@ impl Periodogram {
     /// Returns `P(k) = |sum w(x) exp(-2 pi i k.x)|^2 / sum w(x)^2`, with coordinates divided by the extents; mean
     /// 1 for independent uniform samples at every frequency but zero.
     ///
-    /// Periodic sets have `w = 1`: `P(0) = N`. Bounded ones are tapered by [`Taper::Hann`], and the transform of
-    /// the mean density is subtracted: `P(0) = 0`. The sums are wrong by at most [`super::NUFFT_ERROR`] of `sum w`,
-    /// so an amplitude of order `sqrt(N)` by a relative `1e-10 sqrt(N)` if all errors had one phase and by about
-    /// `1e-10` otherwise; a power by twice that. The cost is that of spreading 144 grid points per sample and of a fast transform of the window.
-    /// The result does not depend on the number of threads.
+    /// Periodic sets have `w = 1`: `P(0) = N`. Bounded ones are tapered by [`Taper::Hann`], and the transform of the mean density
+    /// is subtracted: `P(0) = 0`. The sums are wrong by at most [`super::NUFFT_ERROR`] of `sum w`, so an amplitude of order
+    /// `sqrt(N)` by a relative `1e-10 sqrt(N)` if all errors had one phase and by about `1e-10` otherwise; a power by twice that.
+    /// The cost is that of spreading 144 grid points per sample and of a fast transform of the window. The result does not depend
+    /// on the number of threads.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
@@ -196,8 +196,8 @@ impl Periodogram {
         (kx as f64 * x).hypot(ky as f64 * y)
     }
 
-    /// Returns length and power of one frequency of each opposite pair, but zero, in some rows from zero on, up to a frequency along
-    /// x; those that the window has.
+    /// Returns the length and the power of the frequencies that the window has in some rows from zero on, up to a frequency along
+    /// x: of one of each opposite pair, and not of zero.
     pub(super) fn half_plane(
         &self,
         most_x: i64,

@@ -18,8 +18,8 @@ use crate::region::{Boundary, Region};
 pub struct Spectrum {
     /// Mean power and anisotropy of annuli.
     pub profile: RadialProfile,
-    /// Ends of the band of each annulus that holds the true mean power with probability [`Self::LEVEL`]; none for bounded sets: their
-    /// taper makes neighbouring frequencies depend on each other, and the bands would be too narrow.
+    /// Ends of the band of each annulus that holds the true mean power with probability [`Self::LEVEL`]; none for bounded sets:
+    /// their taper makes neighbouring frequencies depend on each other, and the bands would be too narrow.
     pub bands: Option<Vec<[f64; 2]>>,
     /// The periodogram on at most [`Self::PICTURE_CELLS`] cells along an axis.
     pub picture: CoarsePower,
@@ -96,8 +96,8 @@ impl Spectrum {
         }
     }
 
-    /// Returns the width of the annuli of a periodogram, by [`Periodogram::length`]: that of [`Self::ANNULI`] of them in the window, and
-    /// at least 1.
+    /// Returns the width of the annuli of a periodogram, by [`Periodogram::length`]: that of [`Self::ANNULI`] of them in the
+    /// window, and at least 1.
     #[must_use]
     pub fn annulus_width(periodogram: &Periodogram) -> f64 {
         Self::width_in(&periodogram.window, periodogram.region)

@@ -31,8 +31,8 @@ const GAP: f64 = 28.0;
 /// Cells of whole pixels may leave a tenth of an image's room unused.
 const MIN_SHARE_OF_ROOM: f64 = 0.9;
 
-/// Returns the scene of a figure, 1200 pixels wide, or as wide as its tiles where it has nothing but tiles of a given side. Its height
-/// follows from the rows.
+/// Returns the scene of a figure, 1200 pixels wide, or as wide as its tiles where it has nothing but tiles of a given side. Its
+/// height follows from the rows.
 ///
 /// Above the panels stands a legend with the name of each series, once.
 ///

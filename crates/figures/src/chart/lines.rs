@@ -208,8 +208,8 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
 
     let mut next_mark = frame.plot.min.x + 0.5 * MARK_EVERY;
     if let Look::Numbered(number) = series.look {
-        // Each of eight numbers begins at another eighth of the distance of two marks, so that the marks of curves that run
-        // together stand beside each other.
+        // The marks of curves that run together shall stand beside each other: those of eight numbers begin at different eighths
+        // of the distance of two marks, each three eighths after the number before.
         next_mark += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
     }
 
