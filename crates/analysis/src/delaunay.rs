@@ -43,6 +43,7 @@ pub(crate) fn site(place: DVec2) -> Point2<f64> {
     Point2::new(place.x, place.y)
 }
 
+/// Puts sites into the biased randomised order: shuffles them, and sorts each round along a k-d tree.
 fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     // A generator of Marsaglia's; any would do.
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
@@ -62,7 +63,7 @@ fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     }
 }
 
-/// Sorts by halves of the longer side, and so on.
+/// Sorts sites along a k-d tree: parts them in halves across the longer side, and each half in the same way.
 fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     if sites.len() < 3 {
         return;

@@ -79,7 +79,7 @@ impl Integers {
     }
 }
 
-/// Whether the circle through three sites is larger than `limit`.
+/// Returns whether the circle through three sites is larger than `limit`.
 pub(crate) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> bool {
     let integers = Integers::new(&sites, extent, limit);
     let [p, q, r] = sites.map(|site| integers.site(&site));
@@ -91,7 +91,7 @@ pub(crate) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> boo
         > 4 * square(&double_area) * square(&limit)
 }
 
-/// Whether the circle about the crossing of two sites' bisector with a line of the border is larger than `limit`.
+/// Returns whether the circle about the crossing of two sites' bisector with a line of the border is larger than `limit`.
 pub(crate) fn crossing_exceeds(
     sites: [Site; 2],
     BorderLine { axis, is_far }: BorderLine,
@@ -113,7 +113,7 @@ pub(crate) fn crossing_exceeds(
     square(&twice) + 4 * square(&along) * square(&p_off) > 4 * square(&along) * square(&limit)
 }
 
-/// Whether the circle about a corner of the region through a site is larger than `limit`.
+/// Returns whether the circle about a corner of the region through a site is larger than `limit`.
 pub(crate) fn corner_exceeds(site: Site, corner: DVec2, extent: DVec2, limit: f64) -> bool {
     let of_corner = Site {
         position: corner,

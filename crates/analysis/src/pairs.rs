@@ -299,6 +299,7 @@ impl<'a> Scan<'a> {
         [0, 1, 2].map(|step| unwrapped(step).map(|(other, shift)| (other, Some(shift))))
     }
 
+    /// Compares a sample with those of a stretch.
     fn stretch(&mut self, entry: &Entry, stretch: &Stretch) {
         let entries = self.grid.entries();
         let mut run = &entries[stretch.range.clone()];

@@ -394,6 +394,7 @@ impl Search<'_> {
         found
     }
 
+    /// Judges both halves of a part, on two threads if they are large enough, and returns the findings on both.
     fn halves(
         &self,
         first: &mut [Placed],

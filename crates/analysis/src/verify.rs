@@ -117,7 +117,7 @@ pub fn verify(
     }
 }
 
-/// Both searches of the first judge.
+/// Returns the findings of both searches of the first judge.
 fn delaunay_findings(
     points: &[[f64; 2]],
     question: &Question,

@@ -247,6 +247,7 @@ fn debugger_at(session: &Session, moment: &Moment) -> Option<Debugger> {
     Some(debugger)
 }
 
+/// Returns a moment as it is shown, with the debugger at its event.
 fn shown<'a>(
     session: &'a Session,
     debugger: Option<&'a Debugger>,

@@ -250,6 +250,7 @@ struct Frames<'a, I> {
 }
 
 impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I> {
+    /// Returns the frames of an animation of which none is drawn yet, or the error for too few or too many, or too short a delay.
     fn new(frames: I, delay: u16, progress: FrameProgress<'a>) -> Result<Self, AnimationError> {
         let count = frames.len();
         match count {
@@ -272,6 +273,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
         })
     }
 
+    /// Draws the first frame and returns it as a change of all pixels, or the error for a size that the format cannot have.
     fn first(&mut self, largest_side: u32) -> Result<Change, AnimationError> {
         self.report()?;
         let pixels = self.draw()?;
@@ -295,7 +297,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
         })
     }
 
-    /// The next frame, when one more was written; `None` behind the last.
+    /// Returns what the next frame changes, once the one before was written; `None` behind the last one.
     fn next(&mut self) -> Result<Option<Change>, AnimationError> {
         self.written += 1;
         self.report()?;

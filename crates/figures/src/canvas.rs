@@ -256,6 +256,7 @@ impl<'a> Canvas<'a> {
         images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
     }
 
+    /// Returns the scene with its frame and its caption, which is also its title.
     pub(crate) fn finish(mut self, caption: &str) -> Scene {
         let px = self.options.width / 1000.0;
         let mut group = Group::new("frame");

@@ -236,6 +236,7 @@ impl From<ChartError> for FigureError {
 pub const MAX_CELLS: usize = 1024;
 
 impl LineChart {
+    /// Refuses a chart without series, and one whose numbers cannot be drawn.
     fn check(&self) -> Result<(), ChartError> {
         if self.series.is_empty() {
             return Err(ChartError::Empty(self.title.clone()));
@@ -369,6 +370,7 @@ fn rises([low, high]: [f64; 2]) -> bool {
     low.is_finite() && high.is_finite() && low < high && (high - low).is_normal()
 }
 
+/// Refuses the first of indexed values that is not finite.
 fn finite(
     chart: &str,
     series: &str,

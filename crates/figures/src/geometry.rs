@@ -52,7 +52,7 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
         .collect()
 }
 
-/// The part of the segment in the rectangle `frame`, after Liang & Barsky (1984).
+/// Returns the part of the segment in the rectangle `frame`, if there is any, after Liang & Barsky (1984).
 pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]> {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     let (step, low, high) = (b - a, frame.min - a, frame.max - a);
@@ -108,7 +108,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
 /// The most hatching lines of one area; the widest picture has fewer.
 const MAX_LINES: f64 = 65_536.0;
 
-/// Pieces of the lines `x + y = k * spacing * sqrt 2` inside the polygon (even-odd rule).
+/// Returns the pieces of the lines `x + y = k * spacing * sqrt 2` inside the polygon (even-odd rule).
 pub(crate) fn hatch_polygon(points: &[DVec2], spacing: f64) -> Vec<[DVec2; 2]> {
     let mut pieces = Vec::new();
     for level in levels(points.iter().map(|p| p.element_sum()), spacing) {
@@ -129,7 +129,7 @@ pub(crate) fn hatch_polygon(points: &[DVec2], spacing: f64) -> Vec<[DVec2; 2]> {
     pieces
 }
 
-/// Pieces of the same lines inside a circle.
+/// Returns the pieces of the same lines inside a circle.
 pub(crate) fn hatch_circle(center: DVec2, radius: f64, spacing: f64) -> Vec<[DVec2; 2]> {
     let middle = center.element_sum();
     let reach = radius * std::f64::consts::SQRT_2;

@@ -88,6 +88,7 @@ pub(crate) fn paint_pixels(
     })
 }
 
+/// Returns the width and the height of a scene's picture in pixels, or the error for a picture that is too large.
 pub(crate) fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(FigureError::Scale(scale));
@@ -147,6 +148,7 @@ impl Painter {
         Ok(())
     }
 
+    /// Makes the clip of a group, in pixels of the scene, that of the shapes to come; without one, the whole picture is.
     fn set_clip(&mut self, clip: Option<Rect>) {
         let (width, height) = (self.pixmap.width(), self.pixmap.height());
         self.clip = None;
@@ -231,6 +233,7 @@ impl Painter {
         }
     }
 
+    /// Draws a polygon, and cuts one that reaches far beyond the picture.
     fn polygon(&mut self, points: &[DVec2], style: Style) {
         let closed = true;
         if !reaches_far(points) {
@@ -255,6 +258,7 @@ impl Painter {
         }
     }
 
+    /// Fills a path and draws its border. `hatch` returns the lines of a hatching at a distance in pixels.
     fn area(&mut self, path: Option<Path>, style: Style, hatch: impl Fn(f64) -> Vec<[DVec2; 2]>) {
         match style.fill {
             Some(Fill::Solid(color)) => self.fill(path.as_ref(), color, FillRule::EvenOdd),
@@ -275,6 +279,7 @@ impl Painter {
         }
     }
 
+    /// Draws straight lines as one shape, without those out of sight.
     fn segments(&mut self, segments: impl Iterator<Item = [DVec2; 2]>, stroke: Stroke) {
         // A line whose middle lies outside reaches into the picture by half its width.
         let frame = self.frame.padded(stroke.width * self.scale + 2.0);
@@ -282,7 +287,7 @@ impl Painter {
         let mut builder = PathBuilder::new();
         for ends in segments {
             if let Some(seen) = clip_segment(ends, frame) {
-                // Whole where near, so that dashes do not start at the edge of the picture.
+                // Lines that do not reach far are kept whole, so that dashes do not start at the edge of the picture.
                 let ends = if reaches_far(&ends) { seen } else { ends };
                 let [[ax, ay], [bx, by]] = ends.map(single);
                 builder.move_to(ax, ay);

@@ -257,7 +257,7 @@ impl Circles<'_> {
         Some((gap, exceeds))
     }
 
-    /// The circle about a corner of the region.
+    /// Returns the circle about a corner of the region, and whether it is larger than the limit.
     fn corner(&self, lines: [BorderLine; 2], limit: f64) -> (Gap, bool) {
         let [(_, site)] = self.in_sequence([self.index]);
         let extent = self.extent();
@@ -272,7 +272,9 @@ impl Circles<'_> {
             distance,
             kind: GapKind::Corner,
         };
-        let exceeds = exceeds(distance, limit, 1.0, || {
+        // Nothing is divided, so that no error grows.
+        let flatness = 1.0;
+        let exceeds = exceeds(distance, limit, flatness, || {
             corner_exceeds(site, corner, extent, limit)
         });
         (gap, exceeds)

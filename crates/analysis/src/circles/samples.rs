@@ -45,7 +45,8 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Cells of at least `radius` along x and twice that along y, where the region is so large.
+    /// Returns cells of at least `radius` along x and twice that along y, where the region is so large. Declines a radius for which
+    /// they would be too many, or would have to look too many cells far.
     pub fn new(domain: Domain, radius: f64) -> Result<Self, Declined> {
         let side = radius * SLACK;
         // Rounded down: cells may be larger than asked for, but not smaller.

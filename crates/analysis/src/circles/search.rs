@@ -214,6 +214,7 @@ impl<'a> Search<'a> {
         arcs.filter(|(_, cos)| *cos < 1.0).collect()
     }
 
+    /// Returns the findings on a tile. Cells are cut out only for the circles that neither the scan nor the arcs prove covered.
     fn tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
         let mut found = Found::new(self.question.witnesses);
         self.scan(scratch, rectangle, &mut found)?;

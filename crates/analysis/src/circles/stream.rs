@@ -100,7 +100,7 @@ impl CircleBands {
         self.open.len() + self.rows.len() + self.lowest.len() + self.seam.len()
     }
 
-    /// All samples in the sequence of their coming, if no row was judged.
+    /// Returns all samples in the sequence of their coming; none once a row was judged.
     pub fn unjudged(&self) -> Option<Vec<[f64; 2]>> {
         if self.closed > 0 {
             return None;
@@ -169,6 +169,7 @@ impl CircleBands {
         Ok(())
     }
 
+    /// Judges some rows of the samples held, and adds what is found to the findings so far.
     fn judge(
         &mut self,
         question: &Question,

@@ -119,7 +119,9 @@ impl Table {
         TABLE.get_or_init(Self::new)
     }
 
+    /// Returns the table, computed anew.
     fn new() -> Self {
+        // There is one corner more than squares along each axis.
         let side = SQUARES + 1;
         let arcs: Vec<Option<Arc>> = (0..side * side)
             .map(|index| Arc::at([index % side, index / side]))

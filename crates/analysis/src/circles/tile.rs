@@ -374,7 +374,7 @@ impl Tile {
         let above = row + 1..(row + reach[1] + 1).min(height);
 
         runs.clear();
-        // Where it begins follows from the sample: the scan sets it.
+        // The rest of the row begins after the sample that is compared: the scan sets its start.
         runs.push(0..same_row);
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
@@ -390,9 +390,10 @@ impl Tile {
 
         // In a narrow torus a sample meets several copies of another one; only that along the shorter way is the pair.
         let periods = samples.cells.domain.periods();
-        let copies = (0..2).all(|axis| {
+        let is_shorter_way = (0..2).all(|axis| {
             let between = other.position[axis] - one.position[axis];
             let shown = self.position(pair[1])[axis] - self.position(pair[0])[axis];
+            // How many periods on the copy lies along the shorter way.
             let shortest = if 2.0 * between.abs() > periods[axis] {
                 -between.signum()
             } else {
@@ -401,7 +402,7 @@ impl Tile {
             // Without a period there are no copies.
             periods[axis].is_infinite() || ((shown - between) / periods[axis]).round() == shortest
         });
-        if copies {
+        if is_shorter_way {
             found.add_pair(one, other, distance(one, other, periods), radius);
         }
     }
@@ -414,7 +415,7 @@ fn in_squares_at_most(square: f64, squares: f64) -> f32 {
     (farthest * farthest).min(f64::from(f32::MAX)) as f32
 }
 
-/// The distance of two samples, the shorter way around a torus. The long way is summed so that its rounding is
+/// Returns the distance of two samples, the shorter way around a torus. The long way is summed so that its rounding is
 /// relative to the offset and not to the period.
 pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
     let along = |axis: usize| {
@@ -430,7 +431,7 @@ pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
 
     let (x, y) = (along(0), along(1));
     let square = x * x + y * y;
-    // Squares of less lose digits.
+    // Smaller squares lose digits, as they are near the least numbers of 64 bits.
     if square > 1e-280 {
         square.sqrt()
     } else {

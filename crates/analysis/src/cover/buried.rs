@@ -23,17 +23,18 @@ pub(crate) struct Buried {
 }
 
 impl Buried {
+    /// Returns which samples of a grid are buried.
     pub fn new(grid: &Grid) -> Self {
         let sides = grid.cell_sides();
         let diagonal = sides.x.hypot(sides.y) * (1.0 + 4.0 * Grid::ROUNDING);
-        // Of two or more cells along an axis none is longer than twice another side, so that is 3 at
-        // most; a region fewer cells wide is seen whole.
+        // Of two or more cells along an axis none is longer than twice another side, so that the reach is 3 at most. A region
+        // that is fewer cells wide is seen whole.
         let reach = [0, 1].map(|axis| {
             let cells = (diagonal / sides[axis]).ceil() as usize;
             cells.min(grid.cells[axis])
         });
 
-        // Along rows, then across them: a cell stays if the whole rectangle around it is occupied.
+        // Cells are eroded along rows, then across them: a cell stays if the whole rectangle around it is occupied.
         let along_rows = eroded(grid, &occupied(grid), 0, reach[0]);
         let cells = eroded(grid, &along_rows, 1, reach[1]);
         let columns = grid.cells[0];
@@ -66,7 +67,7 @@ fn occupied(grid: &Grid) -> Vec<bool> {
         .collect()
 }
 
-/// Keeps the cells that have only kept cells within `reach` along an axis. Cells beyond a closed border count as kept,
+/// Returns which cells are kept: those that have only kept cells within `reach` along an axis. Cells beyond a closed border count as kept,
 /// since no place of the region lies there.
 fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];

@@ -33,6 +33,7 @@ impl Places {
         }
     }
 
+    /// Returns the places of one tile. Those near its sides are not settled, as other tiles may claim them, too.
     pub fn of_tile(task: &CoverSearch<'_>, tile: &Tile, mut survey: Survey) -> Self {
         let mut places = Self::new(task.witnesses);
         places.covering_radius = survey.covering_radius;

@@ -40,12 +40,12 @@ impl Tile {
         }
     }
 
-    /// Two halves across the longer side; none for a single cell.
+    /// Returns the halves across the longer side; none for a single cell.
     fn halves(&self, grid: &Grid) -> Option<[Self; 2]> {
         let sides = self.high - self.low;
         let (columns, rows) = (self.columns.clone(), self.rows.clone());
 
-        // Across the longer side: a thin tile would have much halo for its samples.
+        // A thin tile would have much halo for its samples.
         let upright = rows.len() > 1 && (columns.len() == 1 || sides.y > sides.x);
         if upright {
             let middle = rows.start.midpoint(rows.end);
@@ -138,8 +138,9 @@ impl TileWindow {
     }
 }
 
-/// All samples of a rectangle of cells, copied across the seams.
+/// Returns all samples of a rectangle of cells, copied across the seams. `count` is the number of the tile's own samples.
 fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
+    // Room for the tile's own samples and, as a guess, for those around it.
     let mut points = Vec::with_capacity(count + count / 8 + 64);
     for row in rows.clone() {
         let (row, y) = wrap(grid, 1, row);
@@ -161,7 +162,7 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
     points
 }
 
-/// The same without the samples buried too deep to matter to the tile.
+/// Returns what [`everything`] does, without the samples that are buried too deep to matter to the tile.
 fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
     let (grid, buried) = (task.grid, task.buried());
     let mut points = Vec::new();
@@ -170,7 +171,7 @@ fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -
         for at_column in columns.clone() {
             let (column, x) = wrap(grid, 0, at_column);
             let at = [at_column, at_row];
-            // Cell by cell, as samples are buried by cells.
+            // Samples are buried by cells, so that runs of several cells would not do.
             if !buried.hides([column, row], at, [&tile.columns, &tile.rows]) {
                 let run = grid.run(row, &(column..column + 1));
                 points.extend(
@@ -191,6 +192,7 @@ struct Span {
 }
 
 impl Span {
+    /// Returns the span of the window of a tile and a halo around it.
     fn new(grid: &Grid, tile: &Tile, axis: usize, halo: f64) -> Self {
         let (extent, cells) = (grid.domain.extent[axis], grid.cells[axis] as i64);
         let (periodic, low, high) = (grid.domain.periodic, tile.low[axis], tile.high[axis]);
@@ -217,7 +219,8 @@ impl Span {
     }
 }
 
-/// The sample of which a window holds a copy at `place`, with its shift, which rounding has not moved.
+/// Returns the sample of which a window holds a copy at `place`: its own place, which rounding has not moved, and the shift of
+/// the copy.
 pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
     let near = |axis: usize| {
         let cells = grid.cells[axis] as f64;

@@ -179,7 +179,7 @@ impl LiveCell {
         squares.fold(0.0, f64::max)
     }
 
-    /// On which side of a line a vertex lies: beyond it if greater.
+    /// Returns on which side of a line a vertex lies: beyond it if greater.
     fn side(&self, index: usize, cut: HalfPlane) -> Ordering {
         let vertex = &self.vertices[index];
         let terms = 2.0 * cut.direction() * vertex.at;

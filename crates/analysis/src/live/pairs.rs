@@ -97,7 +97,7 @@ impl Histogram {
         }
     }
 
-    /// The bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise 1.
+    /// Returns the bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise 1.
     #[inline]
     fn bin(&self, square: u64) -> (usize, usize) {
         let radius = f64::from(self.plane.radius);

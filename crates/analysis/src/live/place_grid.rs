@@ -417,7 +417,7 @@ struct DiskSearch {
 }
 
 impl DiskSearch {
-    /// The parts of a block that the square around the disk meets, as bits.
+    /// Returns the parts of a block that the square around the disk meets, as bits.
     fn near(&self, block: [usize; 2], sides: DVec2) -> u64 {
         let radius = self.square.sqrt() + ROUNDING;
         let along = |axis: usize| {

@@ -38,6 +38,7 @@ impl PairBins {
     #[must_use]
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());
+        // A little less than half the shorter side, beyond which g(r) is not defined.
         let half = 0.499 * region.shorter_side();
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
             // A radius that is not the set's may be longer than its domain.
@@ -48,6 +49,8 @@ impl PairBins {
                 return Self::OfRadius { radius, count };
             }
         }
+
+        // A set of fewer samples, which may be averaged with this one, has a longer r_max: its bins must end within the half, too.
         let farthest = (half / r_max * (1.0 - Self::MAX_COUNT_SPREAD).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,

@@ -87,7 +87,9 @@ impl CoarseSums {
         let parts = [0, 1].map(|axis| {
             let (half, side) = divisions[axis];
             let lowest = -(reach[axis] / step);
+            // How many of the multiples, which begin with the lowest one, are below k.
             let multiples_below = |k: i64| ((k - 1).div_euclid(step) + 1 - lowest) as usize;
+            // Part 0 has zero in its middle.
             let part = |part: i64| {
                 let first = part * side - (side - 1) / 2;
                 multiples_below(first)..multiples_below(first + side)

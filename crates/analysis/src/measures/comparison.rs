@@ -157,7 +157,7 @@ impl DifferenceCurve {
 ///
 /// # Errors
 ///
-/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for numbers of powers below one or too large.
+/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for a number of powers below 0.5 or above 1e8.
 pub fn power_difference_band(
     powers: [f64; 2],
     values: [f64; 2],
@@ -183,7 +183,7 @@ struct Between {
 }
 
 impl Between {
-    /// None beyond the ends.
+    /// Returns where a value lies among rising ones; none beyond their ends.
     fn of(x: f64, rising: &[f64]) -> Option<Self> {
         let above = rising.partition_point(|value| *value < x);
         let high = *rising.get(above)?;

@@ -69,7 +69,7 @@ pub(super) fn beta_quantile(part: f64, a: f64, b: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Where a falling function of positive numbers changes sign, to the last bits.
+/// Returns where a falling function of positive numbers changes sign, to the last bits.
 fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while f(high) > 0.0 && high < 1e300 {
@@ -79,7 +79,7 @@ fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
 
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        // No number lies between: after 60 rounds of 200.
+        // No number lies between the two any more, which is so after about 60 rounds.
         if middle <= low || middle >= high {
             break;
         }
@@ -111,7 +111,7 @@ fn ln_gamma(x: f64) -> f64 {
 /// degrees of freedom are needed.
 const MAX_TERMS: usize = 1_000_000;
 
-/// The upper part of the gamma function, `Q(a, x)`.
+/// Returns the upper part of the gamma function, `Q(a, x)`.
 fn gamma_tail(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;
@@ -135,7 +135,7 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
     scale / fraction(x + 1.0 - a, step)
 }
 
-/// The lower part of the beta function over the whole, `I_x(a, b)`.
+/// Returns the lower part of the beta function over the whole, `I_x(a, b)`.
 fn beta_part(a: f64, b: f64, x: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return x.clamp(0.0, 1.0);
@@ -148,6 +148,7 @@ fn beta_part(a: f64, b: f64, x: f64) -> f64 {
     let ln_beta = ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
     let scale = (a * x.ln() + b * (1.0 - x).ln() - ln_beta).exp() / a;
 
+    // The numerators have one form for even and one for odd steps, `m` counting each.
     let step = |k: f64| {
         let m = (k / 2.0).floor();
         let numerator = if k % 2.0 == 0.0 {

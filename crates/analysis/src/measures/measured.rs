@@ -204,6 +204,7 @@ impl MeasuredSet {
         }
     }
 
+    /// Returns g(r) in bins of the radius or, without one that suits the set, in bins of `r_max`.
     fn pairs_of(
         &self,
         points: &[[f64; 2]],
@@ -223,6 +224,7 @@ impl MeasuredSet {
         }
     }
 
+    /// Returns the report on the set, or why there is none. The error is that of a search that was stopped.
     fn report_of(
         &self,
         points: &[[f64; 2]],

@@ -157,7 +157,7 @@ fn shares_by(
     })
 }
 
-/// The rectangle about zero of all frequencies that are shorter than the ring's outer length.
+/// Returns the rectangle about zero of all frequencies that are shorter than the ring's outer length.
 fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow, MeasureError> {
     let limit = MAX_FREQUENCY;
     check_range("the inner length of the ring", inner, [0.0, limit as f64])?;

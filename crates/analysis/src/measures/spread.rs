@@ -64,6 +64,7 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
+    /// Returns the tile of each sample on a grid of these sizes, and where each tile begins.
     pub fn of(samples: &[Sample], sizes: [usize; 2]) -> Self {
         let tiles = sizes[1] / TILE + 1;
         let bands = sizes[0] / BAND + 1;
@@ -152,6 +153,7 @@ impl<const C: usize> Spread<C> {
         }
     }
 
+    /// Returns the grid with all samples spread onto it.
     pub fn run(&self, monitor: &Monitor<'_>) -> Result<SpreadGrid<C>, MeasureError> {
         let mut grid = self.empty_grid();
         monitor.advance(self.samples.len() as u64)?;
@@ -216,6 +218,7 @@ impl<const C: usize> Spread<C> {
         samples.len()
     }
 
+    /// Adds samples of a band to its cells, each sample with the kernel's values times its weights.
     fn add(&self, band: usize, samples: &[SpreadSample<C>], stride: usize, cells: &mut [f64]) {
         for sample in samples {
             let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));

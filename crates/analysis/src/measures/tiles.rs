@@ -97,7 +97,7 @@ impl<'a> CellTile<'a> {
             .collect()
     }
 
-    /// The cells of its samples; none where that would take a view around the torus.
+    /// Returns the cells of its samples; none where that would take a view around the torus.
     fn cells(&self) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let own = self.own();
         if own.is_empty() {
@@ -188,7 +188,7 @@ impl<'a> CellTile<'a> {
         Ok(Some(kept.collect()))
     }
 
-    /// The samples in view, from its lower corner, and which of them are the tile's, row by row.
+    /// Returns the samples in view, from its lower corner, and which of them are the tile's, row by row.
     fn positions(&self, view: &TileView) -> (Vec<[f64; 2]>, Vec<usize>) {
         let (all, extent) = (
             self.grid.cells.map(|cells| cells as i64),

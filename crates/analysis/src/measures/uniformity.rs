@@ -208,7 +208,8 @@ impl ClassCounts {
         })
     }
 
-    /// `error` is the standard error of a run's residual, where there are several runs.
+    /// Returns how far the samples of a class are from their share. `error` is the standard error of a run's residual, where there
+    /// are several runs.
     fn deviation(&self, class: usize, error: Option<f64>, level: f64, samples: f64) -> Deviation {
         let (observed, expected) = (self.observed[class], self.expected[class]);
         let runs = self.runs() as f64;

@@ -38,6 +38,8 @@ struct Sweep<'a> {
     pairs: Pairs,
 }
 
+/// Returns the conflicts and the smallest distance of all pairs, by a line that sweeps over the samples: for sets that crowd
+/// cells.
 pub(super) fn search(
     grid: &Grid,
     radius: f64,

@@ -136,6 +136,7 @@ fn check_radii(radii: &[i32]) -> Result<(), SquaresError> {
 }
 
 impl NodeTable {
+    /// Returns the table of nodes, with the ranges of ever larger blocks of cells.
     fn new(bits: u32, cells: [usize; 2], nodes: Vec<i32>) -> Self {
         let mut table = Self {
             bits,

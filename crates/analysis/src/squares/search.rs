@@ -271,6 +271,7 @@ struct TileSearch<'a> {
 }
 
 impl<'a> TileSearch<'a> {
+    /// Returns the search of a tile, given by its column and row, that has found nothing yet.
     fn new(
         judge: &'a SquaresJudge,
         tiles: &SampleTiles,

@@ -177,6 +177,7 @@ impl EdgeRows {
         band.iter().map(|&index| &self.edges[index as usize])
     }
 
+    /// Returns whether a place is inside by the even-odd rule, or on a side: whether a ray from it meets an odd number of sides.
     fn inside(&self, x: i64, y: i64) -> bool {
         let mut odd = false;
         let place = PointSpan {

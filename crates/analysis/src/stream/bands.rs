@@ -251,6 +251,7 @@ impl Bands {
         Ok(())
     }
 
+    /// Adds the pairs of some rows to those found so far.
     fn scan(
         &mut self,
         search: &StreamSearch,

@@ -28,7 +28,7 @@ impl Drawn {
         }
     }
 
-    /// The loops of the runs that make a gap.
+    /// Returns the loops of the runs that make a gap.
     pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, IVec2)]) -> Vec<Vec<Edge>> {
         let mut loops = Vec::new();
         for &(run, shift) in members {
@@ -87,7 +87,7 @@ impl Runs<'_> {
         }
     }
 
-    /// The arc of a run, from its last part back to its first.
+    /// Returns the arc of a run, from its last part back to its first.
     fn arc(&self, run: usize, shift: IVec2) -> Edge {
         let sample = self.cell(run);
         let place = self.cells.samples[sample];

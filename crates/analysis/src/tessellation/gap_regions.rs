@@ -225,7 +225,7 @@ impl<'a> Runs<'a> {
         (self.run_of[other] != NO_RUN).then_some((other, beyond.shift))
     }
 
-    /// The runs that belong together, each with the periods by which it is moved.
+    /// Returns the runs that make one gap with the first one, each with the periods by which it is moved.
     fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, IVec2)> {
         let mut members = vec![(first, IVec2::ZERO)];
         seen[first] = true;

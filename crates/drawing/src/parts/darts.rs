@@ -53,6 +53,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
+/// Draws the cells that throw darts at a level.
 fn cells(scene: &Scene<'_>, surface: &mut impl Surface, level: u32) {
     let Some(iteration) = scene.session.iteration(level) else {
         return;

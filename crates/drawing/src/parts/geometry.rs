@@ -51,6 +51,7 @@ fn tessellation<'a>(scene: &Scene<'a>) -> Option<&'a Tessellation> {
     scene.subject.geometry.of(&scene.shown)
 }
 
+/// Draws the edges of the triangulation, each once.
 pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(tessellation) = tessellation(scene) else {
         return;

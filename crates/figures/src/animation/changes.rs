@@ -62,8 +62,8 @@ impl Change {
         change
     }
 
-    /// The pixels to lay over the frame before, those that stay being transparent; or, with `true`, to put in their place:
-    /// where all change, or some that change are not opaque.
+    /// Returns the pixels to lay over the frame before, of which those that stay are transparent, and false. Where all change, or
+    /// some that change are not opaque, it returns the pixels to put in their place, and true.
     pub fn layer(&self) -> (Vec<u8>, bool) {
         let mut rgba = self.rgba.clone();
         let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);

@@ -107,6 +107,7 @@ impl TileChart {
         Ok([group, self.words(frame, palette)?])
     }
 
+    /// Returns the title above the frame, the note below it, and the words of the vertical axis.
     fn words(&self, frame: Rect, palette: &Palette) -> Result<Group, ChartError> {
         let side = frame.size().x;
         let above = frame.min - 8.0 * DVec2::Y;
