@@ -67,8 +67,8 @@ fn occupied(grid: &Grid) -> Vec<bool> {
         .collect()
 }
 
-/// Returns which cells are kept: those that have only kept cells within `reach` along an axis. Cells beyond a closed border count as kept,
-/// since no place of the region lies there.
+/// Returns which cells are kept: those that have only kept cells within `reach` along an axis. Cells beyond a closed border count
+/// as kept, since no place of the region lies there.
 fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
     let (cells, stride) = (grid.cells[axis], [1, columns][axis]);
