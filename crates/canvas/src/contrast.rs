@@ -11,8 +11,8 @@ const MAX_INK: f32 = 0.25;
 /// Line width of a mark, in screen points.
 const WIDTH: f32 = 1.5;
 
-/// Marks the samples that only one of the two runs has: a whole square where this run alone has one, four corners
-/// where the other alone has one. Returns a remark if there are too many in view.
+/// Marks the samples that only one of the two runs has: by a whole square where only this run has one, by four corners where only the
+/// other run has one. `crowded` says that samples are drawn as points. Returns a remark if there are too many to mark.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let contrast = scene.subject.contrast?;
     // Before tiling neither run has samples.
@@ -20,7 +20,8 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
         return None;
     }
 
-    // Narrower than r, so that the marks of neighbours do not touch.
+    // A mark is narrower than r, so that the marks of neighbours do not touch. The limits keep it visible far out, and small close
+    // by.
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
     let there = contrast
@@ -38,9 +39,9 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
         .collect();
 
     let room = scene.domain().intersect(scene.rect).area();
-    // A mark has four sides.
+    // A mark has at most four whole sides, each of length 2 `half`.
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
-    // In a crowd samples are points, which marks would hide.
+    // Marks would hide samples that are drawn as points.
     if !seen.is_empty() && (crowded || seen.len() > MAX_MARKS || ink > MAX_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
     }

@@ -15,7 +15,7 @@ use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::made::Made;
 use tilescope_drawing::subject::Subject;
 
-/// An upper bound of the width of tags, in screen points: it decides on which side of the pointer a tag goes.
+/// An upper bound of the width of tags, in screen points. It decides on which side of the pointer a tag is.
 const MAX_CARD_WIDTH: f32 = 380.0;
 /// Minimum and maximum distance of a tag from the pointer, in screen points.
 const NEAREST: f32 = 10.0;
@@ -67,14 +67,14 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
     }
     let position = subject.camera.domain_from_screen(rect, pointer);
 
-    // Where symbols overlap too much, no single sample can be pointed at.
+    // Where symbols are so small that they overlap, no single sample can be pointed at.
     let is_fine = subject.camera.scale * shown.spacing() >= MIN_DISK_SCALE;
     let hovered = subject.hovered.filter(|_| is_fine).map(|id| {
         let at = shown.session.position(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });
 
-    // Within a gap a sample is named only if the pointer is on its symbol.
+    // Inside a gap the gap is named, unless the pointer is on the symbol of a sample.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
     if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
         let reach = reach * subject.camera.scale as f32;
@@ -105,6 +105,7 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
     })
 }
 
+/// Returns the short name and the full description of a sample.
 fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     let shown = subject.shown;
     let number = grouped(id as usize);
@@ -136,7 +137,7 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
 
-    // The text speaks of exposed arcs only while they are drawn.
+    // The text says how much of the circle is exposed only while the exposed arcs are drawn.
     let exposed = subject
         .layers
         .has(Layer::CoveredCircles)
@@ -196,6 +197,7 @@ const fn block_name(session: &tilescope_session::Session) -> &'static str {
     }
 }
 
+/// Returns the short name and the full description of the block at a position, in r; `None` if no block is there.
 fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
@@ -216,7 +218,8 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
 
     let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
     let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
-    // Deeper splits come later in the list than those above them.
+    // A split comes later in the list than those above it in the tree, so that the last one that holds the place cut off the leaf.
+    // The text counts splits from 1.
     let last = blocks.splits.iter().rposition(|split| holds(&split.rect));
     let full = match last {
         Some(split) => format!("{brief}: {size}, cut off by split {}", grouped(split + 1)),
@@ -228,6 +231,7 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
 /// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on
 /// the position alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
+    // The side is chosen as if the tag had its largest size.
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
     let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
@@ -244,7 +248,7 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
     let corner = named.at + vec2(x * (named.reach + margin.x), y * (named.reach + margin.y));
     let placed = anchor.anchor_size(corner, galley.size());
 
-    // A narrow canvas has no room on either side.
+    // In a narrow canvas the text would begin left of the edge, and is moved back into the canvas.
     let overhang = (rect.left() + margin.x - placed.left()).max(0.0);
     let text_rect = placed.translate(vec2(overhang, 0.0));
 

@@ -28,11 +28,12 @@ pub use view::{Marks, PaintOptions};
 
 /// Disks of a smaller radius, in pixels, are not drawn.
 pub const MIN_DISK_PIXELS: f64 = 1.0;
-/// Up to this many samples in view are drawn as symbols at any scale.
+/// Up to this many samples in view are drawn as symbols at any scale. Chosen, not measured.
 const UNCROWDED: usize = 90_000;
-/// From this many pixels per r on, more samples than that are drawn as symbols, as far as the limits allow.
+/// From this many pixels per r on, more samples are drawn as symbols, as far as the limits allow: at a smaller scale symbols would
+/// touch.
 const MIN_SYMBOL_SCALE: f64 = 3.0;
-/// Changed ranges closer than this are uploaded together.
+/// Changed ranges closer than this, in samples, are uploaded together: an upload costs more than so many looks in it. Estimated.
 const MAX_UPLOAD_GAP: usize = 128;
 /// The least opacity of a point where many lie on one pixel.
 const MIN_POINT_OPACITY: f32 = 0.25;
@@ -50,7 +51,7 @@ pub enum InstancedError {
     },
 }
 
-/// How much is drawn in a frame at most.
+/// How much is drawn in a frame at most. The numbers below are chosen so that a moving camera stays fluent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// The most samples drawn as symbols; more in view become points.
@@ -159,7 +160,7 @@ impl InstancedCanvas {
             return Ok(());
         }
 
-        // Should the upload fail, no generation may count as loaded.
+        // If the samples are too many, no generation must count as loaded.
         (self.generation, self.version) = (None, None);
         // Positions in the buffers are numbers of 32 bits.
         if count > limit.min(u64::from(u32::MAX)) {
@@ -230,7 +231,7 @@ impl InstancedCanvas {
 
     /// Uploads the looks at `changed` indices, which ascend; ranges that are close together are joined.
     fn upload(&self, changed: &[usize]) {
-        // Many small writes would cost more than one of everything.
+        // Many small writes would cost more than one of everything. The quarter is an estimate.
         if changed.len() > self.looks.len() / 4 {
             self.gpu.write_looks(0, &self.looks);
             return;
@@ -253,7 +254,7 @@ impl InstancedCanvas {
     ) -> bool {
         let view = PlaneView::of(painter, rect, camera);
         let frame = painter.ctx().cumulative_frame_nr();
-        // Counted also where nothing is drawn, so that the number of a layer does not depend on the view.
+        // A layer is counted even if it draws nothing, so that its number does not depend on the view.
         let (moving, layer) = self.next_layer(frame, (view, options.shown));
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
@@ -261,38 +262,39 @@ impl InstancedCanvas {
             return false;
         }
 
-        let (all, seen) = self.seen(&copies, options);
+        let (all_levels, seen) = self.seen(&copies, options);
         let Some((kind, limit)) = self.kind(options, view.scale(), seen, moving) else {
             return false;
         };
 
-        let levels = self.levels_within(all, &copies, limit, options.cull);
+        let levels = self.levels_within(all_levels, &copies, limit, options.cull);
         let parts = self.parts(&copies, levels, options.cull);
         let drawn = count(&parts);
         // The picture of a layer is worth keeping only while the camera rests.
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
 
-        // Where samples are left out fewer points share a pixel, so each is more opaque.
-        let shown = f64::from(options.shown) / self.order.ids.len() as f64;
-        let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown.min(1.0) as f32;
+        // Where samples are left out, fewer points share a pixel, and each is more opaque.
+        let shown_share = f64::from(options.shown) / self.order.ids.len() as f64;
+        let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown_share.min(1.0) as f32;
         let opacity = self.point_opacity(view.scale(), share);
 
         let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
-            let mut frame = view.frame(copy.shift, options);
+            let mut uniforms = view.frame(copy.shift, options);
             // The last number of the scale is the opacity of points.
-            frame.scale[3] = opacity;
-            // The parameters of every part of a frame need a slot of their own.
+            uniforms.scale[3] = opacity;
+            // Each part of a frame needs a slot of its own for its parameters, which its number chooses.
             let number = self.drawn.replace(self.drawn.get().wrapping_add(1));
             InstanceRange {
                 number,
-                frame,
+                frame: uniforms,
                 ranges,
             }
         });
 
         let drawing = self.gpu.drawing(kind, parts.collect(), still);
         painter.add(Callback::new_paint_callback(rect, drawing));
-        moving && levels < all
+        let is_thinned = levels < all_levels;
+        moving && is_thinned
     }
 
     /// Returns whether a layer of the view that `camera` has in `rect` would be drawn as points of one pixel.
@@ -355,13 +357,13 @@ impl InstancedCanvas {
         seen: usize,
         moving: bool,
     ) -> Option<(InstanceKind, usize)> {
-        let limit = |limit| if moving { limit } else { usize::MAX };
+        // A picture at rest is drawn whole.
+        let limit = |moving_limit| if moving { moving_limit } else { usize::MAX };
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
 
-        // Where few samples of nested levels are shown, they have more room.
-        let spacing = (self.order.ids.len() as f64 / f64::from(options.shown.max(1))).max(1.0);
-        // A share of the samples is farther apart, by the root of that share.
-        let room = scale * spacing.sqrt();
+        // Of nested levels, only one in `thinning` samples may be shown. These are farther apart, by the root of that number.
+        let thinning = (self.order.ids.len() as f64 / f64::from(options.shown.max(1))).max(1.0);
+        let room = scale * thinning.sqrt();
 
         match options.marks {
             Marks::Disks if scale * options.disk_radius < MIN_DISK_PIXELS => None,
@@ -377,6 +379,7 @@ impl InstancedCanvas {
         }
     }
 
+    /// Returns the ranges of positions to draw, for each copy of the domain; all samples of the levels unless `cull` is set.
     fn parts(&self, copies: &[Copy], levels: usize, cull: bool) -> Vec<Vec<Range<u32>>> {
         let ranges = |copy: &Copy| {
             if cull {
@@ -388,10 +391,11 @@ impl InstancedCanvas {
         copies.iter().map(ranges).collect()
     }
 
-    fn levels_within(&self, all: usize, copies: &[Copy], limit: usize, cull: bool) -> usize {
+    /// Returns how many levels, of at most `most`, can be drawn within a limit of samples.
+    fn levels_within(&self, most: usize, copies: &[Copy], limit: usize, cull: bool) -> usize {
         let fits = |levels: &usize| count(&self.parts(copies, *levels, cull)) <= limit;
         // The coarsest level is drawn in any case.
-        (1..=all).rev().find(fits).unwrap_or(1)
+        (1..=most).rev().find(fits).unwrap_or(1)
     }
 
     /// Returns the opacity of points when `share` of all samples are drawn: less than 1 where several are expected

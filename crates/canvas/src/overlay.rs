@@ -12,6 +12,7 @@ use tilescope_ui::language::Worded;
 /// On a lower canvas remarks would cover the picture and are not shown.
 const MIN_HEIGHT: f32 = 200.0;
 
+/// The distance of overlays from the edges of the canvas, in screen points.
 const INSET: f32 = 18.0;
 /// A remark stands beside the domain if there is this much room.
 const MIN_WIDTH_BESIDE: f32 = 150.0;
@@ -89,7 +90,7 @@ pub fn cursor(
     let shown = &subject.shown;
     let fitted = Camera::fitting(shown.session.size_at(Some(shown.stage)), rect).scale;
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
-    // Away from the picture the pointer has no coordinates, and the scale stands alone.
+    // Without a pointer over the picture there are no coordinates, and the scale is shown alone.
     let position = pointer
         .map(|pos| subject.camera.domain_from_screen(rect, pos))
         .map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
@@ -97,7 +98,7 @@ pub fn cursor(
         .as_ref()
         .map(|position| format!("{position}  {zoom}"));
 
-    // A narrow picture has no room for all of it beside the scale bar.
+    // The text must fit beside the scale bar, which takes 15 points besides its length; the text's own ground takes 6.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
     let fits = |text: &String| {
         let font = FontId::monospace(12.0);
@@ -124,7 +125,7 @@ pub fn note(
     if let Some(text) = text.filter(|_| rect.height() >= MIN_HEIGHT) {
         let font = FontId::proportional(12.5);
         let origin = subject.camera.screen_from_domain(rect, [0.0; 2]);
-        // The room on the left of the domain.
+        // The width that is free on the left of the domain.
         let beside = origin.x - rect.left() - 2.0 * INSET;
 
         let (width, middle) = if beside >= MIN_WIDTH_BESIDE {

@@ -59,7 +59,7 @@ impl Pane {
         }
         painter.extend(sheet.into_shapes());
 
-        // Before the blocks there is nothing but the pattern.
+        // While the pattern is shown, the run is not drawn.
         if scene.stage == Stage::Pattern {
             return None;
         }
@@ -72,17 +72,18 @@ impl Pane {
         self.parts(&painter, &scene, frame)
     }
 
+    /// Draws the layers above the ground; returns a remark if something is left out at this scale.
     fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: PixelGrid) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, LooksKey::of(subject, palette));
-        // Geometry may become known later; the shapes that show it are then made again.
+        // Geometry is computed in the background. Once it is known, the shapes that show it are made again.
         let is_known = [
             subject.geometry.borders(&scene.shown).is_some(),
             subject.geometry.of(&scene.shown).is_some(),
         ];
 
         let old = self.kept.follow((made_from, is_known));
-        // The next shapes take over the memory of these.
+        // New shapes reuse the memory of the old ones.
         self.sprites.take_back(old);
 
         self.swatches.follow(subject, palette);
@@ -90,7 +91,7 @@ impl Pane {
         self.edges.follow(scene, made_from);
 
         let resident = self.resident.as_mut();
-        // Gaps are what elimination leaves uncovered; too far out they are smaller than a pixel.
+        // Before elimination nothing is called a gap, and at a coarse scale gaps are smaller than a pixel.
         if scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
             let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
             self.gaps.paint(painter, made_from, make);
@@ -117,6 +118,7 @@ impl Pane {
             stack.all();
         }
 
+        // At most one remark is shown: the first of these that there is.
         let unmarked = crate::contrast::paint(painter, scene, crowded);
         let draws_points = crowded && stack.draws_points();
         let cut = self.edges.note(crowded);

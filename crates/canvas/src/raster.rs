@@ -58,7 +58,7 @@ pub struct Coverage {
     cells: Vec<u8>,
 }
 
-/// Number of pixels in a row that are skipped at once.
+/// The pixels that are looked at, and skipped, together. Chosen, not measured.
 const SKIP: usize = 16;
 
 /// The pixel shows neither the domain nor a copy of it.
@@ -119,12 +119,13 @@ impl Coverage {
         let (fill, hatch, edge) = (color.gamma_multiply(0.5), color.gamma_multiply(0.85), color);
         let fading = color.gamma_multiply(0.20);
 
+        // Stripes are two screen points wide, and begin every seven. On coarse screens they are at least a pixel wide, and two apart.
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
 
         for first in (0..width * height).step_by(SKIP) {
             let pixels = first..(first + SKIP).min(width * height);
-            // Most stretches are covered, and nothing is drawn there.
+            // Most stretches are covered or outside the domain, and nothing is drawn there.
             if self.cells[pixels.clone()]
                 .iter()
                 .all(|&cell| cell >= BEFORE)

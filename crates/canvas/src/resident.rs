@@ -11,7 +11,7 @@ use tilescope_drawing::look::{SampleLook, Symbol};
 use tilescope_drawing::looks::{Looks, LooksKey};
 use tilescope_drawing::scene::Scene;
 
-/// Moments more events apart than this are not updated event by event.
+/// Moments more events apart than this are not updated event by event: all looks are then made anew. Chosen, not measured.
 const MAX_EVENTS: usize = 1_000;
 
 /// The samples of a picture on the GPU.
@@ -38,7 +38,7 @@ impl Resident {
     /// their samples at every moment: which of them are shown is a number of the draw calls.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
-        // Samples that did not fit do not fit later.
+        // Samples that did not fit on the device will not fit later.
         if self.refused == Some(generation) {
             return None;
         }
@@ -63,7 +63,7 @@ impl Resident {
         }
 
         self.version += 1;
-        // Between two close moments only the samples of their events change.
+        // Between two moments that are close together, only samples of the events between them change their looks.
         match before.and_then(|before| changed(scene, before, key)) {
             Some(ids) => {
                 let changes: Vec<(u32, SampleLook)> = ids.map(|id| (id, looks.of(id))).collect();

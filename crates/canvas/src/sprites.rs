@@ -132,7 +132,10 @@ fn draw(sprite: Sprite, radius: f32, unit: f32) -> ColorImage {
     ColorImage::new([side, side], pixels)
 }
 
+/// Returns how opaque a symbol is at (x, y), in pixels from its middle; `unit` is a screen point in pixels. Distances to an outline are
+/// negative inside it. Factors of the radius and widths of lines were chosen, not measured.
 fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
+    // An edge is soft over one pixel, half of it on either side of the outline.
     let solid = |distance: f32| (0.5 - distance).clamp(0.0, 1.0);
     let line = |distance: f32, width: f32| solid(distance.abs() - width / 2.0);
     let from_middle = x.hypot(y);
@@ -145,11 +148,11 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
-            // A small cross has thicker arms, to be seen at all.
+            // The arms of a small cross are thicker, as otherwise it could not be seen.
             let arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
             let bar = |along: f32, across: f32| (along - radius).max(across - arm);
             let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));
-            // A small cross is filled, as its outline would leave nothing hollow.
+            // A small cross is filled, because its outline would leave no hollow inside.
             if radius < 4.0 * unit {
                 solid(distance)
             } else {
@@ -157,6 +160,7 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
             }
         }
         Sprite::Detector => {
+            // The ring of a small detector is thinner, so that it does not run into the dot.
             let width = (1.4 * unit).min(0.6 * radius);
             line(from_middle - radius, width).max(solid(from_middle - 0.34 * radius))
         }

@@ -109,7 +109,7 @@ impl<K: PartialEq> Stack<'_, K> {
         }
     }
 
-    /// Draws parts that share a clip rectangle on one sheet.
+    /// Draws parts on one sheet. They have the same clip rectangle, and are either all cached or none.
     fn parts(&mut self, parts: &[Part]) {
         let scene = self.scene;
         let on = || parts.iter().copied().filter(|part| part.is_on(scene));
@@ -118,7 +118,7 @@ impl<K: PartialEq> Stack<'_, K> {
         };
 
         let painter = &self.painter.with_clip_rect(part.clip(scene));
-        // The GPU draws these without shapes.
+        // The GPU draws disks and samples itself, without shapes.
         match (part, self.resident) {
             (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
             (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),

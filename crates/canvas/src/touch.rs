@@ -60,7 +60,7 @@ impl Touch {
             .data(|data| data.get_temp::<Before>(id))
             .unwrap_or_default();
 
-        // A second finger makes a gesture, also if it comes down in the same frame. A gesture lasts until all fingers
+        // A second finger makes a gesture, even if it comes down in the same frame as the first. A gesture lasts until all fingers
         // are lifted.
         let is_gesture = before.is_gesture || multi.is_some() || starts > 1;
 
@@ -91,7 +91,7 @@ impl Touch {
 
         Self {
             hand,
-            // Fingers at one place have no ratio of distances.
+            // While two fingers are at one place, the ratio of distances is not a number.
             pinch: pinch.filter(|pinch| pinch.factor.is_finite() && pinch.factor > 0.0),
         }
     }

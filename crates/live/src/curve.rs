@@ -113,7 +113,7 @@ impl CurveMaker {
         numbers: &[&'static SetNumber],
         moments: Option<usize>,
     ) -> Result<Self, CurveError> {
-        // Refused before anything is computed, as the time grows with the square of the samples.
+        // Too many samples are refused before anything is computed, as the time grows with the square of their number.
         let of_spectrum = numbers.iter().find(|number| is_of_spectrum(number));
         let count = course.most_samples();
         if let Some(number) = of_spectrum.filter(|_| count > MAX_SAMPLES_OF_SPECTRUM) {
@@ -124,7 +124,8 @@ impl CurveMaker {
             return Err(CurveError::TooFewMoments { moments });
         }
 
-        // Reading a spectrum costs more than the changes between two moments, so that not every moment is read.
+        // Reading a spectrum costs more than the changes between two moments, so that a curve of the spectrum does not read every
+        // moment. Other curves read all of them unless `moments` says less.
         let moments = moments.or(of_spectrum.map(|_| MOMENTS_OF_SPECTRUM));
         let cursors = cursors(&course, moments.unwrap_or(usize::MAX));
         let curve = Curve {

@@ -33,10 +33,10 @@ fn name(number: &'static SetNumber) -> NumberName {
     }
 }
 
-/// Follows the measures of a recording.
+/// Returns the function that gives the value of a number at a cursor of a recording, in at most so many steps.
 fn follow(recording: &Recording) -> NumberAt {
     let samples = recording.run().samples.len();
-    // Those that the run ever has: how many there are at once is known only when its events are read, below.
+    // These are all samples that the run ever has. How many there are at once is known only after its events are read below.
     if samples > MAX_SAMPLES {
         let why = format!(
             "the run has {samples} samples; moments of at most {MAX_SAMPLES} are measured: take a larger radius"
@@ -50,8 +50,8 @@ fn follow(recording: &Recording) -> NumberAt {
             return Ok(NumberValue::Undefined);
         };
 
-        // A watch is evaluated in every frame of a run that plays. A spectrum costs as much as there are samples at once,
-        // which are fewer than those that the run ever has.
+        // A watch is evaluated in every frame of a run that plays. The cost of a spectrum depends on how many samples there are at
+        // once, which are fewer than the run ever has.
         let most = moment.course().most_samples();
         if is_of_spectrum(number) && most > MAX_SAMPLES_OF_SPECTRUM {
             return Err(format!(

@@ -100,16 +100,17 @@ impl<M: Follows> Kept<M> {
         }
     }
 
-    /// Moves the measure to the moment after `target` changes, the quicker way, in about `budget` steps at most. What needs more
-    /// is done by later calls, also for other moments. Returns the steps.
+    /// Moves the measure towards the moment after `target` changes, in the quickest way, in about `budget` steps at most. Later calls
+    /// go on from there, even if they are for another moment. Returns the steps taken.
     pub fn seek(&mut self, course: &Course, target: usize, budget: u64) -> u64 {
         if budget == 0 {
             return 0;
         }
         let ways = self.ways(course, target);
-        // At once is quicker than in slices, where the budget allows it.
+        // Making the measure anew takes fewer steps at once than in slices, but only slices can stop when the budget is used up.
         let fits = ways.at_once <= budget;
         let anew = if fits { ways.at_once } else { ways.in_slices };
+        // A measure that is being made is given up if another way has become quicker.
         if ways.ahead > ways.changes.min(anew) {
             self.ahead = None;
         }
@@ -125,12 +126,13 @@ impl<M: Follows> Kept<M> {
             steps += self.go_ahead();
         }
 
-        // Changes that lead away from a measure that is being made would be in vain.
+        // While a measure is being made, the old one takes no changes, because it is going to be replaced.
         let mut has_changed = false;
         while self.ahead.is_none() && self.taken != target && steps < budget {
             steps += self.step(course, target);
             has_changed = true;
         }
+        // Once for all changes.
         if let Some(measure) = self.measure.as_mut().filter(|_| has_changed) {
             measure.prepare_reading();
         }

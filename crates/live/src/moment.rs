@@ -92,7 +92,7 @@ impl LiveMoment {
         let plane = course.plane();
         let mut steps = 0;
 
-        // The quick ones come first, so that a spectrum that takes the whole budget does not hold them up.
+        // Pairs and covered circles are quick, and come first, so that they need not wait for a spectrum that takes the whole budget.
         if wanted.pairs {
             self.pairs.begin(|| LivePairs::new(plane))?;
             steps += self.pairs.seek(course, changes, budget);

@@ -68,7 +68,7 @@ pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber
         if !is_live(found) {
             return Err(NumberError::NotLive { key: owned, known });
         }
-        // Rows are read by the names of their columns.
+        // Readers of a table find a column by its name, so that no two columns may have the same.
         if numbers.iter().any(|number| number.key == key) {
             return Err(NumberError::Twice { key: owned });
         }
@@ -148,7 +148,7 @@ impl LiveMoment {
             region,
             radius,
             covering_tolerance: COVERING_TOLERANCE,
-            // Judges stop counting at the same limit, so that live and judged numbers agree.
+            // The verifier stops counting at this limit, and the two numbers must agree.
             conflicts: pairs.conflicts().min(MAX_CONFLICTS),
             worst_conflicts: Vec::new(),
             gaps: cover.open_places(),

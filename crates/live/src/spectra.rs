@@ -38,8 +38,8 @@ impl Spectra {
         shown.map_or(0, |kept| READING_CHANGES * kept.cost_of_change())
     }
 
-    /// Moves the finest spectrum that gets there and can be read within `budget` steps to the moment after `target` changes,
-    /// or else the coarsest that may be. Finer ones come nearer in the steps that are left. Returns the steps.
+    /// Moves a spectrum to the moment after `target` changes: the finest one that gets there and can be read within `budget` steps, or
+    /// else the coarsest one that is allowed. Finer ones come nearer in the steps that are left. Returns the steps taken.
     pub fn seek(
         &mut self,
         course: &Course,
@@ -61,15 +61,15 @@ impl Spectra {
 
         let kept = &mut self.kept[chosen];
         steps += kept.seek(course, target, budget.saturating_sub(steps));
-        // Of a set whose samples have nearly all gone, the sums are mostly the rounding of those that went.
+        // After nearly all samples of a set have gone, its sums are mostly rounding errors of those that went, so that it is made anew.
         let must_renew = LiveSpectrum::must_renew;
         if kept.after(target).is_some_and(must_renew) {
             steps += kept.make_anew(course, target);
         }
 
-        // The finer spectra come nearer with the steps that are left: otherwise a run that is played would never have all
-        // frequencies again after a moment of many changes. A spectrum that needs half of these steps only to keep up with the run
-        // comes nearer too slowly to be worth it.
+        // Finer spectra come nearer in the steps that are left, the next finer one first. Otherwise, after a moment of many changes, a
+        // run that is played would never have all frequencies again. A spectrum that needs half of these steps only to keep up with the
+        // run is left behind, as it comes nearer too slowly.
         let moved = self.target.abs_diff(target) as u64;
         self.target = target;
         for finer in self.kept[..chosen].iter_mut().rev() {

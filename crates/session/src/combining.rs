@@ -64,7 +64,7 @@ pub fn make(
     monitor: &Monitor,
 ) -> Result<Session, CombinationError> {
     let placed = layout.placed()?;
-    // Before any set is made, as that takes most of the time.
+    // Too many samples are refused before any set is made, because that takes most of the time.
     if placed.expected > MAX_COMBINED as f64 {
         let expected = placed.expected;
         return Err(CombinationError::TooManySamples { expected });
@@ -95,7 +95,7 @@ pub fn make(
     let combination = Combination::of(layout, stated, &placed, seams, band);
     let session = Session::from_combination(run, combination, generation);
 
-    // Preparing the session takes time, too, and a cancelled one must not be shown.
+    // Preparing the session takes time as well, and the user may have cancelled it meanwhile.
     if stops() {
         return Err(stopped().into());
     }

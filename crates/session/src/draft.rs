@@ -218,7 +218,7 @@ impl Draft {
     /// Changes what follows from another parameter: exact tiling has no choice of some, and its pattern, unless it was
     /// changed by hand, goes with the size of the set and the seed.
     fn follow(&mut self, before: &Parameters, changed: Parameter) {
-        // Where a parameter has no meaning in exact tiling, it gets its default.
+        // A parameter that has no meaning in exact tiling gets its default.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
             self.parameters = self.parameters.as_exact();
         }
@@ -233,7 +233,7 @@ impl Draft {
             self.parameters.usual_pattern(),
         );
 
-        // A pattern that was changed by hand stays, also at the moment of the change.
+        // A pattern that the user changed stays as it is, and the change itself must not be undone here.
         if is_usual && usual != self.parameters.pattern && !of_pattern.contains(&changed) {
             self.parameters.pattern = usual;
             for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {

@@ -66,8 +66,8 @@ impl GapBorders {
         }
     }
 
-    /// Returns the borders of the gaps at a moment that circles were followed to; `None` where there are so many that to read
-    /// them would take longer than a frame has.
+    /// Returns the borders of the gaps at a moment to which `cover` was brought; `None` if there are so many exposed circles that
+    /// reading them would take too much of a frame.
     fn followed(cover: &LiveCover, session: &Session, moment: Moment) -> Option<Self> {
         if cover.exposed().take(MAX_EXPOSED + 1).count() > MAX_EXPOSED {
             return None;
@@ -77,13 +77,14 @@ impl GapBorders {
         for place in cover.exposed() {
             let center = DVec2::from(place.map(radii));
             let mut ids = Vec::new();
-            // The circles are known by place; the index has the ids of the samples there.
+            // `cover` knows circles by place, and the index has the ids. The index rounds places, so that it is asked for all samples around
+            // the place, whose exact places are compared.
             session.index.visit(center, center, 1.0, |seen| {
                 if session.position(seen.id) == center && moment.covers(session, seen.id) {
                     ids.push(seen.id);
                 }
             });
-            // Of several samples at one place the first stands for all.
+            // If several samples are at one place, the first one stands for all.
             let Some(id) = ids.into_iter().min() else {
                 continue;
             };
@@ -92,14 +93,14 @@ impl GapBorders {
             arcs.extend(open.map(|angles| ExposedArc { id, center, angles }));
         }
 
-        // In the order of a search from scratch, so that both ways give equal borders.
+        // Sorted as `of` returns them, so that borders are equal however they were found.
         arcs.sort_unstable_by_key(|arc| arc.id);
         let lines = bare_border(session, moment);
         Some(Self { arcs, lines })
     }
 }
 
-/// The most circles whose exposed arcs are read in a frame: two milliseconds.
+/// The most circles whose exposed arcs are read in a frame. Reading these takes two milliseconds.
 const MAX_EXPOSED: usize = 1_000;
 
 /// The radius of disks where gaps are looked for, in r. It is larger by the tolerance of the verdict, as gaps within that are
@@ -124,9 +125,9 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
             .index
             .visit(from.min(to), from.max(to), LIMIT, |seen| {
                 let offset = seen.position - from;
-                // Half the chord that the disk cuts out of the side's line.
+                // Half the chord that the disk cuts out of the side's line; NaN, as the root of a negative number, if the disk does not
+                // reach the line.
                 let half = (LIMIT * LIMIT - along.perp_dot(offset).powi(2)).sqrt();
-                // Too far from the side for its disk to reach it: the root of a negative number is no number.
                 if half.is_finite() && moment.covers(session, seen.id) {
                     let middle = along.dot(offset);
                     covered.push([middle - half, middle + half]);
@@ -371,8 +372,8 @@ impl Geometry {
         }
     }
 
-    /// Takes finished work, and starts the rest for the moment: its gaps, and its triangulation if `with_net` or if a
-    /// gap was asked about.
+    /// Takes finished work, and starts the work that the moment still needs: its gaps, and its triangulation if `with_net` is set or
+    /// if someone asked about a gap.
     pub fn want(
         &mut self,
         session: &Arc<Session>,
@@ -388,7 +389,7 @@ impl Geometry {
             (count <= MAX_CIRCLES).then(|| task::start(wake, ExposeTask(still())))
         });
 
-        // A pointer over a gap of a run that plays asks at each moment: only one that rests is worth a triangulation.
+        // While a run plays, a pointer over a gap asks at each moment. Only a moment that rests is worth a triangulation.
         let rests = self.at.replace(key) == Some(key);
         let is_asked = self.is_asked.load(Ordering::Relaxed);
 
@@ -399,7 +400,7 @@ impl Geometry {
             });
         } else {
             self.net.poll();
-            // The moment has just changed: the next frame asks again, when it rests.
+            // The moment has just changed, so that another frame is needed to see that it rests.
             if is_asked {
                 wake();
             }

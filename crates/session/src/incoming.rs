@@ -130,7 +130,7 @@ impl Incoming {
 
         let read = match read_as(CertificateUse::Checked) {
             Err(why @ (FormatError::FalseCertificate { .. } | FormatError::Certificate { .. })) => {
-                // A set with a false certificate is still a set; the certificate's claims are not taken over.
+                // A set with a false certificate is still a set. It is read again without the claims of the certificate.
                 read_as(CertificateUse::LeftOut).map(|read| ReadSet {
                     refused: Some(why.to_string()),
                     ..read
@@ -140,7 +140,7 @@ impl Incoming {
         };
 
         read.map_err(|error| {
-            // A session or a layout is no broken set: its kind says more than an error of a format.
+            // If the file is a session or a layout, that says more than the error of a format.
             if holds_document(&self.bytes) == Some(true) {
                 return format!(
                     "{} is a saved session or a layout, not a point set",
@@ -149,7 +149,7 @@ impl Incoming {
             }
 
             let text = error.to_string();
-            // Some errors of the formats have the name in them.
+            // Some errors of formats name the file already.
             if text.contains(name) {
                 text
             } else {
@@ -226,7 +226,7 @@ pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
             ));
         }
 
-        // Files that are refused take no part of the sum, so that one too long does not shut out the rest.
+        // Only files that are read count, so that a file that is too long does not shut out the rest.
         left -= length;
         None
     };
@@ -266,6 +266,7 @@ pub fn pick(
 ) -> Option<(usize, Vec<usize>)> {
     let considered = names.len().min(MAX_FILES);
 
+    // A certificate of another file is not opened by itself.
     let is_lone = |&k: &usize| {
         let others = names.iter().enumerate().filter(|&(other, _)| other != k);
         !others
@@ -275,7 +276,7 @@ pub fn pick(
 
     let lone: Vec<usize> = (0..considered).filter(is_lone).collect();
 
-    // Alone, a file is opened whatever it holds, so that its content need not be read here.
+    // A file that is alone is opened whatever it holds, so that its content need not be read here.
     let document = lone.iter().copied().find(|&k| {
         let has_others = lone.len() > 1;
         has_others && holds_document(k)

@@ -43,13 +43,14 @@ impl SampleIndex {
         let rows = (size.y / cell) as usize + 1;
 
         let cell_of = |point: &Point| {
-            // A bounded domain keeps samples that it dropped outside: they are in the cells at the border.
+            // Samples that a bounded domain dropped lie outside it. They are kept in the cells at the border.
             let column = ((radii(point.x) / cell).max(0.0) as usize).min(columns - 1);
             let row = ((radii(point.y) / cell).max(0.0) as usize).min(rows - 1);
             row * columns + column
         };
 
-        // A sort by counting: how many samples each cell has, then where its part of the list begins.
+        // A sort by counting: first how many samples each cell has, one place behind the cell, then by sums where its part of the list
+        // begins.
         let mut starts = vec![0_u32; columns * rows + 1];
         for point in points {
             starts[cell_of(point) + 1] += 1;
@@ -119,6 +120,8 @@ impl SampleIndex {
         self.visit_copies(low, high, [reach, reach], images_alone, visit);
     }
 
+    /// Calls `visit` with the samples within `reach` of the rectangle from `low` to `high`, and with images up to `beyond` outside a
+    /// periodic domain; with images only if `images_alone` is set.
     fn visit_copies(
         &self,
         low: DVec2,
@@ -133,7 +136,7 @@ impl SampleIndex {
             &[0.0]
         };
 
-        // Samples that a bounded domain dropped lie up to one radius outside it.
+        // A bounded domain has no images, but samples that it dropped lie up to one radius outside it.
         let beyond = if self.periodic {
             beyond
         } else {
@@ -149,7 +152,7 @@ impl SampleIndex {
                     continue;
                 }
 
-                // The part of the domain whose copy, moved by a period, lies in the rectangle.
+                // The part of the domain whose copy, moved by `shift`, lies in the rectangle.
                 let from = (low - reach).max(DVec2::splat(-beyond)) - shift;
                 let to = (high + reach).min(self.size + beyond) - shift;
                 self.visit_copy(from, to, |id, position| {

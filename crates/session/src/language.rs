@@ -108,12 +108,13 @@ impl Language {
         self.found(english, 0)
     }
 
+    /// Returns the translation of a text that is a part of `depth` others; `None` if there is none.
     fn found(&self, english: &str, depth: usize) -> Option<String> {
         if depth > MAX_DEPTH {
             return None;
         }
 
-        // The cheap ways first: a text of the table, or a number. Patterns are tried one by one.
+        // The cheap ways come first: a text of the table, or a number. Patterns must be tried one by one.
         if let Some(text) = self.texts.get(english) {
             return Some((*text).to_owned());
         }
@@ -133,7 +134,7 @@ impl Language {
             return Some(text);
         }
 
-        // At the beginning of a sentence words have a capital letter that the table does not have.
+        // At the beginning of a sentence a text has a capital letter that it does not have in the table. An ASCII letter is one byte.
         let first = english.chars().next().filter(char::is_ascii_uppercase)?;
         let rest = &english[1..];
         let small = format!("{}{rest}", first.to_ascii_lowercase());
@@ -186,7 +187,7 @@ impl Language {
         depth: usize,
         parts: &mut Vec<(Slot, String)>,
     ) -> bool {
-        // Words must stand there as they are. What follows is about a slot, whose end is not known.
+        // Words must stand in the text as they are. The end of a slot is not known, so that below each possible end is tried.
         let (slot, after) = match pieces {
             [] => return english.is_empty(),
             [Piece::Words(words), after @ ..] => {
@@ -200,16 +201,17 @@ impl Language {
             [Piece::Words(words), ..] => english.match_indices(words).map(|(at, _)| at).collect(),
             _ => vec![english.len()],
         };
-        // A slot is not empty. The rest is compared before the part is translated, which takes longer.
+        // A slot is never empty.
         ends.retain(|&end| end > 0);
 
         for end in ends {
             let held = parts.len();
             let part = &english[..end];
-            let fits = self.fits(after, &english[end..], depth, parts);
+            // The rest is compared before the part is translated, which takes longer.
+            let rest_fits = self.fits(after, &english[end..], depth, parts);
 
             let text = match slot {
-                _ if !fits => None,
+                _ if !rest_fits => None,
                 Slot::Number(_) => self.number(part),
                 Slot::Text(_) => self.found(part, depth + 1),
                 Slot::Same(_) => Some(part.to_owned()),
@@ -220,7 +222,7 @@ impl Language {
                 return true;
             }
 
-            // This end led nowhere: the parts that it collected are taken back.
+            // The text does not match with this end, so that the parts that were collected are taken back.
             parts.truncate(held);
         }
 
@@ -249,7 +251,7 @@ impl Language {
                 translated: pieces(translated).map_err(fault)?,
             };
 
-            // A slot that the translation lacks would lose its part; one too many would have none.
+            // A part would be lost if the translation had no slot for it, and a slot without a part would stay empty.
             if slots(&pattern.english) != slots(&pattern.translated) {
                 return Err(fault("and its translation have other slots"));
             }
@@ -257,7 +259,7 @@ impl Language {
                 return Err(fault("is there twice"));
             }
 
-            // A text without slots is found by its hash, so that patterns are few.
+            // Texts without slots are found in `texts`, so that only the others are patterns.
             if pattern
                 .english
                 .iter()

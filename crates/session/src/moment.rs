@@ -68,7 +68,7 @@ impl Moment {
             Status::Undecided => Standing::Tiled,
             Status::Kept => Standing::Valid,
             Status::Dropped => Standing::Dropped,
-            // Who eliminated it is in the run, as a sample is eliminated once.
+            // The run knows which sample eliminated it, as a sample is eliminated only once. Without one to name, it counts as dropped.
             Status::Eliminated => match run.samples.fates[id as usize] {
                 Fate::Eliminated { by } => Standing::Eliminated { by },
                 _ => Standing::Dropped,

@@ -25,7 +25,7 @@ pub fn sample(
     let nested = request.make(&asked, observer)?;
 
     let domain = *nested.domain();
-    // The radius is the one that was used: an exact number of samples decides it in the place of the parameter.
+    // The radius is the one that was used. If an exact number of samples was asked for, that number decided it, not the parameter.
     let parameters = Parameters {
         radius: domain.radius(),
         ..asked
@@ -60,7 +60,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
         let domain = Domain::from_size([region.width, region.height], radius, boundary)
             .map_err(|error| format!("{name}: {error}"))?;
 
-        // A certificate comes from outside: the window relies on counts that ascend to the number of samples.
+        // A certificate comes from outside, and the window relies on counts that ascend to the number of samples.
         if !fit(&claims, set.set.points.len(), radius) {
             return Err(format!(
                 "{name}: the levels of its certificate do not fit its samples"

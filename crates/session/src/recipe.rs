@@ -102,7 +102,7 @@ pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
         .certificate
         .as_ref()
         .ok_or_else(|| match &read.refused {
-            // A certificate is there, but was refused: without the reason the message would seem wrong.
+            // There is a certificate, which was refused. To say that there is none would be wrong, so that the reason is said.
             Some(why) => {
                 format!("{name}: {why}, so nothing says how large its domain and its radius are")
             }

@@ -118,7 +118,7 @@ pub async fn on_gpu(
     let pattern = if let Some(own) = &recipe.own {
         Arc::clone(&own.pattern)
     } else {
-        // As a task of its own: on a page it runs in a worker, and the window's thread stays free.
+        // The pattern is made in a task, which runs in a worker on a page, so that the window's thread stays free.
         let making = PatternTask(recipe.parameters.pattern);
         let made = task::run_for(making, monitor).await;
         made.map_err(MakeError::fault)??
@@ -139,7 +139,8 @@ pub async fn on_gpu(
             return Ok(session);
         }
 
-        // Wrong parameters fail on the CPU, too, and a cancelled run ends. Only a fault of the device goes on below.
+        // Wrong parameters, which would fail on the CPU as well, and cancellation end here. After a fault of the device, the CPU
+        // takes over below.
         Err(error) => error.of_device()?,
     };
 
@@ -159,7 +160,7 @@ async fn run_on(
 ) -> Result<Run, GpuError> {
     parameters.validate_sequential()?;
 
-    // With all its stages, the run is made one by one, so that a cancelled one stops between two of them.
+    // If all stages are kept, the run is made stage by stage, and can be cancelled between two of them.
     if !keeps_everything(parameters)? {
         return GpuSweep::run(gpu, parameters, pattern, observer).await;
     }

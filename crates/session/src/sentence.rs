@@ -49,6 +49,7 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
     let claim = nested.claim(count);
     let (distance, all) = (claim.distance / r, grouped(session.summary.count));
 
+    // The level of the last sample; a prefix has at least one.
     let last = nested.level_of(count - 1);
     let begun = match nested.whole(count) {
         Some(level) if level == last => format!("level {level} is whole"),
@@ -57,7 +58,7 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
     };
 
     let covering = match claim.covering {
-        // Only a prefix that ends with a level must cover.
+        // Only a prefix that ends where a level ends promises to cover the domain.
         Some(covering) => format!(
             "no place is farther than {:.2} r from a sample.",
             covering / r
@@ -73,7 +74,7 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
 /// Returns the events of `stage`, in one sentence.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
-    // Combinations and exact tilings have stages of their own; the others are like those of a run.
+    // Some stages of combinations and exact tilings differ from those of a run.
     let other = combination_sentence(session, stage).or_else(|| exact_sentence(session, stage));
     if let Some(sentence) = other {
         return sentence;
@@ -125,11 +126,12 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     }
 }
 
+/// Returns the sentence for elimination, in a session of any kind.
 fn elimination_sentence(session: &Session) -> String {
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
 
-    // Uniform insertion has no detectors, and not every engine records them.
+    // The first iteration's detectors are found during elimination. Uniform insertion has none, and not every engine records them.
     let detectors = session.iteration(1).map_or(0, |i| i.detectors.len());
     let looking = if detectors > 0 {
         format!(" {} will look for gaps.", samples(detectors))
@@ -225,6 +227,7 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
     })
 }
 
+/// Returns the sentence for iteration `k`, from 1, in other sessions than exact tilings.
 fn iteration_sentence(session: &Session, k: u32) -> String {
     let Some(iteration) = session.iteration(k) else {
         return format!("Iteration {k}.");
@@ -232,6 +235,7 @@ fn iteration_sentence(session: &Session, k: u32) -> String {
 
     let inserted = counted(iteration.inserted.len(), "sample", "samples");
 
+    // Uniform insertion throws darts at open cells instead of looking for gaps by detectors.
     if !iteration.cells.is_empty() {
         let cells = counted(iteration.cells.len(), "open cell", "open cells");
         return format!("Iteration {k}: darts thrown at {cells}; {inserted} inserted.");

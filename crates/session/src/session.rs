@@ -121,7 +121,7 @@ impl Session {
             return made.map(|session| session.with(recipe));
         }
 
-        // Too large for events: the parallel engines are ten times as fast and keep the result alone.
+        // A run that is too large for events is made by a parallel engine, which is ten times as fast and keeps only the result.
         let run = match parameters.method {
             TilingMethod::Kdrt => {
                 let pattern = recipe.pattern(&mut observer)?;
@@ -325,6 +325,7 @@ impl Session {
         session
     }
 
+    /// Prepares a run with or without events. Sessions of other kinds replace the parts that differ.
     fn of(source: RunSource, generation: u64) -> Self {
         let run = match &source {
             RunSource::Recorded(recording) => recording.run(),
@@ -338,12 +339,13 @@ impl Session {
             // This builds the index for searches, here in the background rather than at the first search.
             recording.prepare();
 
-            // A run that was stopped has the stages that it began, also the iteration in which it stopped.
+            // A recording that was cut off has no result. It has all stages that it began, also the one in which it ends.
             if run.result.is_empty() {
                 stages = begun_stages(recording, stages);
             }
 
-            // The run keeps iterations that found a gap alone, but events tell of the one that found none, too.
+            // The run keeps only iterations that found a gap. The events also have the last one, which found none. It may be among the
+            // stages that were begun, so that it is taken out before it is put in.
             last = last_iteration(recording);
             if last.is_some() {
                 let number = run.iterations.len() as u32 + 1;
@@ -359,7 +361,7 @@ impl Session {
             outline = Some(Outline::new(recording));
         }
 
-        // A run that kept only its result has no samples that were in conflict.
+        // A run that kept only its result no longer has the samples that were in conflict.
         let conflicts = match run.counted {
             Some(_) => Vec::new(),
             None => tiled_conflicts(run),
@@ -496,7 +498,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
 
-    // It is near the end of the tape, from which its beginning is searched backwards.
+    // Its beginning is near the end of the tape, so that it is searched backwards.
     let mut events = recording.tape().before(recording.len());
     events.find(|(_, event)| begun_by(event) == Some(Stage::Iterate(number)))?;
 
@@ -509,16 +511,17 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     };
 
     let detectors = match (run.parameters.insertion, run.parameters.variant) {
+        // Uniform insertion has no detectors.
         (Insertion::Uniform, Variant::Staged) => Vec::new(),
 
         // The detectors are the samples inserted in the iteration before.
         (_, Variant::Staged) => match run.iterations.last() {
             Some(before) => before.inserted.clone().collect(),
-            // There was no iteration with a gap: the first detectors are the marked survivors.
+            // No iteration found a gap, so that this is the first one, whose detectors are the marked survivors.
             None => all.clone().filter(stays).filter(is_marked).collect(),
         },
 
-        // As printed, samples stay marked: every inserted one and every marked survivor looks for gaps again.
+        // In Algorithm 4 as printed, samples stay marked: every inserted one and every marked survivor looks for gaps again.
         (_, Variant::AsPrinted) => {
             let inserted =
                 |id: &u32| matches!(run.samples.origins[*id as usize], Origin::Inserted { .. });
@@ -529,6 +532,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
 
     Some(Iteration {
         detectors,
+        // An empty range: it inserted nothing.
         inserted: all.end..all.end,
         ..Iteration::default()
     })

@@ -83,7 +83,7 @@ fn pool() -> Option<Rc<dyn TaskPool>> {
     POOL.with_borrow(Clone::clone)
 }
 
-/// Packs a task for a pool; `take` receives its outcome.
+/// Packs a task for a pool; `take` receives its outcome. Fails if the task cannot be written as bytes.
 fn pending<T: Task>(
     task: &T,
     monitor: Arc<Monitor>,
@@ -97,6 +97,7 @@ fn pending<T: Task>(
             TaskEnd::Done(bytes) => {
                 postcard::from_bytes(&bytes).map_err(|error| fault(T::NAME, &error))
             }
+            // Some tasks have an outcome even if they were cancelled before their end.
             TaskEnd::Cancelled => T::cancelled(&watched).ok_or_else(|| "cancelled".to_owned()),
             TaskEnd::Failed(why) => Err(why),
         });

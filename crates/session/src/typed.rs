@@ -34,13 +34,13 @@ fn plain(text: &str) -> Option<String> {
         None => ("", text),
     };
 
-    // Only the whole part has thousands: what follows a point or an exponent stays.
+    // Thousands are separated only in the whole part. From a point or an exponent on, the text stays as it is.
     let end = size.find(['.', 'e', 'E']).unwrap_or(size.len());
     let (whole, rest) = size.split_at(end);
 
     let mut whole = whole.to_owned();
     if whole.contains(separates) {
-        // The groups end where a decimal comma stands.
+        // A decimal comma ends the groups of thousands.
         let groups = whole.split(',').next().unwrap_or_default();
         if !are_thousands(groups.split(separates)) {
             return None;

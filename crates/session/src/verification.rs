@@ -25,7 +25,7 @@ pub enum Witness {
     LargestHole,
 }
 
-/// The most samples of a valid set whose closest pair and largest empty circle are found, too.
+/// The most samples of a valid set whose closest pair and largest empty circle are found: each takes another verification.
 const MAX_EXTREMES: usize = 3_000_000;
 /// The closest pair and the largest circle of a valid set are found by verifying it once more, with limits that are tighter
 /// than theirs by this factor.
@@ -67,7 +67,7 @@ impl Verdict {
         };
         let report = ask(radius, &VerifyOptions::default())?;
 
-        // An invalid set shows its worst fault. A valid one has none, and shows how near it comes to one.
+        // An invalid set shows its worst faults. A valid set has none, and shows the pair and the circle that come nearest to one.
         let mut closest = report.worst_conflicts.first().copied();
         let mut largest = report.worst_gaps.first().copied();
 
@@ -75,18 +75,18 @@ impl Verdict {
             let exact = VerifyOptions {
                 covering_tolerance: 0.0,
                 witnesses: 1,
-                // The verdict is known already: one judge is enough to find its extremes.
+                // The verdict is known already, so that one judge is enough.
                 judges: JudgeChoice::Circles,
                 ..VerifyOptions::default()
             };
 
-            // Asked for a radius just above the smallest distance, the judge names the closest pair.
+            // With a radius just above the smallest distance, the closest pair is a conflict, which the judge names.
             if closest.is_none() && report.min_distance.is_finite() {
                 let sharper = ask(report.min_distance * (1.0 + HAIR), &exact)?;
                 closest = sharper.worst_conflicts.first().copied();
             }
 
-            // Just below the covering radius, it names the largest circle.
+            // With a radius just below the covering radius, the largest empty circle is a gap.
             if largest.is_none() && report.covering_radius > 0.0 {
                 let sharper = ask(report.covering_radius * (1.0 - HAIR), &exact)?;
                 largest = sharper.worst_gaps.first().copied();

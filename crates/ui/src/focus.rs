@@ -86,7 +86,7 @@ pub fn name_tiles(ctx: &Context) {
             .collect()
     });
 
-    // Before the closure below, which is called under the lock that `words` takes.
+    // The words are looked up before the closure below, which is called under the lock that `words` takes.
     let (border, tabs) = (ctx.words("Border between panels"), ctx.words("Row of tabs"));
     for widget in focusable {
         ctx.accesskit_node_builder(widget.id, |node| {
@@ -94,7 +94,7 @@ pub fn name_tiles(ctx: &Context) {
             if node.role() != Role::Unknown || node.label().is_some() {
                 return;
             }
-            // Only their sizes tell the two apart.
+            // Borders and rows of tabs differ only in their sizes.
             if widget.rect.size().min_elem() < ROW_OF_TABS {
                 node.set_role(Role::Splitter);
                 node.set_label(&*border);
@@ -121,7 +121,7 @@ pub enum End {
 /// Returns the widget at an end of the Tab order.
 fn widget_at(ctx: &Context, end: End) -> Option<Id> {
     let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
-        // Of the pass before, as this one may not have shown all of its widgets yet.
+        // These are the widgets of the pass before, because this pass may not have shown all of its own yet.
         let layers = viewport.prev_pass.widgets.layers();
         let focusable = layers.map(|(layer, widgets)| {
             let taking = widgets
@@ -136,6 +136,7 @@ fn widget_at(ctx: &Context, end: End) -> Option<Id> {
     layers.retain(|(layer, ids)| {
         !ids.is_empty() && ctx.memory(|memory| memory.allows_interaction(*layer))
     });
+    // Tab goes through the layers from back to front.
     layers.sort_by_key(|(layer, _)| layer.order);
 
     let mut ids = layers.iter().flat_map(|(_, ids)| ids);

@@ -110,7 +110,7 @@ impl SpokenFocus {
         })
     }
 
-    /// Returns what changed since the previous frame, if anything; everything if the focus has moved.
+    /// Returns the parts that differ from the previous frame, if any do; all parts if the focus has moved.
     fn since(&self, before: Option<&Self>) -> Option<Spoken> {
         let parts = |focus: &Self| {
             let parts: [&str; 5] = [
@@ -123,7 +123,7 @@ impl SpokenFocus {
             parts.map(str::to_owned)
         };
 
-        // After the focus has moved, every part is new.
+        // After the focus has moved, all old parts count as empty, so that every part is new.
         let old = before
             .filter(|before| before.focus == self.focus)
             .map(parts)
@@ -131,7 +131,7 @@ impl SpokenFocus {
         let new: Vec<String> = parts(self)
             .into_iter()
             .zip(old)
-            // A part that is empty now has no words.
+            // A part that has become empty is not announced, as there is nothing to say.
             .filter(|(now, old)| now != old && !now.is_empty())
             .map(|(now, _)| now)
             .collect();

@@ -137,7 +137,7 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
             } => {
                 let corners = corners.into_iter().map(|corner| at + corner).collect();
                 let line = line.map_or(Stroke::NONE, stroke);
-                // Only an area has to be convex.
+                // egui fills only convex polygons; an outline may have any shape.
                 painter.add(match fill {
                     Some(fill) => Shape::convex_polygon(corners, fill, line),
                     None => Shape::closed_line(corners, line),
@@ -180,6 +180,7 @@ pub fn chip(
     move |ui: &mut Ui| show_chip(ui, layer, name, on, palette)
 }
 
+/// Shows the pill of [`chip`].
 fn show_chip(
     ui: &mut Ui,
     layer: Option<(Layer, SessionKind)>,
@@ -187,12 +188,13 @@ fn show_chip(
     on: bool,
     palette: &Palette,
 ) -> Response {
-    // Here, since the closure of `widget_info` is called under the lock that `words` takes.
+    // The name is translated here, since the closure of `widget_info` is called under the lock that `words` takes.
     let name = ui.words(name);
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
     let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
 
+    // A symbol before the name takes 12 points more.
     let size = vec2(
         galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
         row_height(ui.ctx(), 26.0),
@@ -282,6 +284,7 @@ pub fn icon_button(
 ) -> Response {
     let enabled = refusal.is_none();
     let name = &ui.words(name);
+    // Fingers need a larger button than a mouse.
     let side = if is_for_fingers(ui.ctx()) {
         FINGER + 2.0
     } else {
@@ -306,8 +309,10 @@ pub fn icon_button(
     response.on_hover_text(refusal.map_or_else(|| name.clone(), |refusal| ui.words(refusal)))
 }
 
+/// Draws an icon around `at` in `color`; `ground` is the colour behind it. Lengths are in screen points.
 fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: Color32) {
     let stroke = Stroke::new(1.8, color);
+    // `way` is 1 for a figure that points to the right, and -1 to the left.
     let triangle = |middle: Pos2, way: f32| {
         let corners = [
             vec2(-3.5 * way, -5.5),
@@ -317,7 +322,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         .map(|v| middle + v);
         painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
     };
-    // Steps look different from play.
+    // Steps have an open angle, so that they look different from play.
     let chevron = |way: f32| {
         let points = [(-2.5, -5.5), (3.0, 0.0), (-2.5, 5.5)];
         let line = points.map(|(x, y)| at + vec2(x * way, y)).to_vec();

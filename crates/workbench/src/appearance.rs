@@ -51,7 +51,7 @@ impl Appearance {
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
             AppearanceCommand::Look(look) => self.choose_look(look),
-            // The key that enters projector mode leaves it, too.
+            // The key that enters projector mode also leaves it.
             AppearanceCommand::ToggleProjector => self.choose_look(match self.look {
                 look if look.is_projector() => self.look_before,
                 _ => Look::Projector,
@@ -59,7 +59,7 @@ impl Appearance {
 
             AppearanceCommand::Curve(number) => self.curve.number = number,
             AppearanceCommand::CurveHeight(height) => {
-                // Scripts can give any height.
+                // A script can give a height beyond the limits.
                 let number = self.curve.number;
                 self.curve = ShownCurve { number, height }.within_limits();
             }

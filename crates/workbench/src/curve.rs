@@ -23,8 +23,8 @@ pub use figure::CurveFormat;
 pub const HEIGHTS: [u16; 2] = [40, 200];
 /// The height of a curve that was not resized.
 pub const HEIGHT: u16 = 84;
-/// The steps between two looks at whether the curve is still wanted: those of five frames, so that a number that is chosen
-/// meanwhile need not wait.
+/// The counted steps between two looks at whether the curve is still wanted: those of five frames, so that another number that
+/// the user chooses need not wait long.
 const SLICE: u64 = 5 * FRAME_STEPS;
 
 /// A number that can be had at every moment. It is saved by its key in the catalogue.
@@ -98,7 +98,7 @@ impl Default for ShownCurve {
 }
 
 impl ShownCurve {
-    /// Returns the same curve, as high as a curve can be.
+    /// Returns the same curve with its height brought within [`HEIGHTS`].
     #[must_use]
     pub fn within_limits(self) -> Self {
         let [least, most] = HEIGHTS;
@@ -196,7 +196,7 @@ impl Task for CurveTask {
         let mut maker = CurveMaker::new(course, &[self.number.row()], at_all_moments)
             .map_err(|error| error.to_string())?;
 
-        // In slices, as only between two of them it can be seen that the curve is no longer wanted.
+        // The work goes in slices, because it can be cancelled only between two of them.
         loop {
             if maker.proceed(SLICE).map_err(|error| error.to_string())? {
                 break;
@@ -209,6 +209,7 @@ impl Task for CurveTask {
             }
         }
 
+        // One number was asked for, so that there is one column.
         let curve = maker.finish();
         Ok(CurvePoints {
             events: curve.events,
@@ -288,7 +289,7 @@ impl RunCurve {
         let wanted = number.map(|number| (session.generation, number));
         if self.of != wanted {
             self.of = wanted;
-            // Both are known before any work begins: a session without measurable moments gives its reason at once.
+            // A session without measurable moments is refused here, before any work begins.
             self.making = match (number, refusal(session)) {
                 (None, _) => Making::Nothing,
                 (Some(_), Some(why)) => Making::Failed(why),

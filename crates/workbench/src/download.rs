@@ -7,10 +7,11 @@ use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
 
 use tilescope_session::incoming::NamedBytes;
 
-/// The time after which the bytes are released, in ms.
+/// The time after which the bytes are released, in ms. The browser does not say when it has read them; a minute was chosen, not
+/// measured.
 const KEPT_MS: i32 = 60_000;
 
-/// Starts the download of a file.
+/// Starts the download of a file; fails with a sentence.
 pub fn start(file: &NamedBytes) -> Result<(), String> {
     let name = &file.name;
     begin(file).map_err(|error| format!("{name} cannot be downloaded: {error:?}"))
@@ -22,26 +23,27 @@ fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     let document = window.document().ok_or_else(missing)?;
     let body = document.body().ok_or_else(missing)?;
 
-    let kind = BlobPropertyBag::new();
+    let options = BlobPropertyBag::new();
     // With any other type a browser might show the file instead.
-    kind.set_type("application/octet-stream");
+    options.set_type("application/octet-stream");
 
     let parts = Array::of1(&Uint8Array::from(file.bytes.as_slice()));
-    let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
+    let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &options)?;
     let url = Url::create_object_url_with_blob(&blob)?;
 
     let anchor: HtmlAnchorElement = document.create_element("a")?.unchecked_into();
     anchor.set_href(&url);
     anchor.set_download(&file.name);
     anchor.set_hidden(true);
+    // Some browsers follow a click only on an element of the page.
     body.append_child(&anchor)?;
 
     anchor.click();
     anchor.remove();
 
-    // The browser reads the bytes after the click, and does not say when it has read them.
+    // The browser reads the bytes only after the click, so that they are released later.
     let release = Closure::once_into_js(move || {
-        // The page may be closing, and nothing depends on this.
+        // If this fails, the bytes are only kept until the page is closed.
         let _ = Url::revoke_object_url(&url);
     });
     window

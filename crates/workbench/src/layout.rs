@@ -479,9 +479,13 @@ impl Layout {
 
 /// Computes the room that tiles need.
 struct Room<L> {
+    /// The space between two tiles.
     gap: f32,
+    /// The height of the bar of tabs.
     bar: f32,
+    /// Returns the least size of a panel.
     least: L,
+    /// The panels that take no room.
     hidden: PanelSet,
 }
 
@@ -495,33 +499,34 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         match tile {
             LayoutTile::Panel(panel) => (self.least)(*panel),
             LayoutTile::Tabs { tiles, .. } => {
-                // Each tab can be opened, so that the largest one counts.
+                // Any of the tabs can be opened, so that the largest one counts.
                 let sizes = tiles.iter().map(|tile| self.least_size(tile));
                 sizes.fold(Vec2::ZERO, Vec2::max) + vec2(0.0, self.bar)
             }
             LayoutTile::Linear { axis, tiles } => {
-                let axis = axis.index();
-                let (mut all, mut count) = (Vec2::ZERO, 0);
+                let (along, across) = (axis.index(), 1 - axis.index());
+                let (mut total, mut count) = (Vec2::ZERO, 0);
                 for (tile, _) in tiles {
                     let size = self.least_size(tile);
-                    all[1 - axis] = all[1 - axis].max(size[1 - axis]);
-                    all[axis] += size[axis];
+                    total[across] = total[across].max(size[across]);
+                    total[along] += size[along];
                     // A hidden tile takes no room, and has no gap either.
                     count += usize::from(!tile.is_hidden(self.hidden));
                 }
 
-                all[axis] += self.gaps(count);
-                all
+                total[along] += self.gaps(count);
+                total
             }
         }
     }
 
+    /// Returns the length of all gaps between so many tiles.
     fn gaps(&self, tiles: usize) -> f32 {
         self.gap * tiles.saturating_sub(1) as f32
     }
 
-    /// Changes the shares within a tile of `size`, so that all tiles in it have at least their least sizes where there
-    /// is room for them.
+    /// Changes the shares within a tile of `size`, so that all tiles in it have at least their least sizes if there is room for
+    /// all of them.
     fn enlarge(&self, tile: &mut LayoutTile, size: Vec2) {
         let (axis, tiles) = match tile {
             LayoutTile::Panel(_) => return,
@@ -535,7 +540,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             LayoutTile::Linear { axis, tiles } => (axis.index(), tiles),
         };
 
-        // Hidden tiles keep their shares, which do not count.
+        // Hidden tiles take no room; they keep their shares for the time when they are shown again.
         let seen = tiles
             .iter_mut()
             .filter(|(tile, _)| !tile.is_hidden(self.hidden));
@@ -558,7 +563,8 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         let is_same = enlarged == lengths;
 
         for ((tile, share), length) in tiles.iter_mut().map(|tile| &mut **tile).zip(enlarged) {
-            // A share that is computed from an unchanged length could differ by rounding.
+            // An unchanged share is not computed from its length, as rounding could change it. Lengths change only if `room` is
+            // enough for the least ones, so that it is not 0 here.
             if !is_same {
                 *share = total * length / room;
             }
@@ -579,8 +585,8 @@ impl Direction {
     }
 }
 
-/// Returns lengths of the same sum that are at least `least`; the larger ones keep their proportions. If there is not enough
-/// room, returns the lengths themselves.
+/// Returns lengths with the same sum, each at least that of `least`; those above it keep their proportions. If the sum is too small
+/// for `least`, returns the lengths themselves.
 fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     let (room, needed) = (lengths.iter().sum::<f32>(), least.iter().sum::<f32>());
     let mut pairs = lengths.iter().zip(least);
@@ -588,10 +594,10 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
         return lengths.to_vec();
     }
 
-    // In each turn one more tile gets its least length, so that the turns come to an end.
+    // Each turn but the last gives one more tile its least length, so that there are at most as many turns as tiles, and one more.
     let mut is_small = vec![false; lengths.len()];
     loop {
-        // The sum of the lengths of the tiles that are small, or of the others.
+        // Returns the sum of the lengths of the tiles that `is_small` marks, or of the others.
         let sum = |lengths: &[f32], of_small: bool| -> f32 {
             let summed = lengths
                 .iter()
@@ -601,14 +607,14 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
         };
 
         let of_small = true;
-        let left = room - sum(least, of_small);
-        // The other tiles may have no length at all, and this is a divisor.
+        let remaining = room - sum(least, of_small);
+        // The other tiles may all have length 0, and the sum of their lengths is a divisor.
         let shared = sum(lengths, !of_small).max(f32::MIN_POSITIVE);
         let length_of = |k: usize| {
             if is_small[k] {
                 least[k]
             } else {
-                lengths[k] * left / shared
+                lengths[k] * remaining / shared
             }
         };
 

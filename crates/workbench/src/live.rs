@@ -19,14 +19,14 @@ pub const WATCH_STEPS: u64 = FRAME_STEPS;
 /// Where the measures of a run are.
 #[derive(Default)]
 enum Followed {
-    /// Nothing asked for any.
+    /// Nothing has asked for measures.
     #[default]
     Nothing,
     /// The run is being read in the background: which sample comes or goes when.
     Away(Job<Box<LiveMoment>>),
     /// At the moment of the frame before, or on their way from there.
     Here(Box<LiveMoment>),
-    /// There are none, and why.
+    /// The run has none, and why.
     Refused(String),
 }
 
@@ -38,7 +38,7 @@ pub struct Live {
     followed: Followed,
     /// The last moment that was measured, at least in part.
     measured: Option<(Key, Arc<MeasuredSet>)>,
-    /// The share of the frequencies in that.
+    /// The share of the frequencies that its spectrum has.
     share: Option<f64>,
     steps: u64,
 }
@@ -83,8 +83,8 @@ impl Live {
         self.steps
     }
 
-    /// Brings the wanted measures to a moment, in about so many counted steps at most, on any machine: no frame waits for more.
-    /// A moment that is farther away is reached in the frames that follow, each of which asks for the next.
+    /// Brings the wanted measures towards a moment, in at most about `steps` counted steps, whose number is the same on every
+    /// machine: no frame waits for more. A moment that is farther away is reached in later frames; `wake` asks for the next one.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -94,7 +94,7 @@ impl Live {
         wake: &Wake,
     ) {
         if wanted == Wanted::default() {
-            // The run stays as far as it was read, for when something asks again.
+            // Nothing asks for measures. The course of the run is kept, in case something asks again.
             self.measured = None;
             return;
         }
@@ -104,6 +104,7 @@ impl Live {
         self.poll();
 
         let Followed::Here(moment) = &mut self.followed else {
+            // The run is still being read, or it has no such measures.
             return;
         };
         let key = key_of(shown);
@@ -114,6 +115,7 @@ impl Live {
         };
 
         self.steps += moved.steps;
+        // Without a step nothing has moved, so that the numbers read before for this moment are still right.
         let is_known = self.measured.as_ref().is_some_and(|(of, _)| *of == key);
         if !is_known || moved.steps > 0 {
             self.measured = Some((key, Arc::new(measured(moment))));
@@ -188,7 +190,7 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
 pub(crate) fn course_of(session: &Session) -> Course {
     match session.recording() {
         Some(recording) => Course::of_recording(recording),
-        // Of nested levels a moment is a prefix.
+        // A moment of nested levels is a prefix of their samples in order.
         None => Course::of_order(session.run().domain, &session.run().samples.points),
     }
 }
@@ -198,7 +200,7 @@ fn measured(moment: &LiveMoment) -> MeasuredSet {
     let mut set = moment.measured();
     // Sets of fewer than three samples have no pair correlation.
     if let Some(Ok(mut pairs)) = moment.pairs().map(LivePairs::correlation) {
-        // Distances are in radii there.
+        // `pairs` has distances in radii, and the panel shows user units.
         pairs.r_max *= set.radius.unwrap_or(1.0);
         set.pairs = Some(Arc::new(pairs));
     }

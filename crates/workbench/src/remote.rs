@@ -186,7 +186,7 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         return Err(RequestError::Unknown(shown(&action)));
     };
 
-    // A misspelt field would otherwise do nothing, without a word.
+    // Otherwise a misspelt field would be ignored without a message.
     refuse_unknown(name, &fields, known_fields)?;
     match *name {
         "load" => load(&fields),
@@ -197,6 +197,7 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         "pause" => Ok(Request::Pause),
         "lesson" => lesson(&fields).map(Request::Lesson),
         "answer" => answer(&fields).map(Request::Lesson),
+        // `REQUESTS` has one more name: "state".
         _ => Ok(Request::State),
     }
 }
@@ -275,8 +276,9 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     Ok(Request::Step { forwards, unit })
 }
 
+/// Reads a request to go to a moment, of which exactly one field tells which.
 fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
-    // With two fields, it would not be clear which moment is meant.
+    // With two of these fields, it would not be clear which moment is meant.
     match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
         [None, None, None, Some(value), None] => {
             let target = target("next", value)?;
@@ -314,6 +316,7 @@ fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     }
 }
 
+/// Reads a request about lessons. Its fields decide which request it is.
 fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     let text = |field: &str| match fields.get(field) {
         None => Ok(None),
@@ -328,7 +331,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         fields.get(field).map(read).transpose()
     };
 
-    // Exactly one of these: two in one request would have no sequence.
+    // A request has exactly one of these, because fields of a JSON object have no order in which two could be done.
     let alternatives = ["open", "text", "go", "language", "act", "save", "learner"];
     let mut chosen = alternatives
         .into_iter()
@@ -340,6 +343,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         });
     };
 
+    // The field is present, so that the default never stands for it.
     let value = text(field)?.unwrap_or_default();
     let refuse_unless_one_of = |names: &[&str]| {
         let names = choices(names.iter().copied());
@@ -455,6 +459,7 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
 /// The camera that shows the whole domain, however large the frame is.
 pub const WHOLE: &str = "whole";
 
+/// Reads the names of layers; `None` within for the layers of the stage.
 fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     if value.as_str() == Some(AUTOMATIC) {
         return Ok(None);
@@ -477,7 +482,7 @@ fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
             .into_iter()
             .find(is_meant)
             .ok_or_else(|| refuse(name))?;
-        // A layer that is named twice must not be switched off again.
+        // A second toggle would switch off a layer that is named twice.
         if !layers.has(layer) {
             layers.toggle(layer);
         }
@@ -505,7 +510,8 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         Parameters::deserialize(&all)
             .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
     };
-    // Parts of the pattern that are not given may follow from the other parameters.
+    // The usual pattern depends on the other parameters, so that these are read first. Then given parts of the pattern replace
+    // those of the usual one.
     let asked = laid_over(Parameters::default())?;
     let parameters = laid_over(Parameters {
         pattern: PatternSpec {
@@ -537,6 +543,8 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     Ok(parameters)
 }
 
+/// Replaces fields of `all` by those of `given`, which must be known and of the same kind of value. Errors name `action`, the object
+/// that the fields are in.
 fn lay_over(
     all: &mut Value,
     given: &Map<String, Value>,
@@ -549,15 +557,16 @@ fn lay_over(
         };
 
         match (current.is_object(), value.as_object()) {
+            // The pattern is the only object among the parameters.
             (true, Some(inner)) => lay_over(current, inner, "pattern")?,
             (true, None) => return Err(wrong(field, value, "an object")),
             (false, _) => {
                 // Seeds may be given as text, since JavaScript would round large numbers.
-                let text = value.as_str().filter(|_| field == "seed");
-                let exact = text.and_then(|text| text.parse::<u64>().ok());
-                let value = &exact.map_or_else(|| value.clone(), Value::from);
+                let seed_text = value.as_str().filter(|_| field == "seed");
+                let seed = seed_text.and_then(|text| text.parse::<u64>().ok());
+                let value = &seed.map_or_else(|| value.clone(), Value::from);
 
-                // Refused here, so that the message names the field.
+                // Deserializing would refuse it as well, but its message would not name the field.
                 if !same_kind(current, value) {
                     let wanted = format!("of the kind of {current}");
                     return Err(wrong(field, value, wanted));

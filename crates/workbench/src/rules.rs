@@ -128,6 +128,7 @@ impl Command {
     pub const fn rules(&self) -> Rules {
         match self {
             Self::Form(command) => form(command),
+            // An engine is only chosen here: it makes no run yet.
             Self::Gpu(GpuCommand::Engine(_) | GpuCommand::NameAdapter(_)) => VIEW,
             Self::Run => Rules {
                 ends_tour: true,
@@ -138,7 +139,7 @@ impl Command {
                 ..REVEALING
             },
 
-            // A frame shows one run.
+            // A frame shows no second run.
             Self::Cancel(Which::First) => VIEW,
             Self::Cancel(Which::Second) => NOT_IN_FRAME,
 
@@ -158,8 +159,9 @@ impl Command {
             Self::File(command) => file(command),
             Self::Export(command) => export(command),
 
-            // Opening a link closes the lesson first, and shows no answer to its question.
+            // Opening a link closes the lesson first, so that it shows no answer to an open question.
             Self::Link(LinkCommand::Copy | LinkCommand::Open(_)) => VIEW,
+            // Either may bring back another run, whole.
             Self::Undo | Self::Redo => REVEALING,
             Self::DismissNotice | Self::OpenFolder(_) => VIEW,
         }
@@ -168,7 +170,7 @@ impl Command {
 
 const fn form(command: &FormCommand) -> Rules {
     let undo = match command {
-        // How runs begin is no parameter.
+        // Whether runs begin by themselves is no parameter of a run.
         FormCommand::Live(_) => None,
         FormCommand::Type(..)
         | FormCommand::Nudge(..)
@@ -190,7 +192,7 @@ const fn form(command: &FormCommand) -> Rules {
 }
 
 const fn time(command: &TimeCommand) -> Rules {
-    // A run is held only up to an open question's moment: no move goes beyond it.
+    // While a question is open, the run has no events after the question's moment, so that no move in time shows the answer.
     match command {
         TimeCommand::ShowStage(index) => VIEW.naming(Numbered::Stage(*index)),
         TimeCommand::Jump(at) => VIEW.naming(Numbered::Moment(*at)),
@@ -232,7 +234,7 @@ const fn scene(command: &SceneCommand) -> Rules {
             ..STOPS
         },
         SceneCommand::Show(index) => VIEW.naming(Numbered::Scene(*index)),
-        // A scene of the tour that has no such button does nothing.
+        // `Offer` has the number of a button of the tour. A scene without such a button does nothing.
         SceneCommand::Step(_) | SceneCommand::Offer(_) | SceneCommand::Leave => VIEW,
         // The tour makes a run of its own.
         SceneCommand::Tour => Rules {
@@ -243,7 +245,7 @@ const fn scene(command: &SceneCommand) -> Rules {
 }
 
 const fn lesson(command: &LessonCommand) -> Rules {
-    // Their numbers are those of a list that the lesson shows; others change nothing.
+    // Numbers in these commands are indices into a list that the lesson shows; a number beyond its end changes nothing.
     match command {
         LessonCommand::ToggleList
         | LessonCommand::Open(_)
@@ -299,7 +301,7 @@ const fn talk(command: &TalkCommand) -> Rules {
         | TalkCommand::Restore(_) => false,
     };
 
-    // Stage and notes are windows, which a frame has not.
+    // A talk opens windows for the stage and the notes, and a frame opens no windows.
     Rules {
         reveals,
         ..NOT_IN_FRAME
@@ -347,14 +349,14 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
 
-        // What one run's event, verdict or selection shows is that run's alone: the other camera stays.
+        // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent
         | ViewCommand::FlyToWitness(_)
         | ViewCommand::SelectMiddle
         | ViewCommand::Pick(Selection::Nothing | Selection::Place(_))
         | ViewCommand::Viewport(_)
         | ViewCommand::CopyPosition(_)
-        // The pointer may still be where a sample of the run before was: it then points at none.
+        // A sample under the pointer is not checked: right after a new run, it may be a sample of the run before.
         | ViewCommand::Hover(_) => rules,
     }
 }
@@ -378,7 +380,7 @@ const fn appearance(command: AppearanceCommand) -> Rules {
 }
 
 const fn window(command: &WindowCommand) -> Rules {
-    // The list of actions takes the last one for a larger number.
+    // A number beyond the end of the list of actions chooses the last one, so that none needs to be checked.
     match command {
         WindowCommand::ResetLayout
         | WindowCommand::OpenPanel(_)
@@ -400,7 +402,7 @@ const fn window(command: &WindowCommand) -> Rules {
 }
 
 const fn passes(command: &PassCommand) -> Rules {
-    // The passes are those of the whole run.
+    // A pass works on the whole run, and so shows what comes after an open question's moment.
     let rules = Rules {
         reveals: true,
         ..VIEW
@@ -409,7 +411,8 @@ const fn passes(command: &PassCommand) -> Rules {
     match command {
         PassCommand::Select(index) => rules.naming(Numbered::Pass(*index)),
 
-        // The buffers of a pass may still be on their way. A number that the pass does not have changes nothing.
+        // Numbers of buffers and rows are not checked here, because the buffers of a pass may still be loading. A number that the
+        // pass does not have changes nothing.
         PassCommand::Previous
         | PassCommand::Next
         | PassCommand::First

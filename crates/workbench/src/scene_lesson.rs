@@ -29,6 +29,7 @@ pub(crate) fn lesson_of(
         return Err(text.to_owned());
     }
 
+    // A lesson can choose the side of its pattern, and nothing else of it.
     let generated = PatternSpec {
         side: parameters.pattern.side,
         ..PatternSpec::default()
@@ -40,7 +41,7 @@ pub(crate) fn lesson_of(
 
     let mut text =
         "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
-    // A minute for each scene, within the limits of a lesson.
+    // A minute for each scene; a lesson may state from 1 to 120 minutes.
     let _ = writeln!(text, "minutes: {}\n---", scenes.len().clamp(1, 120));
 
     let mut titles: Vec<String> = Vec::new();
@@ -48,13 +49,15 @@ pub(crate) fn lesson_of(
         let (caption, note) = split_caption(&scene.caption);
         let (title, rest) = titled(caption);
 
-        // Each step has a name of its own, made from its title.
+        // The name of a step is made from its title, and no two steps may have the same one. A number stands for a title that is
+        // empty or taken.
         let name = step_name(&title);
         let is_taken = titles.iter().any(|other| step_name(other) == name);
-        let own_title = Some(title).filter(|_| !name.is_empty() && !is_taken);
-        let title = own_title.unwrap_or_else(|| format!("Scene {}", index + 1));
+        let free_title = Some(title).filter(|_| !name.is_empty() && !is_taken);
+        let title = free_title.unwrap_or_else(|| format!("Scene {}", index + 1));
 
         let _ = write!(text, "\n# {title}\n\n```run\n");
+        // A step begins with the run of the step before it, so that only the first one needs to name it.
         if index == 0 {
             run(&mut text, parameters);
         }
@@ -132,33 +135,36 @@ fn moment(text: &mut String, scene: &SavedScene) {
     let moment = match (ended_stage, &scene.anchor) {
         // The pattern is made before the first event.
         (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
-        // The parallel engine alone has a stage of regions. A lesson's run is made by the other engine, which records events,
-        // so that no lesson can name the end of that stage.
+        // Only the parallel engine has a stage of regions. A lesson's run is made by the sequential engine, which records events,
+        // so that no lesson can name the end of the regions.
         (Some(stage), _) if *stage != Stage::Regions => {
             format!("end of {}", stage.to_string().replace(' ', "-"))
         }
         (_, Some(anchor)) => anchor.to_string(),
+        // The end of the regions, without an anchor that says where it is in other runs.
         (Some(_), None) => "start".to_owned(),
     };
     let _ = writeln!(text, "moment: {moment}");
 
-    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
+    // Invalid parts of the view have their defaults, so that their names are not needed.
+    let (saved, _invalid) = SavedView::from_json(&scene.view, &SavedView::default());
     let names = saved.appearance.chosen_layers.map(|layers| {
         let names: Vec<String> = layers.iter().map(Layer::key).collect();
         names.join(" ")
     });
+    // A lesson cannot ask for no layers.
     let layers = names.filter(|names| !names.is_empty());
     let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
 
     let camera = SceneCamera::of(&scene.view);
-    // The lesson makes the run of the scene again.
+    // The lesson makes the run of the scene again, so that its camera need not move with the event.
     let is_same_run = true;
     let placed = camera.and_then(|camera| {
         let center = camera.placed(camera.event, is_same_run)?;
         Some((center, camera.radii))
     });
     if let Some((center, radii)) = placed {
-        // A lesson's camera has these limits.
+        // A lesson refuses a camera beyond these limits.
         let radii = radii.clamp(2.0, 1_000.0);
         let [x, y] = center.to_array();
         let _ = writeln!(text, "camera: [{x:.4}, {y:.4}] radii {radii:.3}");

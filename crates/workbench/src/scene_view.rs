@@ -24,19 +24,21 @@ pub(crate) fn view_of_scene(
     let cursor = marked.cursor()?;
     let is_same_run = matches!(marked, Marked::Here(_));
 
-    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
+    // Invalid parts of the view have their defaults, so that their names are not needed.
+    let (saved, _invalid) = SavedView::from_json(&scene.view, &SavedView::default());
     let stage = session.stages.get(session.stage_at(cursor));
     let domain = session.size_at(stage.copied());
     let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
 
     let place = place_of_scene(debugger, scene);
-    // The camera moves with the event, so that in another run it shows the same step of the algorithm.
+    // In another run the camera moves with the event, so that it shows the same step of the algorithm. Its `radii` are the length
+    // of the canvas's shorter side.
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {
         let center = camera.placed(place, is_same_run)?;
         Camera::checked(center, size[0].min(size[1]) / camera.radii)
     });
 
-    // In another run the number of the sample means another one.
+    // In another run the selected number is that of another sample.
     let selection = if is_same_run {
         saved.selection
     } else {

@@ -17,7 +17,7 @@ use crate::state::{Effect, Settings, State};
 
 /// The most commands of a script.
 pub const MAX_COMMANDS: usize = 100_000;
-/// The canvas that cameras are fitted into, in screen points.
+/// The canvas that cameras are fitted into, in screen points. A script has no window; this is a common size of one.
 const CANVAS: [f32; 2] = [1280.0, 720.0];
 
 /// Why a text is not a script.
@@ -83,7 +83,7 @@ fn carry_out<E>(
     mut after: impl FnMut(&State, Option<Refusal>) -> Result<(), E>,
 ) -> Result<State, E> {
     let mut state = State::new(Arc::new(|| {}));
-    // Cameras jump, as no time passes between two commands in which they could fly.
+    // Cameras jump, as no time for a flight passes between two commands.
     state.restore(Settings {
         prefers_reduced_motion: Some(true),
         ..Settings::default()
@@ -95,7 +95,7 @@ fn carry_out<E>(
     let mut commands = commands.into_iter().enumerate().peekable();
     while let Some((index, command)) = commands.next() {
         let next = commands.peek().map(|(_, next)| next);
-        // Work that the command started may fail, too: `apply` waits for it.
+        // `apply` waits for the work that the command starts, because that may fail, too.
         let why = refusal_before(&state, &command).or_else(|| apply(&mut state, &command, next));
         let refusal = why.map(|why| Refusal {
             number: index + 1,
@@ -148,8 +148,8 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
 
 /// Reads and runs a script. `print` receives the state as JSON, as pages receive it: after each command if
 /// `each` is set, otherwise after the last one. `refused` receives the number of each command that was refused or failed,
-/// why, and whether a file could not be read or written; the commands after it are carried out. Returns the verifier's
-/// verdict on the session at the end.
+/// why, and whether a file could not be read or written; the commands after it are carried out all the same. Returns whether the
+/// verifier finds the samples valid at the end; `None` if there is no verdict.
 pub fn run<E: From<ScriptError>>(
     text: &str,
     each: bool,

@@ -170,7 +170,7 @@ impl State {
         }
 
         let rules = command.rules();
-        // What the tour itself offers is carried out by `take_offer`.
+        // A command that the tour itself offers does not end it: `take_offer` sends it past this function.
         if rules.ends_tour {
             self.end_tour();
         }
@@ -182,18 +182,19 @@ impl State {
             lessons.draft_from_canvas(selection, at);
         }
 
+        // A notice that only confirms a command goes once the user moves on in the run.
         if matches!(command, Command::Time(_) | Command::Scene(_)) {
             self.messages.drop_brief();
         }
 
-        // The outer `Some`: the camera may follow after this command. The inner one is the cursor before the command; without it
-        // the camera goes to the event wherever the cursor was.
+        // `Some` if the camera may follow the event after this command. Within is the cursor before the command; with `None` within,
+        // the camera goes to the event even if the cursor did not move.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
             _ => None,
         };
-        let seeks = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
+        let looks_for_place = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
 
         match command {
             Command::Undo => self.step_in_history(HistoryStep::Undo),
@@ -205,6 +206,7 @@ impl State {
                     let remembered = command.clone();
                     self.dispatch(command);
                     self.remember(memento, part, Some(&remembered));
+                    // Small runs follow changed parameters at once.
                     self.run_live(&remembered);
                 }
                 None => self.dispatch(command),
@@ -212,8 +214,8 @@ impl State {
         }
 
         match before {
-            // A conflict, say, that was looked for is to be seen: at the scale of the whole domain it is a speck.
-            Some(before) if seeks && self.runs.first.cursor() != before => {
+            // The camera comes near to a conflict, say, that was looked for: at the scale of the whole domain it would be a speck.
+            Some(before) if looks_for_place && self.runs.first.cursor() != before => {
                 self.on(Which::First, |run, context| run.lead_to_event(context));
             }
             Some(before) if self.appearance.follows_events => {
@@ -237,7 +239,7 @@ impl State {
     }
 
     fn dispatch(&mut self, command: Command) {
-        // Below, `s` is the state and `c` the context.
+        // Below, `s` is the state and `c` the context, which takes the effects that a part asks for.
         match command {
             Command::Form(command) => self.with(|s, c| s.form.apply(command, c)),
             Command::Gpu(command) => self.with(|s, c| s.gpu.apply(command, c)),
@@ -246,7 +248,7 @@ impl State {
             Command::Cancel(which) => {
                 self.on(which, |run, _| run.cancel());
             }
-            // `apply` has carried these out.
+            // `apply` carries these out itself.
             Command::Undo | Command::Redo => {}
 
             // The window.
@@ -255,6 +257,7 @@ impl State {
             Command::Appearance(command) => {
                 let stage = self.runs.first.current_stage();
                 self.appearance.apply(command, stage);
+                // A camera in flight must jump if the command reduced motion.
                 self.runs.end_flights(&self.appearance);
             }
             Command::Window(command) => self.window.apply(command),
@@ -285,7 +288,7 @@ impl State {
             Command::Lesson(command) => self.in_class(|class, c| class.apply(command, c)),
             Command::Talk(command) => self.in_class(|class, c| class.apply_to_talk(command, c)),
             Command::File(command) => {
-                // A session is written down from the whole state, before a part of the state is borrowed.
+                // A session to be saved is made from the whole state, so that it is made before `with` borrows a part of the state.
                 let saved = self.files.saves(&command).then(|| SaveTask::of(self));
                 self.with(|s, c| s.files.apply(command, &s.runs.first, saved, c));
             }

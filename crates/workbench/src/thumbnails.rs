@@ -19,7 +19,7 @@ use crate::view::SceneCamera;
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
 /// How much larger the picture is laid out than it is shown, so that lines and texts are small.
 const LAID_OUT: f64 = 3.0;
-/// The height of a picture that shows the surroundings of an event, in r.
+/// The height of a picture that shows the surroundings of an event, in r. Chosen, not measured.
 const NEAR: f64 = 14.0;
 /// The pixels in a point of the picture shown, so that it is sharp on dense screens.
 const SHARPNESS: f64 = 2.0;
@@ -86,6 +86,7 @@ impl Thumbnails {
             if let Drawn::Pending(job) = drawn
                 && let Some(outcome) = job.poll()
             {
+                // A picture that could not be drawn is done, too, so that it is not tried again in each frame.
                 *drawn = Drawn::Done(outcome.unwrap_or_default().map(Arc::new));
             }
         }
@@ -96,14 +97,15 @@ impl Thumbnails {
         self.0.retain(|(key, _)| is_there(key));
 
         for scene in scenes {
-            let mut others = self.0.iter();
-            // One at a time: a later frame starts the next one.
-            if others.any(|(_, drawn)| matches!(drawn, Drawn::Pending(_))) {
+            let is_pending =
+                |(_, drawn): &(ThumbnailKey, Drawn)| matches!(drawn, Drawn::Pending(_));
+            // One picture is drawn at a time: a later frame starts the next one.
+            if self.0.iter().any(is_pending) {
                 return;
             }
 
-            let mut others = self.0.iter();
-            if others.any(|(key, _)| key.is_of(session, scene, dark)) {
+            let mut known = self.0.iter();
+            if known.any(|(key, _)| key.is_of(session, scene, dark)) {
                 continue;
             }
 
@@ -116,7 +118,7 @@ impl Thumbnails {
                 },
             };
 
-            // A run without the scene's moment has no picture of it.
+            // `None` if this run does not have the scene's moment, so that there is nothing to draw.
             let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
             let mut shown = view_of_scene(session, debugger, scene, size, dark);
             if let (Some(shown), Some(place)) = (&mut shown, place_to_show(debugger, scene)) {

@@ -17,7 +17,7 @@ use crate::compare::Comparison;
 use crate::curve::ShownCurve;
 use crate::layout::{Layout, text};
 
-/// The widest view of a scene across its shorter side, in r.
+/// The widest view of a scene across its shorter side, in r. It reaches from any valid place to any other, whichever is its middle.
 const MAX_RADII: f64 = 4.0 * MAX_OFFSET;
 
 /// Stands for layers that follow the stage.
@@ -83,8 +83,9 @@ impl SavedView {
             put("selection", json!(self.selection));
         }
 
-        // The passes of the GPU are not saved.
+        // The passes of the GPU are not saved, so that a clock of passes is not either.
         put("clock", json!(self.playback.clock_of_events()));
+        // A run plays either in a given time or at a given speed.
         match self.playback.whole_run_secs {
             Some(secs) => put("whole-run", json!(secs)),
             None => put("speed", json!(self.playback.speed)),
@@ -114,7 +115,7 @@ impl SavedView {
         let camera = parts.take("camera", |Camera { center, scale }| {
             Camera::checked(center, scale)
         });
-        // A fitted view needs no camera, and a file may have both.
+        // A view that is fitted to the domain needs no camera; a file may nevertheless have one.
         match parts.take("fitted", Some) {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
@@ -124,7 +125,7 @@ impl SavedView {
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
         parts.set(&mut view.appearance.curve, "curve", |curve: ShownCurve| {
-            // A file can state any height.
+            // A file can state a height beyond the limits.
             Some(curve.within_limits())
         });
         parts.set(&mut view.layout, "layout", |saved: String| {
@@ -138,7 +139,7 @@ impl SavedView {
         if let Some(speed) = parts.take("speed", speed) {
             view.playback.choose_speed(speed);
         }
-        // The duration comes last, since to choose a speed ends playing by a duration.
+        // The duration is set after the speed, because choosing a speed removes it.
         if let Some(secs) = parts.take("whole-run", whole_run) {
             view.playback.whole_run_secs = Some(secs);
         }

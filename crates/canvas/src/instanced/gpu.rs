@@ -70,7 +70,7 @@ pub struct Gpu {
 
 impl Gpu {
     pub fn new(render: &RenderState) -> Self {
-        // Several canvases keep their buffers in one map, each under a key of its own.
+        // All canvases keep their buffers in one map, each under its own key.
         static NEXT_KEY: AtomicU64 = AtomicU64::new(0);
         let device = &render.device;
         let frames = device.create_buffer(&wgpu::BufferDescriptor {
@@ -80,6 +80,7 @@ impl Gpu {
             mapped_at_creation: false,
         });
         let layout = bind_group_layout(device);
+        // The buffers of samples are empty until `replace` is called.
         let resident = GpuBuffers {
             pipelines: pipelines(render, &layout),
             parameters: bind_group(device, &layout, &frames),
@@ -243,7 +244,7 @@ impl CallbackTrait for Drawing {
             return Vec::new();
         };
 
-        // The size of the target is known only now.
+        // The size of the target was not known when the frame was laid out.
         let frame = |part: &InstanceRange| LayerUniforms {
             target_size: screen.size_in_pixels.map(|side| side as f32),
             ..part.frame
@@ -254,7 +255,7 @@ impl CallbackTrait for Drawing {
             queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&frame));
         }
 
-        // The picture that is kept has a pass of its own, which comes before the window's.
+        // A cached picture is drawn in a separate pass, which comes before that of the window.
         if let Some(layer) = self.still {
             let (size, origin) = (screen.size_in_pixels, self.origin(frame));
             if let Some(mut pass) = resident.stills.renew(device, encoder, layer, size, origin) {

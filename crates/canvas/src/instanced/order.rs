@@ -97,7 +97,7 @@ impl CellOrder {
         ids
     }
 
-    /// Assigns samples to levels and sorts them by level and cell.
+    /// Sorts the samples by level and cell. `levels` has the level of each sample, in the order of `by_cell`; there are `count` levels.
     fn split_into_levels(
         &mut self,
         points: &[Point],
@@ -108,13 +108,14 @@ impl CellOrder {
         let cells = self.cell_count();
         self.starts = vec![0_u32; count * cells + 1];
 
-        // Level by level, so that a coarser set is the beginning of the buffers.
+        // A slot is a cell of a level. Coarse levels come first, so that a coarser set is the beginning of the buffers.
         let slot = |level: usize, id: u32| level * cells + self.cell_of(points[id as usize]);
         let slots: Vec<usize> = levels
             .iter()
             .zip(by_cell)
             .map(|(&level, &id)| slot(level, id))
             .collect();
+        // Each count stands one place behind its slot, so that after summing each place has the start of its slot.
         for slot in &slots {
             self.starts[slot + 1] += 1;
         }
@@ -243,11 +244,11 @@ impl Taken {
             ((f64::from(units) * self.scale).max(0.0) as usize).min(count - 1)
         };
         let (column, row) = (cell(point.x, self.columns), cell(point.y, self.rows));
-        // Two empty cells surround the grid on each side.
+        // Two empty cells surround the grid on each side, so that indices are larger by 2.
         let width = self.columns + 4;
         let own = (row + 2) * width + column + 2;
 
-        // The diagonal of a cell is the distance, so two points in one cell are too near.
+        // The diagonal of a cell is as long as the distance, so that two points in one cell are too near.
         if self.cells[own] != Self::NONE {
             return false;
         }
@@ -258,8 +259,8 @@ impl Taken {
             x * x + y * y < self.square
         };
 
-        // Points nearer than the distance are at most two cells away: five rows of five cells, in which the empty cells around
-        // the grid save the checks of its ends.
+        // A point that is too near is at most two cells away, in five rows of five cells. With the 2 of the empty cells, they begin at
+        // `row` and `column`, and never end outside the list.
         for near_row in row..row + 5 {
             let first = near_row * width + column;
             if self.cells[first..first + 5].iter().any(is_near) {

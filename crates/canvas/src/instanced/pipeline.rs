@@ -15,7 +15,7 @@ pub fn pipelines(
 ) -> [wgpu::RenderPipeline; 3] {
     let source = wgpu::include_wgsl!("shader.wgsl");
     let shader = render.device.create_shader_module(source);
-    // Colours are computed as the interface blends them; a target that encodes by itself is given linear ones.
+    // The interface blends encoded colours, and so do the shaders. A target that encodes colours by itself is given linear ones.
     let names = if render.target_format.is_srgb() {
         ["disk_linear", "symbol_linear", "point_linear"]
     } else {
@@ -28,7 +28,7 @@ pub fn pipelines(
         (InstanceKind::Point, "point"),
     ]
     .map(|(kind, vertex)| {
-        // A point is one vertex; drawn as an instance it would cost far more on some devices.
+        // A point is drawn as one vertex, because as an instance it would cost far more on some devices.
         let (step_mode, topology) = match kind {
             InstanceKind::Point => (
                 wgpu::VertexStepMode::Vertex,
@@ -58,7 +58,7 @@ pub fn pipelines(
     })
 }
 
-/// Returns a pipeline that blends onto the window's target as egui's own does.
+/// Returns a pipeline that blends onto the window's target as egui's own does; `vertex` and `fragment` are entry points of the shader.
 pub fn pipeline(
     render: &RenderState,
     layout: &wgpu::BindGroupLayout,

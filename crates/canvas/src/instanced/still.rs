@@ -42,7 +42,7 @@ impl Stills {
                 binding: 0,
                 visibility: wgpu::ShaderStages::FRAGMENT,
                 ty: wgpu::BindingType::Texture {
-                    // The picture is read pixel on pixel.
+                    // Each pixel is copied to the pixel at the same place, so that nothing is filtered.
                     sample_type: wgpu::TextureSampleType::Float { filterable: false },
                     view_dimension: wgpu::TextureViewDimension::D2,
                     multisampled: false,
@@ -52,6 +52,7 @@ impl Stills {
         });
 
         let shader = device.create_shader_module(wgpu::include_wgsl!("still.wgsl"));
+        // The vertices are computed from their numbers, so that no buffer is needed.
         let triangles = wgpu::PrimitiveTopology::TriangleList;
         let entries = ["corner", "color"];
 
@@ -98,6 +99,7 @@ impl Stills {
             })],
             ..wgpu::RenderPassDescriptor::default()
         });
+        // The pass can only be returned without its borrow of the encoder: the caller drops it before it uses the encoder again.
         Some(pass.forget_lifetime())
     }
 
@@ -110,6 +112,7 @@ impl Stills {
         }
     }
 
+    /// Returns an empty picture of this size, in pixels.
     fn blank(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> StillPicture {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("samples at rest"),
@@ -122,6 +125,7 @@ impl Stills {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: self.format,
+            // The layer is drawn into the texture, and the copy reads from it.
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });

@@ -144,7 +144,7 @@ impl PlaneView {
         periodic: bool,
         options: &PaintOptions,
     ) -> Vec<Copy> {
-        // A mark whose middle lies outside the clip rectangle may reach into it.
+        // A mark whose middle is outside the clip rectangle may reach into the rectangle.
         let reach = options.reach(self.camera.scale) / self.camera.scale;
         let low = self
             .camera
@@ -162,7 +162,7 @@ impl PlaneView {
             for right in steps {
                 let shift = DVec2::new(*right, *up) * size;
                 let (low, high) = (low - reach - shift, high + reach - shift);
-                // A bounded domain's dropped samples lie up to one radius outside it: with two none is missed by rounding.
+                // Samples that a bounded domain drops are up to one radius outside the domain. Two radii leave room for rounding.
                 if (high.cmpge(DVec2::splat(-2.0)) & low.cmple(size + 2.0)).all() {
                     copies.push(Copy { shift, low, high });
                 }
@@ -176,9 +176,9 @@ impl PlaneView {
     pub fn frame(&self, shift: DVec2, options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
 
-        // Whole radii and the rest are separate, since one float of 32 bits would be too coarse in a large domain.
+        // The camera's place is given in whole radii and the rest, since one float of 32 bits would be too coarse in a large domain.
         let center = self.camera.center - shift;
-        // Clamped: beyond these bounds nothing is in view.
+        // These bounds fit into whole numbers of 32 bits, and beyond them nothing is in view.
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
 
         let middle = self.rect.center();
@@ -188,11 +188,12 @@ impl PlaneView {
         };
 
         LayerUniforms {
-            // Known only when the callback is prepared.
+            // The size is known only when the callback is prepared, and is set there.
             target_size: [0.0; 2],
             middle: [middle.x * pixels, middle.y * pixels],
             whole: whole.as_ivec2().to_array(),
             rest: ((center - whole) * f64::from(R)).as_vec2().to_array(),
+            // Pixels per r, per unit of the lattice, and per screen point.
             scale: [
                 self.scale() as f32,
                 (self.scale() / f64::from(R)) as f32,

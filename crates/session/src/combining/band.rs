@@ -28,7 +28,7 @@ pub fn of(
             return None;
         }
 
-        // Lines that begin above the piece do not reach it.
+        // Lines are sorted by their lower ends. Those that begin above the piece do not reach it.
         let below = lines.partition_point(|line| line.min.y < piece.rect.max.y);
         let near = lines[..below].iter();
         let parts = near.filter_map(|line| common(line, &piece.rect));
@@ -72,12 +72,12 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     let side = |min: Point, max: Point| Rect { min, max };
     let (low, high) = (rect.min, rect.max);
 
-    // Whether the set, of which the piece takes `length` from `start` on, goes on beyond the piece.
+    // Returns whether the set, which is `extent` long, goes on beyond the piece, which takes `length` of it from `start` on.
     let beyond = |start: i32, length: i32, extent: i32| {
         i64::from(start) + i64::from(length) < i64::from(extent)
     };
 
-    // Each side: does the piece's set go on beyond it, does it lie on the border, and the line itself.
+    // For each side: whether the piece's set goes on beyond it, whether it lies on the border of the domain, and its line.
     let sides = [
         (
             low.x == 0 && start.x > 0,
@@ -101,7 +101,7 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
         ),
     ];
 
-    // A periodic set goes on beyond every side, a bounded one where it is larger than the rectangle.
+    // A periodic set goes on beyond every side, and a bounded one only where it is larger than the rectangle.
     let cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
     sides
         .into_iter()
@@ -152,7 +152,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
             return None;
         }
 
-        // Rows are met from below, so that each part enters and leaves once.
+        // Rows come in order from below, so that each part enters and leaves the list once.
         over.retain(|part| part.max.y > *bottom);
         while let Some(part) = coming.next_if(|part| part.min.y <= *bottom) {
             let at = over.partition_point(|other| other.min.x <= part.min.x);
@@ -160,7 +160,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
         }
 
         let spans = spans(&over);
-        // A row like the one before only lengthens its rectangles: the band stays short.
+        // If a row has the same spans as the one before, its rectangles are only lengthened, so that the band has few of them.
         let alike = spans.len() == open.len()
             && (open.iter().zip(&spans)).all(|(rect, span)| [rect.min.x, rect.max.x] == *span);
         if !alike {

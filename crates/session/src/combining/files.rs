@@ -48,7 +48,7 @@ impl<'a> Files<'a> {
     ) -> Option<Result<Set, CombinationError>> {
         let around = self.around?;
 
-        // A layout must not make the program contact another machine.
+        // A path of the network is refused, as a layout must not make the program contact another machine.
         if path.starts_with(r"\\") || path.starts_with("//") {
             let why = "it lies on another machine; put it beside the layout";
             return Some(Err(failed(Path::new(path), why)));
@@ -56,7 +56,7 @@ impl<'a> Files<'a> {
 
         let path = path_of(around, path);
         let slot = self.slot(&path);
-        // Pieces are made in parallel: the first to need a file reads it, and the others wait.
+        // Pieces are made in parallel. The first one that needs a file reads it, and the others wait for that.
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),

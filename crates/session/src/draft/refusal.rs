@@ -63,14 +63,14 @@ impl Draft {
         };
         let mut refusals: Vec<DraftRefusal> = numbers().filter_map(unreadable).collect();
 
-        // The radius is still that of the last number of samples that could be read: a run would not be the one asked for.
+        // If the number of samples cannot be read, the radius is still that of an earlier number, and not the one that is asked for.
         let part = FormPart::Samples;
         let wrong_count = self.count_refusal();
         refusals.extend(wrong_count.map(|reason| DraftRefusal { part, reason }));
 
         if let Err(error) = self.parameters.validate_sequential() {
             let part = part_of(&error, &self.parameters);
-            // A field has one refusal. If its text cannot be read, the core has judged its previous value.
+            // A field has only one refusal. If its text cannot be read, the core has judged an earlier value.
             if !refusals.iter().any(|refusal| refusal.part == part) {
                 let reason = sentence(&error.to_string());
                 refusals.push(DraftRefusal { part, reason });
@@ -79,7 +79,7 @@ impl Draft {
             refusals.push(refusal);
         }
 
-        // Algorithm 4 as printed always records events, which limits its size.
+        // Only a page has these limits. Algorithm 4 as printed always records events, so that fewer samples fit.
         let most = match self.parameters.variant {
             Variant::Staged => MAX_ON_A_PAGE,
             Variant::AsPrinted => MAX_STAGED,

@@ -27,7 +27,7 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
     plain_file(path, limit)?;
     let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
 
-    // One byte more than the limit tells a file that is longer.
+    // One byte more than the limit is read, which tells whether the file is longer.
     let mut file = File::open(path).map_err(named)?.take(limit + 1);
     let mut bytes = Vec::new();
 
@@ -44,6 +44,7 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
             );
         }
 
+        // The end of the file.
         if read == 0 {
             return Ok(bytes);
         }

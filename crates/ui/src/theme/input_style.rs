@@ -77,8 +77,8 @@ fn fonts() -> FontDefinitions {
     with_own_fonts(fallback_fonts())
 }
 
-/// Returns `fonts` with the project's own fonts before them in each family. What a family's own font lacks, the others of
-/// the project are asked for before the fallback fonts.
+/// Returns `fonts` with the project's own fonts before them in each family. A letter that a family's own font lacks is looked for
+/// in the project's other fonts, and then in the fallback fonts.
 fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
     let embedded: [(&str, &'static [u8], FontFamily); 3] = [
         (
@@ -104,9 +104,9 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
         let data = Arc::new(FontData::from_static(bytes));
         fonts.font_data.insert((*name).to_owned(), data);
         let others = embedded.iter().map(|(other, ..)| *other);
-        // A letter that the text's font lacks may be one of the other two.
+        // The own font comes first, then the other two, which may have a letter that it lacks.
         let own = std::iter::once(*name).chain(others.filter(|other| other != name));
-        // The family of headings is not one of egui's, so it falls back as the text does.
+        // egui has no family for headings, so that they fall back to the fonts of the text.
         let names = fonts
             .families
             .entry(family.clone())
@@ -138,6 +138,7 @@ fn code_points() -> GlyphRasterizer {
     })
 }
 
+/// Returns the style of a palette for an input. Sizes are in screen points.
 fn style(palette: &Palette, input: InputStyle) -> Style {
     let mut style = Style {
         visuals: visuals(palette),
@@ -172,13 +173,14 @@ fn style(palette: &Palette, input: InputStyle) -> Style {
     }
 
     if input.still {
-        // Scrolling is an animation, too.
+        // egui animates scrolling apart from everything else.
         style.scroll_animation = egui::style::ScrollAnimation::none();
     }
 
     style
 }
 
+/// Returns egui's visuals in the colours of a palette.
 fn visuals(palette: &Palette) -> Visuals {
     let mut visuals = if palette.dark {
         Visuals::dark()
@@ -235,7 +237,7 @@ fn visuals(palette: &Palette) -> Visuals {
         state.bg_stroke = Stroke::new(width, palette.line);
         state.fg_stroke = Stroke::new(1.0, palette.text);
         state.corner_radius = corner;
-        // By itself egui enlarges widgets below the pointer.
+        // Unless told not to, egui enlarges a widget under the pointer.
         state.expansion = 0.0;
     }
 

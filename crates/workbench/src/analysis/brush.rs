@@ -132,8 +132,8 @@ impl Marks {
         self.poll();
 
         let wanted = brush.map(|brush| (key_of(shown), brush));
-        // While a brush is dragged or the run plays, each frame would start a search that the next one drops. Another frame has
-        // to show that both stayed the same.
+        // While a brush is dragged or the run plays, each frame would start a search that the next one drops. A search starts only
+        // once a second frame asks for the same brush at the same moment.
         if self.asked != wanted {
             (self.asked, self.work) = (wanted, None);
             wake();
@@ -245,16 +245,17 @@ pub fn cause(
             })
         }
         BrushAxis::Frequency => {
-            // The ring is in |k|, and nu = |k| / sqrt(N).
+            // The brush has frequencies as nu = |k| / sqrt(N), and the search needs |k|.
             let root = (points.len() as f64).sqrt();
             let ring = brush.range.map(|nu| nu * root);
             let found = frequency_shares(points, region, ring, control)?;
 
             let mean = found.mean_power as f32;
-            // Samples of the run that do not cover their disks at this moment stay NaN and get no tint.
+            // A sample of the run that has no disk at this moment keeps NaN and gets no tint.
             let mut shares = vec![f32::NAN; all];
             for (id, share) in ids.iter().zip(found.relative(points, region)) {
-                // A border's taper leaves too little of some samples to tell their share. At the mean they have no tint either.
+                // Near the border of a bounded domain, the weight of some samples is too small to tell their share. They get the mean,
+                // which has no tint.
                 let known = share.is_finite();
                 shares[*id as usize] = if known { share as f32 } else { mean };
             }
@@ -284,6 +285,7 @@ fn strongest(shares: &[f32], mean: f32) -> f32 {
     size.max(f32::MIN_POSITIVE)
 }
 
+/// Returns the causes in words.
 fn describe(cause: &Cause) -> String {
     match cause {
         Cause::Pairs { total, pairs } => {

@@ -148,11 +148,12 @@ impl Measuring {
         self.growing = self.growing.take().filter(|(known, _)| known.key == key);
     }
 
+    /// Starts measuring the next part of a moment that is missing.
     fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
 
-        // One part at a time, so that its chart is shown while slower parts are still measured.
+        // One part is measured at a time, so that its chart is shown while slower parts are still being measured.
         let (part, job) = if let Some((known, set)) = growing {
             let Some(part) = missing(&known.measured) else {
                 return;
@@ -165,7 +166,7 @@ impl Measuring {
             };
             (part, task::start(wake, task))
         } else {
-            // The first task also gathers the samples, and returns them for the parts that follow.
+            // The first part is always that of the pairs. Its task also gathers the samples, and returns them for the other parts.
             let task = StartMeasuringTask(Still::of(session, shown.moment()));
             (Part::Pairs, task::start(wake, task))
         };
@@ -187,6 +188,7 @@ impl Measuring {
         }
     }
 
+    /// Takes the measures after one more part, or why they could not be made.
     fn take(&mut self, key: Key, name: String, outcome: Result<Step, String>) {
         match outcome {
             Ok(Ok((set, measured))) => {
@@ -200,8 +202,8 @@ impl Measuring {
 
                 if whole {
                     self.growing = None;
-                    // A moment that is measured anew may be kept already. The one shown last stands at the end, so that those
-                    // not shown for longest go first.
+                    // A moment that is measured anew may already be in the list. The list ends with the moment that was shown last, so that
+                    // those that were not shown for the longest time are dropped.
                     self.kept.retain(|other| other.key != key);
                     self.kept.push(known);
                     let surplus = self.kept.len().saturating_sub(MAX_KEPT);
@@ -210,7 +212,7 @@ impl Measuring {
                     self.growing = Some((known, set));
                 }
             }
-            // The user stopped it: there is nothing to report.
+            // The user stopped the work, so that there is nothing to report.
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((key, why)),
             Err(panic) => self.failed = Some((key, tilescope_session::words::sentence(&panic))),

@@ -85,7 +85,7 @@ pub fn of(
     let region = certificate.map_or(unit, |certificate| certificate.region);
     let guessed = certificate.is_none() && !torus;
 
-    // Before anything long begins: curves of another domain are measured differently and cannot be compared.
+    // Another domain is refused before anything that takes long: its curves would be measured differently, and could not be compared.
     if let Some(why) = refusal(last_part(name), region, guessed, run) {
         return Err(why);
     }
@@ -93,6 +93,7 @@ pub fn of(
     refuse_degrees(&read, region, [0.0; 2]).map_err(|error| named(&error.to_string()))?;
 
     let points = read.set.points;
+    // Fewer samples have no pair correlation.
     if points.len() < 3 {
         return Err(named(
             "fewer than 3 samples, which are too few to be measured",

@@ -9,7 +9,8 @@ use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
 
-/// Larger sets are compared in the background, as that takes longer than a frame.
+/// The most samples of two runs together that are compared at once. More are compared in the background, as that takes longer
+/// than a frame.
 const MAX_AT_ONCE: usize = 50_000;
 
 /// A pair of moments: the generation of each session, and its cursor.
@@ -115,10 +116,10 @@ impl Task for DifferenceTask {
     }
 }
 
-/// Returns the samples that are in only one of two lists.
+/// Returns the samples that are in only one of two lists of samples with their ids. Samples are the same if their places are.
 #[must_use]
 pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> UnsharedSamples {
-    // Both lists are compared in one pass over sorted places; the id makes the order of equal ones certain.
+    // Sorted by place, the lists are compared in one pass. The id comes last, so that samples at the same place have a fixed order.
     let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);
     first.sort_unstable_by_key(order);
     second.sort_unstable_by_key(order);
@@ -143,7 +144,7 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> U
         }
     }
 
-    // One list has ended, and the other has no partners for the rest.
+    // One of the lists has ended, so that the rest of the other is in it alone.
     difference
         .first
         .extend(first[i..].iter().map(|(_, id)| *id));

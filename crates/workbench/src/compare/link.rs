@@ -27,8 +27,8 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
     }
 }
 
-/// Returns the moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which the
-/// two are equal, if known.
+/// Returns the moment of `to` that corresponds to the moment `at` of `from`. `common` has the cursors up to which the two runs are
+/// equal, that of `from` first, if they are known.
 #[must_use]
 pub fn corresponding(
     from: &Session,
@@ -39,6 +39,7 @@ pub fn corresponding(
     let stage = to.stage_index(at.stage);
     let end = to.stage_end(stage);
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
+        // One of the runs has no events there, so that only whole stages correspond.
         return Moment::after(to, stage);
     };
 
@@ -46,20 +47,22 @@ pub fn corresponding(
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {
-        // At `a + 1` the event by which they differ has just happened, as it has at `b + 1` in the other run.
+        // At `a + 1` the event by which the runs differ has just happened; in the other run that is so at `b + 1`. Without events
+        // left out, `a` and `b` are equal, and `min` changes nothing.
         let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
         return moment_at(to, cursor);
     }
 
-    // Behind the divergence nothing corresponds exactly. From here on, a and b are the cursors just behind it, or 0 where it is
-    // not known.
+    // Behind the divergence nothing corresponds exactly. From here on, `a` and `b` are the cursors just behind the divergence,
+    // or 0 if it is not known.
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
-        // Never before the divergence.
+        // The other run lacks the stage: the end of the last stage before it stands for it, but no moment before the divergence.
         return moment_at(to, end.max(b));
     }
 
-    // Events up to the divergence have their partners, so that only the part of the stage behind it is divided.
+    // Moments up to the divergence have been dealt with, so that only the part of the stage behind it is mapped, by proportion.
+    // Returns where this part begins and ends; `least` is the cursor behind the divergence.
     let bounds = |session: &Session, stage: usize, least: usize| {
         let start = stage
             .checked_sub(1)
@@ -70,7 +73,7 @@ pub fn corresponding(
 
     let (low, high) = bounds(from, from.stage_index(at.stage), a);
     let (first, last) = bounds(to, stage, b);
-    // A part without events has no length to divide by.
+    // A part without events has length 0, which cannot be a divisor.
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
     moment_at(to, cursor.max(b))

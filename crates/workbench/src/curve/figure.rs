@@ -9,9 +9,9 @@ use tilescope_session::words::{capital, counted, grouped};
 
 use super::{CurvePoints, RunCurve};
 
-/// The columns of a picture, each with its least and its largest value, so that no peak is lost: a column of it is a pixel wide.
+/// The columns of a picture, each about a pixel wide. Each keeps its least and its largest value, so that no peak is lost.
 const COLUMNS: usize = 1_080;
-/// The share of the events from which on a stage has its name, which has room in so much of the picture's width.
+/// The smallest share of the events that a stage needs to be named: in a narrower part of the picture its name has no room.
 const MIN_SHARE: f64 = 0.06;
 /// Pixels of a PNG for each of its points, as other figures have.
 const SCALE: f64 = 2.0;
@@ -95,21 +95,23 @@ impl RunCurve {
             points,
             band: None,
         });
-        // An axis needs a width, also for a run without events.
+        // Even without events the axis needs a width.
         let x = Axis::new(format!("events, {} in all", grouped(events)))
             .with_range(0.0, events.max(1) as f64);
 
         let ticks = ticks(session);
-        // A number without a unit has no comma behind its name either.
-        let y = [number.name, number.unit].join(", ");
+        // A number without a unit leaves a comma behind its name, which is cut off below.
+        let y_title = [number.name, number.unit].join(", ");
         let chart = LineChart {
+            // The figure has the title.
             title: String::new(),
+            // Without stages the axis keeps ticks at round numbers.
             x: if ticks.is_empty() {
                 x
             } else {
                 x.with_ticks(ticks)
             },
-            y: Axis::new(y.trim_end_matches(", ")),
+            y: Axis::new(y_title.trim_end_matches(", ")),
             series: series.collect(),
             levels: Vec::new(),
         };
@@ -135,8 +137,9 @@ fn lines(points: &CurvePoints) -> Vec<Vec<[f64; 2]>> {
     shown.map(line).collect()
 }
 
-/// Returns the first, the least, the largest and the last point of each column of the picture.
+/// Returns the first, the least, the largest and the last point of each column of the picture; `last` is the last event of the run.
 fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
+    // A run without events has `last` 0, which cannot be a divisor.
     let column = |point: &[f64; 2]| (point[0] / last.max(1.0) * COLUMNS as f64) as usize;
     let mut thin: Vec<[f64; 2]> = Vec::new();
     for points in line.chunk_by(|a, b| column(a) == column(b)) {
@@ -144,7 +147,7 @@ fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
         let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
         let all = || 0..points.len();
 
-        // The first and the last point join the column to its neighbours; the extremes are its peaks.
+        // The first and the last point join the line to the neighbouring columns; the least and the largest are its peaks.
         let mut kept: Vec<usize> = [
             Some(0),
             all().min_by(by_value),
@@ -155,7 +158,7 @@ fn thinned(line: &[[f64; 2]], last: f64) -> Vec<[f64; 2]> {
         .flatten()
         .collect();
 
-        // In the sequence of the events, and each once: the first point may also be the least.
+        // The points come in the order of the events, and each once: the first point may also be the least.
         kept.sort_unstable();
         kept.dedup();
         thin.extend(kept.into_iter().map(|index| points[index]));

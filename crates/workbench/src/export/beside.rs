@@ -19,7 +19,7 @@ use crate::analysis::samples;
 /// minutes; drawing the samples takes twice as long.
 pub const MAX_MEASURED: usize = 30_000_000;
 
-/// Fewer samples have no spectrum: the power of one is 1 at every frequency, wherever it is.
+/// The fewest samples that have a spectrum: the power of a single one is 1 at every frequency, wherever it is.
 const MIN_SAMPLES: usize = 2;
 
 /// Returns why so many pictures of a session are not drawn with their analysis.
@@ -43,13 +43,15 @@ pub fn beside(
     let (spectrum, lack) = match spectrum(session, &set, control) {
         Ok(spectrum) => (spectrum, None),
         Err(error) => {
-            // A set without a spectrum still gets its axes, so that the pictures of an animation have the same parts.
+            // Cancellation alone has no words, and ends the export. Any other set without a spectrum still gets its axes, so that
+            // the pictures of an animation have the same parts.
             let lack = refusal(&error).ok_or(MeasureError::Cancelled)?;
             (silence(session, &set)?, Some(lack))
         }
     };
 
     let stage = name_in(session, moment.stage);
+    // Without a recording the cursor counts samples, not events.
     let event = match moment.cursor.filter(|_| session.recording().is_some()) {
         Some(cursor) => format!(", event {}", grouped(cursor)),
         None => String::new(),

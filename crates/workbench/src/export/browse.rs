@@ -31,13 +31,13 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
         .set_title(title)
         .set_file_name(name)
         .add_filter(all, &extensions);
-    // The dialog offers all formats of the kind together first, then each alone.
+    // The first filter shows files of all formats of the kind, and each of these shows one format.
     for (name, extensions) in form.kind.formats() {
         dialog = dialog.add_filter(name, &extensions);
     }
 
+    // If the folder does not exist, the system chooses where the dialog begins.
     if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
-        // Without a folder that exists the dialog begins where it likes.
         dialog = dialog.set_directory(folder);
     }
 

@@ -10,7 +10,7 @@ use crate::clock::Clock;
 
 /// The most frames of an animation.
 pub const MAX_FRAMES: usize = 600;
-/// The approximate number of frames proposed for an animation.
+/// The approximate number of frames proposed for an animation. Chosen, not measured.
 const AT_FIRST: usize = 120;
 
 /// Everything that the number of frames depends on: the session's generation, the range, the clock and the ticks from frame
@@ -91,6 +91,7 @@ fn ticks<'a>(
     range: &Range<usize>,
     clock: Clock,
 ) -> Box<dyn Iterator<Item = usize> + 'a> {
+    // The start and the end of the range are no ticks: `frames` adds them itself.
     let inside = range.start + 1..range.end;
     let Some(recording) = session.recording() else {
         return Box::new(std::iter::empty());
@@ -99,7 +100,7 @@ fn ticks<'a>(
     match clock {
         Clock::Event => Box::new(inside),
         Clock::Line => {
-            // The range begins within a line; where the next one begins, a tick ends.
+            // The event at a cursor is the next one to happen. Where its line is not the line of the event before it, a tick ends.
             let mut line = recording.event(range.start).map(Event::line);
             let events = recording.tape().from(inside.start).take(inside.len());
             Box::new(events.filter_map(move |(cursor, event)| {
@@ -108,7 +109,7 @@ fn ticks<'a>(
                 changes.then_some(cursor)
             }))
         }
-        // GPU passes have no events; stages are counted instead.
+        // Passes of the GPU are at no cursors, so that their clock counts stages instead.
         Clock::Stage | Clock::Pass => {
             let ends = (0..session.stages.len()).filter_map(|index| session.stage_end(index));
             Box::new(ends.filter(move |end| inside.contains(end)))

@@ -30,14 +30,14 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 
     let run = session.run();
     if session.is_exact() {
-        // Without the parameters that exact tiling refuses, and with how often it uses each sample of its pattern.
+        // These leave out the parameters that exact tiling refuses, and say how often it uses each sample of its pattern.
         let samples = run.result.len() as f64;
         return facts_of_exact(&run.parameters, &run.domain, &run.pattern, samples).parameters;
     }
 
     let mut map = stated(&run.parameters);
     if let Some(own) = &session.own {
-        // A folder means nothing on another machine. The digest says whether a file of this name is the same one.
+        // The folder is left out, as it means nothing on another machine. The digest tells whether a file of this name is the same.
         let path = std::path::Path::new(&own.file.path);
         let name = lossy(path.file_name().unwrap_or_default());
         let pattern = json!({ "file": name, "pattern_digest": own.file.digest });

@@ -31,7 +31,7 @@ use tilescope_session::jobs::Monitor;
 use tilescope_session::moment::Moment;
 use tilescope_sets::{point_set, region};
 
-/// The longest animation that is made in memory, in bytes.
+/// The longest animation that is made in memory, in bytes: a browser's tab crashes when it runs out of memory.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
 /// An export whose files were made.
@@ -180,7 +180,7 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
                 Ok(what(job))
             }),
         ExportContent::Animation { .. } => {
-            // There is no file to write to. The limit keeps a browser's tab alive.
+            // A browser has no file to write to, so that the whole animation is in memory, up to a limit.
             let mut bytes = Limited(Vec::new());
             animate(job, &mut bytes, monitor).map(|()| {
                 files.push(NamedBytes::new(name, bytes.0));
@@ -231,6 +231,7 @@ fn samples(
     job: &ExportJob,
     monitor: &Monitor,
 ) -> Result<(PointSet, ExportContext, bool), WriteError> {
+    // Named for the work of the caller, which takes longer than gathering the samples.
     monitor.set_activity("verifying what was written");
     go_on(monitor)?;
     let (session, run) = (&*job.session, job.session.run());
@@ -250,21 +251,22 @@ fn samples(
     }
 
     if let Some(nested) = &session.nested {
-        // A moment of nested levels is a prefix of their samples. Its certificate names the levels that it has.
+        // A moment of nested levels is a prefix of their samples; the certificate names only the levels in it.
         let prefix = moment.and_then(|moment| moment.prefix(session));
         context.levels = nested.cut(prefix.unwrap_or(session.summary.count));
     }
 
     let set = match moment {
         Some(moment) => {
-            // These are not the run's result, which its parameters alone would reproduce.
+            // The run's parameters alone reproduce its result, but not the samples of a moment: the certificate names the moment.
             let description = moment.description(session);
             context.parameters.insert("moment".to_owned(), description);
             point_set(run, &moment.samples(session))
         }
         None => point_set(run, &run.result),
     };
-    Ok((set, context, moment.is_none()))
+    let is_result = moment.is_none();
+    Ok((set, context, is_result))
 }
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -317,9 +319,10 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
             scale,
         } => (std::slice::from_ref(shown), causes.clone(), *scale, true),
         ExportContent::Scenes { shown, scale } => (&shown[..], None, *scale, false),
+        // Samples and animations have no pictures.
         _ => return Ok(Vec::new()),
     };
-    // A serial number keeps cached pictures apart, and this picture is not cached.
+    // A serial number keeps cached pictures apart. This picture is not cached, so that any number will do.
     let causes = causes.map(|cause| BrushedCause { serial: 0, cause });
     let count = shown.len();
 
@@ -340,7 +343,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
             add_analysis(job, shown.moment, &shown.view, &mut drawn, monitor)?;
         }
 
-        // An estimate: to encode a picture takes longer than to lay it out.
+        // The 0.3 is an estimate: laying out a picture takes less time than encoding it.
         monitor.set_fraction((index as f32 + 0.3) / count as f32);
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {
@@ -382,6 +385,7 @@ const fn what(job: &ExportJob) -> What {
     }
 }
 
+/// Writes an animation to `out` frame by frame.
 fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
     let ExportContent::Animation {
         cursors,
@@ -392,6 +396,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
         every,
     } = &job.content
     else {
+        // Only animations come here; any other content would have no frames.
         return Err(AnimationError::NoFrames.into());
     };
 
@@ -416,7 +421,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     };
 
     let frames = cursors.iter().map(draw);
-    // The name chooses the format; the form refuses any other extension.
+    // The extension chooses the format. The form has refused extensions of other formats.
     match extension(&job.path).as_deref() {
         Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,
         _ => write_apng(frames, *delay, &metadata, out, &mut tell)?,

@@ -40,13 +40,13 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
         move |source: zip::result::ZipError| PackError::Zip { name, source }
     };
 
-    // Stored without compression, which would save half at best and take time, and without a date, so that the
-    // bytes are always the same.
+    // Compression would save half at best and take time. Date and permissions are fixed, so that the same files always give the
+    // same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::DEFAULT)
         .unix_permissions(0o644);
-    // Room for each file and, roughly, the headers of its entry, so that the buffer need not grow.
+    // Room for each file and its headers, so that the buffer need not grow. The 512 bytes for headers are an estimate.
     let length: usize = files.iter().map(|file| file.bytes.len() + 512).sum();
     let mut archive = ZipWriter::new(Cursor::new(Vec::with_capacity(length)));
 
@@ -61,8 +61,8 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     Ok(NamedBytes { name, bytes })
 }
 
-/// Returns the files of an archive made by [`packed`]. Fails if it is not an archive, is compressed, or contains more
-/// than the limits allow.
+/// Returns the files of an archive made by [`packed`]. Fails with a sentence if it is not an archive, is compressed, which this
+/// program cannot read, or contains more than the limits allow.
 pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let name = &file.name;
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
@@ -85,15 +85,15 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
             (last_part(&inner).to_owned(), entry.size())
         };
 
-        // An archive may state anything, so that the limits are checked before an entry is unpacked, by the lengths of all
-        // entries so far.
+        // The limits are checked before an entry is unpacked, by the stated lengths of all entries so far. The last refusal is that
+        // of this entry: earlier entries were not refused.
         entries.push((inner.clone(), length));
         let lengths: Vec<(&str, u64)> = entries.iter().map(|(name, n)| (&**name, *n)).collect();
         if let Some(why) = refusals(&lengths).pop().flatten() {
             return Err(failed(&why));
         }
 
-        // The stated length may be wrong. One byte more than stated is enough to see that.
+        // The stated length may be wrong. Reading at most one byte more than stated is enough to notice.
         let mut bytes = Vec::new();
         let read = entry.take(length + 1).read_to_end(&mut bytes);
         read.map_err(|error| failed(&error))?;

@@ -29,7 +29,7 @@ fn head(path: &Path) -> Result<Vec<u8>, String> {
     read.map(|_| bytes).map_err(|error| error.to_string())
 }
 
-/// Reads the one of several files that is to be opened; also returns the names of the others.
+/// Reads the one of several files that is to be opened. Also returns the names of the others that are not used with it.
 pub(super) fn gather_paths(
     paths: &[PathBuf],
     purpose: Option<Purpose>,
@@ -37,7 +37,7 @@ pub(super) fn gather_paths(
 ) -> Result<(Incoming, Vec<String>), String> {
     let texts: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
     let names: Vec<&str> = texts.iter().map(|text| &**text).collect();
-    // The first bytes tell most point sets from documents, so that only possible documents are read whole here.
+    // The first bytes tell most point sets from documents. Only a file that may be a document is read whole to decide.
     let holds = |k: usize| {
         let may_be = begins_as_object(&head(&paths[k]).unwrap_or_default());
         may_be
@@ -46,7 +46,7 @@ pub(super) fn gather_paths(
     };
 
     let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
-    // A longer document would be refused anyway; a point set may be longer.
+    // A longer document would be refused anyway, but a point set may be longer.
     let limit = match purpose {
         Some(Purpose::Open | Purpose::Combination) => MAX_BYTES as u64,
         _ => MAX_PATTERN_BYTES,
@@ -54,7 +54,7 @@ pub(super) fn gather_paths(
 
     let read = Incoming::from_path(&paths[opened], limit, monitor);
     let incoming = read.map_err(sentence)?;
-    // A session's pattern is looked for by its path.
+    // A session finds its pattern on the disk by the path that it names, so that a file that it names counts as used.
     let others = left.into_iter().map(|k| names[k].to_owned()).collect();
     let unused = incoming.without_named(others);
     Ok((incoming, unused))

@@ -148,7 +148,7 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         FileSource::Paths(paths) => super::disk::gather_paths(&paths, purpose, monitor),
     };
 
-    // A browser packs a set and its certificate into an archive. It is opened like the set.
+    // A download may be an archive of a set and its certificate, which is opened like the set.
     let (incoming, left) = match gathered.and_then(opened) {
         Ok(gathered) => gathered,
         Err(why) => return FileOutcome::of(Err(why)),
@@ -200,8 +200,9 @@ fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
 fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let text = incoming.text()?;
+    // A text that is no JSON goes on as null, and `Layout::from_json` refuses it with a message.
     let value = serde_json::from_str::<Value>(text).unwrap_or_default();
-    // Only saved sessions have a cursor; a layout has none.
+    // A saved session has a cursor, and a layout has none.
     if value.get("cursor").is_some() && !holds_combination(&value) {
         let name = &incoming.name;
         return Err(format!(
@@ -219,7 +220,7 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
         None => Layout::from_json(text.as_bytes()).map_err(|error| named(&error))?,
     };
 
-    // The session of a combination must not refer to files.
+    // A layout may name files beside it. The saved session of a combination must not name any, so that it gets none.
     let around = saved.is_none().then_some(incoming);
     let session = match make(layout, around, generation, monitor) {
         Ok(session) => session,
@@ -230,7 +231,7 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     };
 
     if let Some(saved) = &saved {
-        // The digest shows whether the combination is the one that was saved.
+        // The saved digest shows whether this is the combination that was saved.
         saved.prove(&session).map_err(|error| named(&error))?;
     }
 
@@ -241,12 +242,13 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     })))
 }
 
+/// Reads the saved session of a run, and makes the run again.
 fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let saved = Saved::from_json(incoming.text()?).map_err(|error| named(&error))?;
 
     let mut own = None;
-    // The recording takes the pattern itself, the session also its file.
+    // The recording needs the pattern alone; the session also keeps the file that it came from.
     let mut loader = |file: &PatternFile| {
         let pattern = find_pattern(file, incoming, monitor)?;
         own = Some(pattern.clone());
@@ -262,7 +264,7 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         Err(error) => return Err(named(&error)),
     };
 
-    // Check here, in the background, that the session fits the recording.
+    // Whether the session fits the recording is checked here, as this runs in the background.
     Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
 
     let parameters = saved.parameters;
@@ -339,7 +341,7 @@ fn dropped(
         return session.map(|session| Done::Levels(Box::new(session)));
     }
 
-    // Any set can be compared with a run, but only a maximal one can be a pattern: the rarer use comes first.
+    // Only a maximal set can be a pattern, but any set can be compared with a run: the use that is possible less often comes first.
     let no_pattern = match recipe::pattern_of(&set, name) {
         Ok(own) => return Ok(Done::Pattern(own)),
         Err(why) => why,
@@ -354,7 +356,7 @@ fn dropped(
             file: Box::new(file),
             no_pattern: Some(no_pattern),
         }),
-        // The user stopped it, so that the fault of the pattern need not be named.
+        // After the user stopped the comparison, it need not be said why the set is no pattern.
         Err(why) if monitor.is_cancelled() => Err(why),
         Err(why) => Err(format!(
             "{no_pattern}. It cannot be compared with this run either: {why}"

@@ -83,14 +83,15 @@ pub fn take(files: Vec<File>, wake: &Wake) -> Job<ReadFiles> {
     Job::start_future(wake, move |_| read_all(files))
 }
 
+/// Reads files one after another; one that fails does not stop the others.
 async fn read_all(files: Vec<File>) -> ReadFiles {
     let names: Vec<String> = files.iter().map(File::name).collect();
     let lengths = files.iter().map(|file| file.size() as u64);
-    let about: Vec<(&str, u64)> = names.iter().map(String::as_str).zip(lengths).collect();
+    let stated: Vec<(&str, u64)> = names.iter().map(String::as_str).zip(lengths).collect();
 
     let mut found = ReadFiles::default();
-    for ((file, name), refusal) in files.iter().zip(&names).zip(refusals(&about)) {
-        // Refused by its length before it is read, as a file is read into memory whole.
+    for ((file, name), refusal) in files.iter().zip(&names).zip(refusals(&stated)) {
+        // A file is read into memory whole, so that one that is too long is refused before it is read.
         if let Some(why) = refusal {
             found.refused.push(why);
             continue;

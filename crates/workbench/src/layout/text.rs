@@ -26,6 +26,7 @@ pub fn written(layout: &Layout) -> String {
     text
 }
 
+/// Appends a tile and all tiles in it to a text.
 fn write(tile: &LayoutTile, text: &mut String) {
     match tile {
         LayoutTile::Panel(panel) => text.push(panel.letter()),
@@ -48,7 +49,7 @@ fn write(tile: &LayoutTile, text: &mut String) {
             });
             for (tile, share) in tiles {
                 write(tile, text);
-                // A tile can be dragged to a share that would not be read.
+                // A tile can be dragged to a larger share, which `read` would refuse.
                 let share = share.clamp(0.0, MAX_SHARE);
                 text.push_str(&((share * PART).round() as u32).to_string());
             }

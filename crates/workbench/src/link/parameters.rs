@@ -100,7 +100,7 @@ pub fn read<'a>(
 ) -> Parameters {
     let mut parameters = *base;
     for parameter in in_links() {
-        // The usual pattern may depend on the size of the set and the seed, which stand before it.
+        // The usual pattern may depend on the seed and the size of the set. Both come earlier in this order, and are known by now.
         if parameter == Parameter::PatternSide {
             parameters.pattern = following(base, &parameters).pattern;
         }
@@ -137,7 +137,7 @@ fn name_of(parameter: Parameter) -> String {
     }
 }
 
-/// Corrects individually valid parameters to the nearest ones that a link may ask for.
+/// Corrects parameters, each valid by itself, to the nearest ones that a link may ask for.
 fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     if p.leaf < MIN_LEAF_RADII {
         warnings.add(format!(
@@ -151,6 +151,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         .pattern
         .side
         .clamp(MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE);
+    // Compared as links and messages write them.
     if exact(side) != exact(p.pattern.side) {
         warnings.add(format!(
             "The link asked for a pattern{run} of {} r; {side} r is used instead.",
@@ -174,7 +175,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 
     fit_radius(p, run, warnings);
-    // Each parameter is within its own limits by now, but not all of them go together.
+    // By now each parameter is within its limits, but some cannot be used together.
     if let Err(error) = p.validate_sequential() {
         warnings.add(format!(
             "The link's parameters{run} cannot be sampled: {error}. Those of the default session are used instead."
@@ -217,9 +218,10 @@ fn radii(p: &Parameters) -> [f64; 2] {
     [least, p.width.min(p.height) / shortest]
 }
 
+/// Corrects the radius to the limits of the domain. A domain for which no radius is allowed becomes 1 by 1.
 fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     let [least, largest] = radii(p);
-    // The radius that is used instead has three digits, and its rounding must not leave the limits.
+    // A corrected radius is rounded to three digits, and must not leave the limits by that.
     if up(least) > down(largest) {
         let (width, height) = (exact(p.width), exact(p.height));
         warnings.add(format!(
@@ -228,7 +230,7 @@ fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         (p.width, p.height) = (1.0, 1.0);
     }
 
-    // The limits in the domain that is used from here on.
+    // The domain may have changed, and its limits with it.
     let [least, largest] = radii(p);
     let asked = exact(p.radius);
 

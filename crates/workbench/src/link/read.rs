@@ -199,13 +199,13 @@ impl LinkReader {
 
     /// Returns the nested levels, if the link has some that can be made with `parameters`.
     fn nested(&mut self, parameters: &Parameters) -> Option<NestedRequest> {
-        let [levels, exactly, order_within] = NESTED;
-        // Before the number of levels, so that each has its own warning even if that is missing.
-        let count = self.take(exactly, |text| text.parse().ok());
-        let order = self.take(order_within, |text| named(&WithinLevel::ALL, text));
+        let [levels_key, exactly_key, order_key] = NESTED;
+        // These are read before the number of levels, so that invalid ones are named in warnings even if that number is missing.
+        let exactly = self.take(exactly_key, |text| text.parse().ok());
+        let order = self.take(order_key, |text| named(&WithinLevel::ALL, text));
 
-        let Some(levels) = self.take(levels, |text| text.parse().ok()) else {
-            if count.is_some() || order.is_some() {
+        let Some(levels) = self.take(levels_key, |text| text.parse().ok()) else {
+            if exactly.is_some() || order.is_some() {
                 let text = "The link says how nested levels are made but not how many (\"levels\"): they were left out.";
                 self.warnings.add(text.to_owned());
             }
@@ -214,10 +214,11 @@ impl LinkReader {
 
         let request = NestedRequest {
             levels,
-            exactly: count,
+            exactly,
             order_within: order.unwrap_or_default(),
         };
 
+        // A link may ask for fewer samples than the program can make.
         let refusal = if super::content::allows(&request) {
             request
                 .check(parameters)
@@ -262,7 +263,7 @@ impl LinkReader {
             }
         }
 
-        // A part that is missing or invalid leaves the view as it is in a new window.
+        // Where a part is missing or invalid, the view has what a new window has.
         if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
             content.view.appearance.colouring = colouring;
         }
@@ -275,14 +276,14 @@ impl LinkReader {
 
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
             content.view.playback.choose(clock);
-            // Links from before there were whole runs name the clock that plays.
+            // Older links name the clock that plays, and know no playing of the whole run in a given time.
             content.view.playback.whole_run_secs = None;
         }
 
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
             content.view.playback.choose_speed(speed);
         }
-        // After the clock and the speed, which both end playing by a duration.
+        // This is read last, because choosing a clock or a speed ends playing by a duration.
         if let Some(secs) = self.take("whole-run", |text| whole_run(text.parse().ok()?)) {
             content.view.playback.whole_run_secs = Some(secs);
         }
@@ -314,7 +315,8 @@ impl LinkReader {
         };
 
         if content.combination.is_some() {
-            // Parameters of the second run are given relative to a run's.
+            // The second run's parameters are given by their differences from the first run's. A combination has no parameters of one
+            // run, so that the differences are from the default ones.
             content.parameters = Parameters::default();
         }
 
@@ -322,6 +324,7 @@ impl LinkReader {
         let texts = |key: &str| pairs.get(&format!("b.{key}")).map(|text| tidy(text));
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
 
+        // Only the links that are named are on.
         let mut links = [false; 3];
         for name in tidy(names).split(',').filter(|name| !name.is_empty()) {
             match LINKS.iter().position(|link| *link == name) {
@@ -355,6 +358,7 @@ impl LinkReader {
         }
     }
 
+    /// Returns the valid items in the list of a key, of at most `most`. `what` names an item in warnings.
     fn list<T>(
         &mut self,
         key: &str,
@@ -375,7 +379,7 @@ impl LinkReader {
         }
 
         let mut taken = Vec::new();
-        // The others are not even parsed, since a link may come from anywhere and be long.
+        // Items beyond `most` are not even parsed, since a link may come from anywhere and be long.
         for text in texts.iter().take(most) {
             match item(text) {
                 Some(item) => taken.push(item),
@@ -458,6 +462,7 @@ fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
     })
 }
 
+/// Returns the layout of a combination, if a link may ask for it; otherwise why not.
 fn combination(text: &str) -> Result<Combination, String> {
     if text.len() > MAX_COMBINATION {
         return Err(format!(
@@ -475,7 +480,7 @@ fn combination(text: &str) -> Result<Combination, String> {
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
     let expected = placed.expected + of_patterns(&placed.pieces);
-    // The patterns are made, too, and may have more samples than the sets that clip from them.
+    // Patterns are made as well, and may have more samples than the sets that are clipped from them.
     if expected > MAX_SAMPLES {
         return Err(format!(
             "it and its patterns make about {expected:.0} samples, and a link may ask for {}",

@@ -65,16 +65,18 @@ pub(super) fn scene_view_text(view: &Value) -> String {
         return NO_VIEW.to_owned();
     }
 
-    let first = SavedView::default();
-    // A reader begins with a new window, so that equal parts can be left out.
-    let (saved, _) = SavedView::from_json(view, &first);
+    // A reader begins with the view of a new window, so that parts that are the same can be left out.
+    let new_window = SavedView::default();
+    // Invalid parts of the view are those of a new window, so that their names are not needed.
+    let (saved, _invalid) = SavedView::from_json(view, &new_window);
     let mut parts = Vec::new();
 
     if let Some(camera) = SceneCamera::of(view) {
         let mut numbers = vec![rounded(camera.radii)];
         if let Some(center) = camera.center {
             numbers.extend(center.to_array().map(rounded));
-            // Without a middle of its own the view is where the event is, and the second place in a link is always the event's.
+            // The place of the event is the second one in a link, so that it needs a middle before it. Without a middle, the view is
+            // around the event of the run that it is shown in, wherever that is.
             let event = camera.event.map(|event| event.to_array().map(exact));
             numbers.extend(event.into_iter().flatten());
         }
@@ -84,10 +86,10 @@ pub(super) fn scene_view_text(view: &Value) -> String {
     if let Some(layers) = saved.appearance.chosen_layers {
         parts.push(format!("layers:{}", layers_text(layers)));
     }
-    if saved.appearance.colouring != first.appearance.colouring {
+    if saved.appearance.colouring != new_window.appearance.colouring {
         parts.push(format!("colouring:{}", name(&saved.appearance.colouring)));
     }
-    if saved.appearance.look != first.appearance.look {
+    if saved.appearance.look != new_window.appearance.look {
         parts.push(format!("look:{}", name(&saved.appearance.look)));
     }
 
@@ -119,7 +121,7 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
     }
 
     let mut parts: Map<String, Value> = view.to_json().as_object().cloned()?;
-    // The other parts of a view, such as the layout of its panels, are not part of a scene in a link.
+    // `to_json` writes the whole view; a scene in a link keeps only these parts of it.
     parts.retain(|name, _| matches!(&**name, "layers" | "colouring" | "look" | "selection"));
     if let Some(camera) = camera {
         parts.insert("camera".to_owned(), json!(camera));

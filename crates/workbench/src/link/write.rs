@@ -77,7 +77,7 @@ impl Writer {
         self.text.push_str(value.as_ref());
     }
 
-    /// Returns the number of characters left for the value of a key.
+    /// Returns the number of characters left for the value of a key: `&` and `=` take two.
     fn room(&self, key: &str) -> usize {
         MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
     }
@@ -148,8 +148,8 @@ impl Writer {
     }
 
     fn look(&mut self, content: &LinkContent) {
-        let first = LinkContent::default();
-        // A part that is as in a new window is left out, so that the link stays short.
+        let empty_link = LinkContent::default();
+        // A part that is as in an empty link is left out, so that the link stays short.
         if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
@@ -158,10 +158,10 @@ impl Writer {
         if let Some(layers) = content.view.appearance.chosen_layers {
             self.put("layers", layers_text(layers));
         }
-        if content.view.appearance.colouring != first.view.appearance.colouring {
+        if content.view.appearance.colouring != empty_link.view.appearance.colouring {
             self.put("colouring", name(&content.view.appearance.colouring));
         }
-        if content.view.appearance.look != first.view.appearance.look {
+        if content.view.appearance.look != empty_link.view.appearance.look {
             self.put("look", name(&content.view.appearance.look));
         }
         if content.view.appearance.curve.number.is_some() {
@@ -173,17 +173,18 @@ impl Writer {
         }
 
         let playback = &content.view.playback;
-        // Passes of the GPU are no part of a link, so that their clock is not either.
+        // Passes of the GPU are no part of a link, so that a clock of passes is not either.
         let clock = playback.clock_of_events();
-        let is_default_clock = clock == first.view.playback.clock;
+        let is_default_clock = clock == empty_link.view.playback.clock;
         if !is_default_clock {
             self.put("clock", name(&clock));
         }
 
         match playback.whole_run_secs {
             None => self.put("speed", playback.speed.to_string()),
-            // A link with a clock is played by its ticks, unless it has a duration too.
-            secs if is_default_clock && secs == first.view.playback.whole_run_secs => {}
+            // Without a clock and a speed a link plays the whole run in the default time. A clock would end that, so that behind one
+            // the time is written even if it is the default.
+            secs if is_default_clock && secs == empty_link.view.playback.whole_run_secs => {}
             Some(secs) => self.put("whole-run", secs.to_string()),
         }
 
@@ -205,13 +206,14 @@ impl Writer {
     }
 
     fn stops(&mut self, content: &LinkContent) {
-        // A condition or watch without its end would mean something else: one that is too long is left out whole. A caption may
-        // lose its end.
+        // A condition or a watch that is too long is left out whole, because without its end it would mean something else. A caption
+        // only loses its end.
         let fits = |text: &str| text.chars().count() <= MAX_TEXT;
 
         let breakpoint = |b: &SavedBreakpoint| {
             let condition = b.condition.as_deref().unwrap_or_default();
             fits(condition).then(|| {
+                // A mark before a breakpoint says that it is off.
                 let off = if b.enabled { "" } else { "!" };
                 let colon = if condition.is_empty() { "" } else { ":" };
                 format!("{off}{}{colon}{}", b.line, escaped(&item(condition)))
@@ -235,7 +237,7 @@ impl Writer {
         self.list("break", "breakpoints", MAX_STOPS, breakpoints, breakpoint);
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
         let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, scene_text);
-        // A view belongs to the scene at its position.
+        // Only scenes that were written get views: each view belongs to the scene at its position.
         self.views(&content.scenes[..written]);
 
         let long = content.scenes.iter().filter(|scene| !fits(&scene.caption));
@@ -256,7 +258,7 @@ impl Writer {
         self.list("mark-view", "views of scenes", MAX_SCENES, &views, item);
     }
 
-    /// Writes as many items as the limits allow, and returns how many.
+    /// Writes as many items as the limits allow, and returns how many. `what` names the items where some are left out.
     fn list<T>(
         &mut self,
         key: &str,
@@ -268,7 +270,8 @@ impl Writer {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
 
         for item in all.iter().filter_map(item).take(most) {
-            // The first item that does not fit ends the list, as positions of later ones would change.
+            // The first item that does not fit ends the list: without it, later items would be at other positions. The 1 is for the
+            // semicolon.
             if text.len() + item.len() + 1 > room {
                 break;
             }
@@ -293,9 +296,9 @@ impl Writer {
 
     /// Writes the layout of the panels. It comes last, so that it is the first part to be left out for lack of room.
     fn panels(&mut self, content: &LinkContent) {
-        let first = layout::text::written(&LinkContent::default().view.layout);
+        let default_layout = layout::text::written(&LinkContent::default().view.layout);
         let layout = layout::text::written(&content.view.layout);
-        if layout == first {
+        if layout == default_layout {
             return;
         }
         if layout.len() <= self.room("layout") {

@@ -39,15 +39,16 @@ pub fn ask(state: &mut State, request: &str) -> String {
     answer.to_string()
 }
 
+/// Carries out a request; returns its answer.
 fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
-    let mut dropped = None;
-
+    // Another run would be shown whole, and could show the answer to an open question.
     let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
-    // Another run is made whole, and could show the answer.
     if is_other_run && state.lessons().veil().is_some() {
         return refused(QUESTION_OPEN);
     }
 
+    // The parts of the request that were left out, in sentences; `None` for requests that are carried out whole or refused.
+    let mut dropped = None;
     match request {
         Request::Lesson(request) => {
             let lesson = answer_of_lesson(state, request)?;
@@ -60,6 +61,7 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
             state.open_link(&link);
         }
         Request::Parameters(parameters) => {
+            // Parameters that are invalid were refused when they were read, so that none are left out here.
             dropped = Some(Vec::new());
             load(state, *parameters);
         }
@@ -111,6 +113,7 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
                 return refused(why);
             }
             state.in_class(|class, context| class.open_wanted(wanted, context));
+            // No command was applied, so that the other parts are brought into line here.
             state.follow();
         }
 
@@ -123,10 +126,11 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
             return refused(NO_LESSON);
         }
         LessonRequest::Present if state.window().embedding.is_some() => {
-            // A talk needs windows of its own, which a frame has not.
+            // A talk opens windows of its own, and a frame opens none.
             return refused("a player in a frame presents nothing");
         }
         LessonRequest::Present => {
+            // The talk begins at the step that is open.
             state.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
             // While a talk is open, the page learns nothing about the lesson.
             return Ok(Value::Null);
@@ -141,7 +145,7 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
                 found: quoted(&value.to_string()),
                 wanted,
             })?;
-            // The answer is drafted and given by the commands that clicks issue.
+            // The answer is drafted and given by the same commands that clicks issue.
             for command in drafted {
                 state.apply(Command::Lesson(LessonCommand::Draft(command)));
             }
@@ -290,12 +294,13 @@ fn play_at(state: &mut State, speed: Option<f32>) -> Result<(), RequestError> {
 pub fn to_json(state: &State) -> Value {
     let session = state.runs().first.session.as_deref();
     let made = session.filter(|session| session.kind().is_run());
-    // Only a run has parameters that a page can send again; otherwise those of the form stand for them.
+    // Only a run has parameters that a page can send again. For other sessions, the form's parameters are stated.
     let parameters = made.map_or(state.form().draft.parameters, |made| made.run().parameters);
-    // A verdict on another prefix of nested levels is not that of the samples shown.
-    let is_known = state.runs().first.prefix_at_work().is_none();
-    let verdict = state.runs().first.verdict().filter(|_| is_known);
+    // While the verifier is at work on the prefix that is shown, the last verdict is about another prefix.
+    let is_current = state.runs().first.prefix_at_work().is_none();
+    let verdict = state.runs().first.verdict().filter(|_| is_current);
 
+    // A session without events states 0 for both numbers.
     let (cursor, events) = state.runs().first.cursor().unwrap_or((0, 0));
     let stage = state
         .runs()

@@ -16,7 +16,7 @@ pub struct Announcer {
 }
 
 impl Announcer {
-    /// Updates the announcement, in the language of the window.
+    /// Updates the announcement, in the language of the window, if the moment, the verdict or the notice has changed.
     pub(super) fn follow(
         &mut self,
         run: &RunView,
@@ -31,7 +31,7 @@ impl Announcer {
             format!("{kind}{}", notice.text)
         });
 
-        // Changes alone are announced, as a screen reader reads each announcement from its beginning.
+        // Only changes are announced, because a screen reader reads each announcement from its beginning.
         let mut new = Vec::new();
         if self.happened != happened {
             new.push(lessons.in_words(&happened));
@@ -60,6 +60,8 @@ fn time_text(run: &RunView, is_playing: bool) -> String {
     }
 }
 
+/// Returns the announcement of the verdict, and the generation of its session: the same words about another session are announced
+/// again.
 fn verdict_text(run: &RunView) -> Option<(u64, String)> {
     let generation = run.session.as_ref()?.generation;
 
@@ -74,7 +76,7 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
                 (false, false) => "The verifier found conflicts and gaps.",
             };
 
-            // A verdict on nested levels is about a prefix: whether it is as promised for its number of samples.
+            // A verdict on nested levels is about a prefix, and says whether it is as promised for its number of samples.
             match verdict.claim {
                 Some(claim) => {
                     let word = if verdict.valid() { "" } else { " not" };

@@ -75,7 +75,7 @@ impl Runs {
         }
 
         if preset == ComparePreset::Engine && self.other_engine() == EngineChoice::Gpu {
-            // The CPU is always ready.
+            // A GPU must have passed its test; the CPU is always ready. The parameters stay the same, so that they are valid.
             return gpu.device.not_ready();
         }
 
@@ -87,7 +87,7 @@ impl Runs {
             ..Recipe::from(second)
         };
 
-        // The changed parameter may not go with the others.
+        // The changed parameter may be invalid together with the others.
         let refused = second
             .validate_sequential()
             .err()
@@ -126,6 +126,7 @@ impl Runs {
         }
     }
 
+    /// Starts the second run of a preset; does nothing if that is refused.
     fn start_comparison(
         &mut self,
         preset: ComparePreset,
@@ -133,7 +134,7 @@ impl Runs {
         gpu: &GpuState,
         context: &mut Context,
     ) {
-        // Menus show why, but a script may issue the command anyway.
+        // Menus show the reason, but a script may issue the command nevertheless.
         if self.preset_refusal(preset, form, gpu).is_some() {
             return;
         }
@@ -146,6 +147,7 @@ impl Runs {
             _ => Recipe {
                 parameters: preset.parameters(&session.run().parameters, &form.draft.parameters),
                 own: session.own.clone(),
+                // Nested levels were refused above.
                 nested: None,
             },
         };
@@ -166,8 +168,9 @@ impl Runs {
         context: &mut Context,
     ) {
         let (side, _) = self.second.get_or_insert_default();
-        let is_linked = recipe.own.is_none() && recipe.nested.is_none();
-        side.asked = is_linked.then_some(recipe.parameters);
+        // A link can name the run only by its parameters.
+        let can_be_linked = recipe.own.is_none() && recipe.nested.is_none();
+        side.asked = can_be_linked.then_some(recipe.parameters);
         context.ask(Effect::Sample(Which::Second, Box::new(recipe), engine));
     }
 
@@ -180,7 +183,7 @@ impl Runs {
         context.ask(Effect::OpenPanel(Panel::Compare));
 
         let (side, _) = self.second.get_or_insert_default();
-        // The view begins anew, but in the same place of the window.
+        // The view of the second run begins anew, but in the same place of the window.
         let viewport = side.viewport;
         *side = RunView::default();
 
@@ -204,14 +207,14 @@ impl Runs {
     /// Swaps the two runs, if there are two. The form then shows the parameters of the first one.
     fn swap(&mut self, context: &mut Context) {
         if let Some((mut side, comparison)) = self.second.take() {
-            // A viewport is of the place in the window, not of the run.
+            // A viewport belongs to a place in the window, so that it is not swapped.
             let viewports = (self.first.viewport, side.viewport);
             // Breakpoints, watches and scenes stay in the first place, whichever run is there, as the panels show them.
             let stops = self.first.take_stops();
             std::mem::swap(&mut self.first, &mut side);
             (self.first.viewport, side.viewport) = viewports;
 
-            // A loop is of the run that the panels show.
+            // The loop counts events of the run that the panels showed before.
             context.ask(Effect::EndLoop);
             self.first.put_stops(stops, context);
             self.second = Some((side, comparison));
@@ -224,9 +227,10 @@ impl Runs {
             context.ask(Effect::Form(Box::new(Form {
                 draft: Draft::from_parameters(recipe.parameters).with_nesting(recipe.nested),
                 own_pattern: session.own.clone(),
+                // The effect leaves unchanged whether runs start at once.
                 live: false,
             })));
-            // The steps to undo are of the run that was first before.
+            // The steps to undo belong to the run that was the first one before.
             context.ask(Effect::Forget);
         }
     }
@@ -357,16 +361,18 @@ impl Runs {
         let events = match comparison.divergence(first, second) {
             Some(&Divergence::Events { a, b, .. }) => [a, b],
             Some(&Divergence::Ends { event, .. }) => [event, event],
-            // Without events only the stage is known in which the runs differ.
+            // Of runs without events, only the stage in which they differ is known.
             Some(&Divergence::Stage { stage, .. }) => {
                 let index = first.stages.iter().position(|&other| other == stage);
+                // A run without this stage shows its last one.
                 self.first.show_stage(index.unwrap_or(usize::MAX));
                 return;
             }
+            // The runs are the same, or not compared yet, or their domains differ: there is no event to go to.
             _ => return,
         };
 
-        // The moments after the events show what differs: their cursors are behind the events.
+        // The moments right after the events show what differs, so that the cursors are one behind the events.
         let [behind_a, behind_b] = events.map(|event| event + 1);
         self.first.jump(behind_a);
         self.first.apply_to_view(ViewCommand::GoToCurrent, context);

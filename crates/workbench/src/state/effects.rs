@@ -177,7 +177,7 @@ impl State {
         })
     }
 
-    /// Carries out what parts, or the page around the window, ask for; notices name the run.
+    /// Carries out, in their order, the effects that parts or the page around the window ask for; notices name the run `which`.
     pub(crate) fn carry_out(&mut self, which: Which, effects: Vec<Effect>) {
         for effect in effects {
             match effect {
@@ -192,6 +192,7 @@ impl State {
 
                 // What the window shows.
                 Effect::Inspect => {
+                    // A selection may answer an open question: `inspect` then gets no run.
                     let question = self.classroom.lessons.open_question();
                     let run = self.runs.get(which).filter(|_| question.is_none());
                     self.window.inspect(run);
@@ -205,8 +206,8 @@ impl State {
                         (layers, colouring);
                 }
                 Effect::Camera(camera) => {
-                    let now = self.runs.first.camera;
-                    self.runs.first.take_camera(camera, now);
+                    let without_canvas = self.runs.first.camera;
+                    self.runs.first.take_camera(camera, without_canvas);
                 }
                 Effect::Curve(curve) => self.appearance.curve = curve,
                 Effect::Against(file) => self.analysis.reference_file = Some(file),
@@ -270,6 +271,7 @@ impl State {
         outcome
     }
 
+    /// Carries out an effect that a lesson or a talk asks for.
     fn carry_out_of_class(&mut self, effect: classroom::Effect) {
         use classroom::Effect as E;
 
@@ -279,13 +281,13 @@ impl State {
             E::Begin => {
                 self.end_tour();
                 self.borrow_window();
-                // A scene's caption or an older notice would stand over the lesson.
+                // The caption of a scene, or an older notice, would cover the lesson.
                 (self.scenes.shown, self.messages.notice) = (None, None);
             }
             E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
 
             E::MakeRun(parameters) => {
-                // A link that waits for its run would wait in vain: the run of the step takes its place.
+                // The step's run takes the place of a run that an opened link may still wait for.
                 self.runs.arriving = None;
                 self.time.playback.stop();
                 // Lessons need events, which runs of the GPU do not have.
@@ -327,7 +329,7 @@ impl State {
         act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
     ) -> T {
         self.with(|state, context| {
-            // Taken apart, as the exports change while they read the other parts.
+            // The state is taken apart, because the exports are changed while they read its other parts.
             let Self {
                 files,
                 runs,
@@ -372,7 +374,7 @@ impl State {
 impl State {
     /// Sets aside what a lesson or the tour replaces, unless that was done already.
     fn borrow_window(&mut self) {
-        // However many lessons follow each other, only the first one finds the user's own window.
+        // Where lessons follow each other, only the first one finds the user's own window, and sets it aside.
         if self.past.borrowed.is_some() {
             return;
         }
@@ -390,9 +392,10 @@ impl State {
             second: self.runs.second.take(),
         }));
 
+        // A lesson shows another run, so that a loop in this one ends.
         let is_same_run = false;
         self.time.rest(is_same_run);
-        // A window in a frame has no panels; its layout is that of the whole app.
+        // A window in a frame shows no panels, so that none need to be hidden.
         if self.window.embedding.is_none() {
             self.window.hide_sides();
         }
@@ -419,11 +422,14 @@ impl State {
             return;
         };
         let borrowed = *borrowed;
+
         self.window.put_back(borrowed.panels);
         self.form.take(borrowed.form);
         // Look and motion stay, as the user may have chosen them meanwhile.
         self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
         self.appearance.colouring = borrowed.appearance.colouring;
+
+        // Playback comes back as it was set, but does not play on.
         let is_same_run = false;
         self.time.rest(is_same_run);
         self.time.playback = borrowed.playback;
@@ -437,7 +443,7 @@ impl State {
                 self.runs.arriving = None;
                 self.on(Which::First, |first, context| first.put_back(*run, context));
             }
-            // A window that had no run before the lesson keeps that of the step, whole.
+            // A window that had no run before the lesson keeps the run of the lesson's step, shown whole: no limit.
             (None, Some(lesson)) => {
                 if let Some(recording) = &lesson.run {
                     self.with(|state, context| {
@@ -447,6 +453,7 @@ impl State {
                     });
                 }
             }
+            // After the tour, a window that had no run before it shows the run that its form describes.
             (None, None) => {
                 let (typed, engine) = (self.form.recipe(), self.gpu.engine);
                 self.on(Which::First, |run, context| {

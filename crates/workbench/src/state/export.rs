@@ -87,7 +87,7 @@ impl Exports {
 
         match command {
             ExportCommand::Open(kind) => {
-                // One sheet is open at a time, and an older notice is not about it.
+                // Only one sheet is open at a time, and an older notice is about something else.
                 context.ask(Effect::CloseFileSheet);
                 context.ask(Effect::CloseNotice);
                 self.sheet.get_or_insert_default().scenes = source.scenes().len();
@@ -99,7 +99,7 @@ impl Exports {
             ExportCommand::Clock(clock) => {
                 if let Some(form) = &mut self.sheet {
                     form.clock = clock;
-                    // The number was proposed for another clock.
+                    // The ticks between frames were proposed for another clock.
                     self.propose_every(source);
                 }
             }
@@ -117,6 +117,7 @@ impl Exports {
                 }
                 let form = self.sheet.as_ref();
                 let browse = |form| crate::export::browse::browse(form, &context.wake);
+                // Without a sheet a dialog that is already open stays.
                 self.browsing = form.map(browse).or_else(|| self.browsing.take());
             }
 
@@ -161,7 +162,7 @@ impl Exports {
             return Err(ExportRefusal::NoSession);
         };
 
-        // Before the name of the file, since a name does not help where there is nothing to export.
+        // The kind is checked before the name of the file, since a name does not help where there is nothing to export.
         let refusal = source.kind_refusal(form.kind);
         if let Some(refusal) = refusal.or_else(|| form.name_refusal()) {
             return Err(refusal);
@@ -235,7 +236,7 @@ impl Exports {
 
     /// Returns the export that the sheet describes.
     pub fn job(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
-        // The description of an export already finds every reason to refuse it.
+        // `prospect` finds every reason to refuse an export.
         self.prospect(source)?;
 
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
@@ -243,6 +244,7 @@ impl Exports {
         };
 
         let content = match form.kind {
+            // The result of the run is exported without a moment.
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
                 precision: form.precision,
@@ -367,7 +369,8 @@ impl ExportSource<'_> {
             return Err(ExportRefusal::NoCanvas);
         }
 
-        // The frames of an animation show the domain, though the canvas may show the pattern, whose domain is another one.
+        // An animation shows the run's domain. While the canvas shows the pattern, the camera from before that is the one for the
+        // domain.
         let camera = match self.run.before_pattern {
             Some((camera, _)) if kind == ExportKind::Animation => camera,
             _ => self.run.camera,
@@ -379,6 +382,7 @@ impl ExportSource<'_> {
             size: [size.x, size.y].map(f64::from),
             chosen_layers: self.appearance.chosen_layers,
             colouring: self.appearance.colouring,
+            // An animation has moments at which a selected sample is not there.
             selection: match kind {
                 ExportKind::Animation => Selection::Nothing,
                 _ => self.run.selection(),
@@ -422,8 +426,8 @@ fn checked_view(
     Ok((shown, scale))
 }
 
-/// Returns the moments and views of the scenes, and the scale of their pictures. Scenes that this run does not have are left
-/// out.
+/// Returns the moments and views of the scenes, and the scale of their pictures. Scenes whose moments this run does not have are
+/// left out.
 fn checked_scenes(
     form: &ExportForm,
     source: ExportSource<'_>,
@@ -437,11 +441,12 @@ fn checked_scenes(
         .filter_map(|scene| view_of_scene(session, debugger, scene, canvas.size, canvas.dark))
         .collect();
 
+    // The scale is the same for all scenes, but each picture must be within the limits. Without a scene there is nothing to export.
     let mut scale = Err(ExportRefusal::NoScenes);
     for MomentView { moment, view } in &mut shown {
         view.print = form.print;
         view.analysis = form.analysis;
-        // A legend has the layers of its own scene.
+        // The legend of a scene has the layers that this scene shows.
         let layers = view.layers(moment.stage);
         view.legend = form.legend.then(|| Legend {
             layers,

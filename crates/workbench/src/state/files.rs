@@ -101,7 +101,7 @@ impl FileState {
         saved: Option<SaveTask>,
         context: &mut Context,
     ) {
-        // Another part opens lessons, whichever way they come.
+        // Lessons are opened by another part, whichever way their files come.
         match self.take_lesson(&command) {
             Some(Ok(lesson)) => {
                 return context.ask(Effect::Issue(Box::new(Command::Lesson(lesson))));
@@ -112,17 +112,18 @@ impl FileState {
 
         match command {
             FileCommand::Sheet(purpose) => {
-                // What the sheet shows is about its own file.
+                // An older notice is not about the file of this sheet.
                 context.ask(Effect::CloseNotice);
                 self.open_sheet(purpose, run.session_path.as_deref());
             }
             FileCommand::Close => {
                 self.sheet = None;
-                // Reading stops; writing continues.
+                // Closing the sheet gives up a file that is being read, but not one that is being written.
                 self.stop_reading();
             }
             FileCommand::Path(path) => {
                 if let Some(form) = &mut self.sheet {
+                    // The question whether to replace a file was about another path.
                     (form.path, form.asked) = (path, false);
                     form.chosen = Arc::default();
                 }
@@ -130,8 +131,8 @@ impl FileState {
 
             FileCommand::Chosen(files) => self.choose(files),
             FileCommand::Browse => self.browse(context),
-            FileCommand::Go => self.file_away(run, saved, context),
-            // The file may be a point set, to be compared with the first run: that must be there.
+            FileCommand::Go => self.save_or_read(run, saved, context),
+            // The file may be a point set to be compared with the first run, so that it waits until there is one.
             FileCommand::Open(path) => self.awaiting = Some(path),
             FileCommand::Last => self.reopen_last(run, context),
             FileCommand::SaveCurve(format) => self.save_curve(run, format, context),
@@ -250,6 +251,7 @@ impl FileState {
         form.chosen = files.into();
     }
 
+    /// Starts reading dropped files; `refused` has the reasons why others of them are not even read.
     fn take_dropped(
         &mut self,
         names: &[String],
@@ -271,8 +273,9 @@ impl FileState {
             return;
         }
 
-        self.begin_reading(None, first.clone(), source, run, context);
-        // The notice at the end also names the files that were refused.
+        let decided_by_content = None;
+        self.begin_reading(decided_by_content, first.clone(), source, run, context);
+        // The notice about the file that is read also names the files that were refused.
         if let Some(filing) = &mut self.filing {
             filing.refused = refused.to_vec();
         }
@@ -329,13 +332,14 @@ impl FileState {
         self.filing = self.filing.take().filter(saves);
     }
 
-    fn file_away(&mut self, run: &RunView, saved: Option<SaveTask>, context: &mut Context) {
+    /// Does what the file sheet is for: starts saving the session, or reading the file.
+    fn save_or_read(&mut self, run: &RunView, saved: Option<SaveTask>, context: &mut Context) {
         let Some(form) = &mut self.sheet else {
             return;
         };
 
         let path = form.path.trim().to_owned();
-        // The file that is being read or written comes first.
+        // One file is read or written at a time.
         if path.is_empty() || self.filing.is_some() {
             return;
         }
@@ -365,13 +369,14 @@ impl FileState {
         }
     }
 
+    /// Starts writing a session to the file that the task names. If that would replace another file, the first call only asks.
     #[cfg_attr(
         target_arch = "wasm32",
         allow(unused_variables, reason = "a page replaces no files")
     )]
-    fn start_saving(&mut self, task: SaveTask, at_hand: &RunView, context: &Context) {
+    fn start_saving(&mut self, task: SaveTask, run: &RunView, context: &Context) {
         let path = task.name.clone();
-        // The sheet closes when the file that it names is written: it gets the name with the extension that was added.
+        // The sheet closes once the file that it names is written, so that it must have the name with the added extension.
         if let Some(form) = &mut self.sheet {
             form.path.clone_from(&path);
         }
@@ -380,7 +385,7 @@ impl FileState {
             #[cfg(not(target_arch = "wasm32"))]
             Delivery::Disk => {
                 // The session's own file is replaced without a question.
-                let is_own = at_hand.session_path.as_deref() == Some(path.as_str());
+                let is_own = run.session_path.as_deref() == Some(path.as_str());
                 let would_replace = Path::new(&path).exists() && !is_own;
 
                 if let Some(form) = &mut self.sheet
@@ -407,8 +412,8 @@ impl FileState {
         }
     }
 
-    /// Returns the command that opens the first of some files that is a lesson, or why it is none; `None` if there is no
-    /// lesson among them.
+    /// Returns the command that opens the lesson that a command brings, the first one among several files, or why it cannot be
+    /// read; `None` if the command brings no lesson. A sheet that names a lesson closes.
     pub(super) fn take_lesson(
         &mut self,
         command: &FileCommand,
@@ -496,7 +501,7 @@ impl FileState {
             0 => PathBuf::from(format!("{stem}.{extension}")),
             _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
-        // A new file replaces no other one.
+        // A new file replaces no other one. A thousand numbers were taken to be enough.
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
         write_new(&path.unwrap_or_default(), &bytes, context);
     }

@@ -54,10 +54,11 @@ impl Form {
     /// Returns a sentence that names what differs from the run shown, if anything.
     #[must_use]
     pub fn remark(&self, run: &RunView, gpu: &GpuState) -> Option<String> {
-        // While another run is being made, the run shown is about to go.
+        // While another run is being made, the run shown is about to be replaced.
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
 
         if !session.has_recipe() {
+            // Only combinations and nested levels of a file have no recipe.
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
                 SessionKind::Run | SessionKind::Exact | SessionKind::Nested => {

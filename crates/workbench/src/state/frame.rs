@@ -115,7 +115,7 @@ impl State {
         if let Some(look) = look {
             self.appearance.choose_look(look);
         }
-        // A choice of the user's comes before the system's preference, which counts only without one.
+        // The user's choice is taken first, because the system's preference counts only if there is no such choice.
         if let Some(chosen) = reduced_motion {
             self.appearance.choose_motion(chosen);
         }
@@ -123,7 +123,7 @@ impl State {
             self.appearance.prefer_reduced_motion(preferred);
         }
 
-        // A camera that flies must stop if motion is reduced from now on.
+        // A camera that is flying must jump to its destination if motion is reduced from now on.
         self.runs.end_flights(&self.appearance);
     }
 

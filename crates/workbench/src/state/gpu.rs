@@ -101,14 +101,14 @@ impl GpuState {
         }
     }
 
-    /// Takes the outcome of a test. If the device failed, the CPU is chosen.
+    /// Takes the outcome of a test. If the device failed and was chosen, the choice is taken back: the CPU samples.
     pub(super) fn finish_test(
         &mut self,
         outcome: Result<Result<Tried, GpuError>, String>,
         context: &mut Context,
     ) {
         if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
-            // The GPU may have been chosen since the test began.
+            // The test refused an emulated GPU. If the user has chosen the GPU meanwhile, even an emulated one is tested.
             if self.engine == EngineChoice::Gpu {
                 let even_software = true;
                 self.test(even_software, context);
@@ -199,7 +199,7 @@ impl GpuState {
             return Some(text.to_owned());
         }
 
-        // On a page the CPU computes the comparison between frames.
+        // On a page the CPU computes its passes, with which those of the GPU are compared, on the thread that draws the window.
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(
@@ -224,11 +224,11 @@ impl GpuState {
     /// says it already.
     #[must_use]
     pub fn engine_text(&self, parameters: &Parameters) -> Option<(String, String)> {
-        let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
+        let is_automatic_on_page = self.engine == EngineChoice::Auto && self.display.is_some();
         let gpu_samples = self.gpu_samples(self.engine);
 
         let line: &str = match &self.device {
-            // A device that is ready makes all runs but two kinds, named first.
+            // Two kinds of runs are made by the CPU even if a device is ready, so that they come before the others.
             Device::Ready(_) if gpu_samples && parameters.method == TilingMethod::Exact => {
                 "CPU: it alone makes exact tilings."
             }
@@ -239,10 +239,12 @@ impl GpuState {
                 &format!("GPU: self-test passed, on {}.", tried.gpu.report().name)
             }
             Device::Testing(_) if self.engine == EngineChoice::Gpu => "GPU: being tested.",
-            Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
-            Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
-            Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
-            Device::Unknown if is_free && self.failure.is_some() => "CPU: the GPU failed.",
+            Device::Testing(_) if is_automatic_on_page => "CPU, until the GPU is tested.",
+            Device::Ready(_) if is_automatic_on_page => "CPU: this GPU is emulated, and slower.",
+            Device::Refused(_) if is_automatic_on_page => "CPU: there is no GPU to use here.",
+            Device::Unknown if is_automatic_on_page && self.failure.is_some() => {
+                "CPU: the GPU failed."
+            }
             _ => return None,
         };
 

@@ -37,7 +37,7 @@ impl RunView {
             Numbered::Event(index) => (EVENT, index, debugger?.recording().len()),
             Numbered::Moment(at) => {
                 let (_, count) = self.cursor()?;
-                // A moment lies between events: there is one more than events.
+                // Moments are before, between and after events, so that there is one more of them than of events.
                 if at == count {
                     return None;
                 }
@@ -66,7 +66,7 @@ impl RunView {
             }
         };
 
-        let of = match item {
+        let owner = match item {
             Numbered::Scene(_) | Numbered::Breakpoint(_) | Numbered::Watch(_) => "the session",
             Numbered::Sample(_)
             | Numbered::Event(_)
@@ -75,6 +75,6 @@ impl RunView {
             | Numbered::Pass(_) => "the run",
         };
         let there = counted(count, one, many);
-        (index >= count).then(|| format!("{one} {index}: {of} has {there}, numbered from 0"))
+        (index >= count).then(|| format!("{one} {index}: {owner} has {there}, numbered from 0"))
     }
 }

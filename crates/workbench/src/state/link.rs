@@ -63,7 +63,7 @@ impl LinkSource<'_> {
                 practice: open.learner.practised(),
             },
             (None, Some(_)) => {
-                // A reader of the link does not have the file.
+                // A reader of the link does not have the lesson's file, so that the link is empty.
                 let left_out = vec!["the lesson, which comes from a file".to_owned()];
                 let fragment = String::new();
                 return Some(Link { fragment, left_out });
@@ -72,8 +72,7 @@ impl LinkSource<'_> {
         };
 
         let lesson = Some(lesson);
-        // A reader gets the language that is shown. English, the lessons' own, is not named, so that readers of other languages
-        // get theirs.
+        // A lesson in German is linked as such. English is not named, so that a reader of such a link gets a language of their own.
         let language = Some(lessons.language.clone()).filter(|name| name == "de");
         Some(link::write(&LinkContent {
             lesson,
@@ -82,9 +81,11 @@ impl LinkSource<'_> {
         }))
     }
 
+    /// Returns the content of the link; adds the settings that a link cannot have to `left_out`.
     fn content(&self, left_out: &mut Vec<String>) -> LinkContent {
         let mut view = self.view.clone();
-        // The link shows where the camera flies to, not where it is on its way.
+        // The link has the place that the camera flies to, not a place on its way. While the pattern is shown, the view has the camera
+        // to return to, which does not fly.
         if self.runs.first.before_pattern.is_none() {
             let flight = self.runs.first.flight.as_ref();
             let destination = flight.map(tilescope_drawing::camera::Flight::destination);
@@ -119,6 +120,7 @@ impl LinkSource<'_> {
             }
 
             for scene in &mut content.scenes {
+                // A link names the moment of a scene by its event alone.
                 scene.ends = None;
                 // Layouts of panels would make the link too long.
                 if let Some(view) = scene.view.as_object_mut() {
@@ -135,8 +137,9 @@ impl LinkSource<'_> {
         content
     }
 
+    /// Adds the input of the run; adds what a link cannot have of it to `left_out`.
     fn put_run(&self, content: &mut LinkContent, left_out: &mut Vec<String>) {
-        // Without a session the typed parameters are all that there is.
+        // Without a session, the link has the parameters as typed.
         content.parameters = self.form.draft.parameters;
         content.nested = self.form.draft.nesting();
 
@@ -164,7 +167,8 @@ impl LinkSource<'_> {
                 left_out.push("the combination, which has sets from files".to_owned());
             }
             Some(combination) => {
-                // The typed parameters are not those of the combination. Those of run B are given relative to the defaults.
+                // The typed parameters are not those of the combination. The default ones stand for them, and those of run B are given by
+                // their differences from the default ones.
                 (content.parameters, content.nested) = (Parameters::default(), None);
                 content.combination = Some(combination.layout.clone());
             }
@@ -290,6 +294,7 @@ impl RunView {
         if let Some(missed) = missed {
             warnings.add(format!("{missed}; the end is shown instead."));
         }
+        // A number beyond the last stage shows the end.
         self.show_stage(usize::MAX);
     }
 
@@ -303,9 +308,9 @@ impl RunView {
 
     /// Replaces breakpoints, watches and scenes by those of a link.
     pub(super) fn take_linked_stops(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
-        let stops = content.breakpoints.len() + content.watches.len() + content.scenes.len();
+        let stop_count = content.breakpoints.len() + content.watches.len() + content.scenes.len();
         let Some(debugger) = &mut self.debugger else {
-            if stops > 0 {
+            if stop_count > 0 {
                 let text = "This run has no events: breakpoints, watches and scenes were left out.";
                 warnings.add(text.to_owned());
             }
@@ -313,7 +318,7 @@ impl RunView {
         };
 
         let len = debugger.recording().len();
-        // A scene of another run is found by its anchor, wherever its event is.
+        // A scene of another run is found by its anchor, so that the number of its event need not fit this run.
         let fits = |scene: &&SavedScene| !scene.run.is_empty() || scene.event <= len;
         let scenes: Vec<SavedScene> = content.scenes.iter().filter(fits).cloned().collect();
         let after_end = content.scenes.len() - scenes.len();

@@ -91,7 +91,7 @@ impl Scenes {
             SceneCommand::Add => self.add(run, source, context),
             SceneCommand::Replace(index) => {
                 let view = scene_view(run, &source.view);
-                // The new scene takes the place and the caption of the old one.
+                // The new scene, of the current moment, takes the place and the caption of the old one.
                 change_scenes(run, |debugger| {
                     if let Some(caption) = debugger.scenes.get(index).map(|s| s.caption.clone()) {
                         debugger.scenes.remove(index);
@@ -113,7 +113,8 @@ impl Scenes {
                         debugger.scenes.remove(index);
                     }
                 });
-                // It may be the scene that is shown; the tour has a list of its own.
+                // The removed scene may be the one that is shown, so that none is shown from now on. A scene of the tour is in another list,
+                // and stays.
                 self.shown = self.shown.filter(|_| self.is_touring());
             }
 
@@ -232,18 +233,18 @@ impl Scenes {
         };
 
         if list == SceneList::Own && self.is_touring() {
-            // The scene is shown in the run that comes back.
+            // The tour ends first, so that the scene is shown in the user's own run, which comes back.
             let show = Command::Scene(SceneCommand::Show(index));
             context.ask(Effect::EndTour);
             return context.ask(Effect::Issue(Box::new(show)));
         }
 
         self.shown = Some(ShownScene { list, index });
-        // The last card of the tour leads to the panels.
+        // The last scene of the tour is about the panels, which the tour had hidden.
         if list == SceneList::Tour && index + 1 == tour().len() {
             context.ask(Effect::BringPanels);
         }
-        // A run that is being made shows the scene when it is there.
+        // While the run is still being made nothing can be shown: `finish_sampling` shows the scene again once there is a run.
         arrive_at(&scene, run, source, context);
     }
 }
@@ -304,19 +305,20 @@ fn look_as(
     source: &SceneSource,
     context: &mut Context,
 ) {
+    // Parts that the scene lacks stay as they are now, but a scene without a selection selects nothing.
     let now = SavedView {
         selection: Selection::Nothing,
         layout: source.layout.clone(),
         ..source.view.clone()
     };
-    let (saved, _) = SavedView::from_json(view, &now);
+    let (saved, _invalid) = SavedView::from_json(view, &now);
     context.ask(Effect::Appearance(Box::new(saved.appearance)));
-    // Without a layout of the scene's own, the panels stay, also those that the tour has just brought back.
+    // If the scene has no layout, the panels stay as they are, also those that the tour has just brought back.
     if !source.is_embedded && view.get("layout").is_some() {
         context.ask(Effect::Layout(saved.layout));
     }
 
-    // In another run the number of the sample means another one.
+    // In another run the selected number is that of another sample.
     let can_select = is_same_run && run.can_select(saved.selection);
     let selection = if can_select {
         saved.selection

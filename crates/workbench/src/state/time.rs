@@ -33,13 +33,14 @@ pub struct Time {
 }
 
 impl Time {
+    /// Applies a command to the run that the panels show. Without a session it does nothing.
     pub(super) fn apply(&mut self, command: TimeCommand, run: &mut RunView, context: &mut Context) {
         if run.session.is_none() {
             return;
         }
 
         let before = run.stage;
-        // Any other step in time ends the search for a breakpoint.
+        // Any command in time ends a search for a breakpoint that is under way.
         self.continuing = None;
 
         match command {
@@ -58,6 +59,7 @@ impl Time {
                 // A duration beyond the limits changes nothing.
                 playback.whole_run_secs = whole_run(secs).or(playback.whole_run_secs);
             }
+            // The clock is refused, and the chosen one stays.
             TimeCommand::Clock(_) => {}
             TimeCommand::Jump(cursor) => run.jump(cursor),
             TimeCommand::Step(step, direction) => run.step(step, direction),
@@ -158,16 +160,16 @@ impl Time {
             return;
         };
 
-        let left = Cell::new(MAX_CONDITIONS);
+        let conditions_left = Cell::new(MAX_CONDITIONS);
         let stop = debugger.run_while(direction, &|| {
-            let before = left.get();
-            left.set(before.saturating_sub(1));
+            let before = conditions_left.get();
+            conditions_left.set(before.saturating_sub(1));
             before > 0
         });
 
         run.follow_cursor();
-        // The conditions of this frame are used up, and the next frame goes on from here.
-        if stop == Stop::End && left.get() == 0 {
+        // Here `End` need not be the end of the run: if the conditions of this frame are used up, the next frame goes on from here.
+        if stop == Stop::End && conditions_left.get() == 0 {
             return;
         }
 
@@ -207,6 +209,7 @@ impl Time {
         match self.playback.clock {
             Clock::Event => run.step(Step::Into, direction),
             Clock::Line => run.jump(next_line(debugger, direction)),
+            // Without passes of the GPU, their clock steps by stages.
             Clock::Stage | Clock::Pass => run.step_stage(direction),
         }
     }
@@ -243,6 +246,7 @@ impl Time {
 
     /// Plays for `dt_secs`; returns whether it is still playing.
     fn play(&mut self, dt_secs: f32, run: &mut RunView, context: &mut Context) -> bool {
+        // A whole run is played in a given time, not by the ticks of a clock.
         if let (Some(secs), Some((at, _))) = (self.playback.pace_secs(), run.cursor()) {
             return self.play_course(dt_secs / secs, at, run);
         }
@@ -253,7 +257,7 @@ impl Time {
             self.tick(Direction::Forwards, run, context);
             match (self.playback.range.clone(), run.cursor()) {
                 (Some(range), Some((at, _))) if at >= range.end => {
-                    // The loop begins anew in the next frame.
+                    // The loop begins anew, and this frame shows its first moment: further ticks of the frame are dropped.
                     run.jump(range.start);
                     break;
                 }
@@ -271,7 +275,7 @@ impl Time {
         self.playback.is_playing()
     }
 
-    /// Plays this share of the whole run's time from the cursor `at`; returns whether it is still playing.
+    /// Plays the part `share` of the whole run's time, from the cursor `at`; returns whether it is still playing.
     fn play_course(&mut self, share: f32, at: usize, run: &mut RunView) -> bool {
         let before = run.stage;
         let Some(session) = &run.session else {
@@ -279,13 +283,15 @@ impl Time {
         };
 
         let course = Course::of(session.ends().into_iter());
-        // The share is kept from frame to frame: a frame may be shorter than an event, and the cursor alone would not get on.
+        // The part of the time that has passed is kept from frame to frame. A frame may be shorter than an event, and computed from the
+        // cursor alone the part would never grow.
         let passed_before = match self.played {
             Some((passed, cursor)) if cursor == at => passed,
             _ => course.share(at),
         };
         let passed = passed_before + f64::from(share);
 
+        // Rounding must not move the cursor back.
         let mut cursor = course.cursor(passed).max(at);
         if let Some(range) = self.playback.range.clone()
             && cursor >= range.end
@@ -293,7 +299,7 @@ impl Time {
             cursor = range.start;
         }
 
-        // Where a loop has begun anew, the share that has passed is that of the loop's first cursor again.
+        // After a loop has begun anew, the next frame takes the part that has passed from the cursor, which is the loop's first one.
         self.played = (cursor >= at).then_some((passed, cursor));
         if cursor != at {
             run.jump(cursor);

@@ -144,11 +144,11 @@ impl Change {
         ))
     }
 
-    /// Asks for what the change restores; `layout` and `made` are the present ones.
+    /// Asks for the effects that restore the state before the change; `layout` and `made` are the present ones.
     fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
-            // Panels come or go, and the tabs that were opened meanwhile stay open.
+            // Hidden panels come back, or the other way round; the tabs that were opened meanwhile stay open.
             UndoPart::Layout if memento.layout.hidden() != layout.hidden() => {
                 context.ask(Effect::Layout(with_tabs_of(memento.layout, layout)));
             }
@@ -215,7 +215,7 @@ impl History {
         part: UndoPart,
         command: Option<&Command>,
     ) {
-        // To open a tab is no change of the layout; to bring back a hidden panel is.
+        // Opening a tab is no change of the layout, but bringing back a hidden panel is one.
         if let Some(Command::Window(WindowCommand::OpenPanel(_))) = command
             && before.layout.hidden() == now.layout.hidden()
         {
@@ -224,7 +224,7 @@ impl History {
 
         let field = command.and_then(typed_in);
         if before != *now {
-            // Typing in a field is one step, which goes back to before its first letter.
+            // All typing in one field is one step, and undoing it goes back to before the first letter.
             let goes_on = field.is_some() && field == self.typing;
             if goes_on {
                 self.future.clear();
@@ -250,12 +250,13 @@ impl History {
         let past = &mut self.past;
         let last = past.iter().rposition(Change::makes_run);
         let first_since = last.map_or(0, |index| index + 1);
+        // The first change of the form since then has the form from before all typing.
         let mut later = past[first_since..].iter();
         if let Some(typed) = later.find(|change| change.part == UndoPart::Form) {
             before.form = typed.memento.form.clone();
         }
 
-        // The changes of the form since the last run are part of this step now.
+        // From now on, the changes of the form since the last run are part of this step. `retain` gives no index, so that `count` has it.
         let mut count = 0;
         past.retain(|change| {
             count += 1;
@@ -263,7 +264,8 @@ impl History {
         });
 
         self.typing = None;
-        // The run that the last step started was cancelled if the run shown is still the one before it. That is no step.
+        // If the run shown is still the one from before the last step, the run of that step was cancelled. The step then stands for the
+        // new run, too.
         let was_cancelled = last.is_some_and(|index| self.past[index].memento.made == before.made);
         if was_cancelled && part == UndoPart::Run {
             self.future.clear();
@@ -313,7 +315,7 @@ impl History {
 
         let (layout, made) = (now.layout.clone(), now.made.clone());
         let mut memento = now;
-        // The run of the typed parameters may still be being made: redo makes that one.
+        // The run of the typed parameters may not be ready yet: redo must make that one, not the one that is shown.
         if change.makes_run() && step == HistoryStep::Undo {
             memento.made = typed.map(Made::Run).or(memento.made);
         }

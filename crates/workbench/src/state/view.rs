@@ -58,15 +58,18 @@ impl SavedView {
         let camera = self.camera.unwrap_or(run.camera);
         run.take_camera(self.camera, camera);
 
-        // The passes of the GPU are not saved.
+        // The passes of the GPU are not saved, so that a clock of passes is not applied.
         let clock = self.playback.clock_of_events();
         if run.clock_refusal(clock).is_none() {
             time.playback.choose(clock);
         } else if clock != time.playback.clock_of_events() {
+            // A refused clock is a loss only if it is not the clock that the window has.
             dropped.push("clock");
         }
         time.playback.speed = self.playback.speed;
         time.playback.whole_run_secs = self.playback.whole_run_secs;
+
+        // A loop or a selection may be beyond the end of this run.
         if let Some(range) = &self.playback.range {
             if run.cursor().is_some_and(|(_, len)| range.end <= len) {
                 time.playback.range = Some(range.clone());

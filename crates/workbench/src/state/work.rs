@@ -68,19 +68,20 @@ impl State {
         self.in_class(Classroom::follow_lesson_file);
 
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
-        let cursor = self.runs.first.cursor();
+        let cursor_before = self.runs.first.cursor();
         let plays = self.with(|state, context| {
             let run = &mut state.runs.first;
             state.time.advance(dt_secs, run, context)
         });
         let is_fast = self.time.playback.is_fast(TRANSITION_SECS);
-        // In fast play the camera would chase events that cannot be seen.
+        // In fast play the camera would chase events that are too short to be seen.
         if !is_fast && self.appearance.follows_events {
             self.on(Which::First, |run, context| {
-                run.follow_event(cursor, context);
+                run.follow_event(cursor_before, context);
             });
         }
 
+        // Everything that follows the moment of the first run.
         let shows_events = self.window.shows(Panel::Events);
         let asked = asked_of(self, Which::First);
         let awaits_rest = self.on(Which::First, |run, context| {
@@ -105,6 +106,7 @@ impl State {
         });
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
 
+        // The second run comes after the first one, as its moment and camera may follow it.
         let made = self.runs.get_mut(Which::Second).and_then(RunView::made);
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
@@ -121,8 +123,8 @@ impl State {
         let lessons = &self.classroom.lessons;
         announcer.follow(&self.runs.first, is_playing, notice.as_ref(), lessons);
 
-        let is_wanted = !is_fast && !self.appearance.reduced_motion;
-        let fades = self.runs.first.advance_transition(dt_secs, is_wanted);
+        let may_fade = !is_fast && !self.appearance.reduced_motion;
+        let fades = self.runs.first.advance_transition(dt_secs, may_fade);
         self.runs.first.flight.is_some() || plays || flies || fades || awaits_rest == Some(true)
     }
 
@@ -148,18 +150,18 @@ impl State {
 
         match outcome {
             Ok(Ok(session)) => {
-                // Lessons, links and the tour are about the first run.
+                // What follows concerns lessons, links and the tour, which are about the first run alone.
                 if which == Which::Second {
                     return self.show(which, session);
                 }
 
                 if let Some(run) = self.classroom.made_for_lesson(&session) {
-                    // The lesson shows it only up to its question.
+                    // The lesson shows its run only up to its question, so that the whole session is not shown.
                     drop(session);
                     return self.in_class(|class, context| class.arrive_at_step(&run, context));
                 }
 
-                // A run that is made while a parameter is dragged stays at the stage that was shown.
+                // A run that was made because a parameter changed shows the same stage as the run before it.
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
                 let stage = run.current_stage().filter(|_| is_live);
@@ -169,7 +171,7 @@ impl State {
                 }
 
                 self.arrive();
-                // The tour shows its scene again, in the run that is there now.
+                // The tour shows its scene again, as its run is there only now.
                 if let Some(shown) = self.scenes.shown.filter(|_| self.scenes.is_touring()) {
                     self.in_scenes(|scenes, run, source, context| {
                         scenes.show(SceneList::Tour, shown.index, run, source, context);
@@ -212,7 +214,7 @@ impl State {
             run.settle(asked, context);
         });
 
-        // A search for a breakpoint goes on from frame to frame.
+        // A search for a breakpoint may take several frames, each of which does a part of it.
         while self.time.continuing.is_some() {
             self.with(|state, context| {
                 state.time.continue_on(&mut state.runs.first, context);
@@ -241,7 +243,7 @@ impl State {
 
         let dark = self.appearance.look.is_dark();
         loop {
-            // One picture is drawn at a time.
+            // One picture is drawn at a time, so that each turn starts the next one.
             self.scenes
                 .follow_thumbnails(&self.runs, &self.window, dark);
             if !self.scenes.thumbnails.wait() {
@@ -269,7 +271,7 @@ impl State {
         }
 
         self.on(which, |run, context| run.show(session, context));
-        // A combination is shown with its seams.
+        // Layers that the user chose for a run may lack the seams, without which a combination cannot be told from a run.
         if let Some(layers) = &mut self.appearance.chosen_layers
             && is_combination
             && !layers.has(Layer::Seams)
@@ -298,7 +300,7 @@ impl State {
             saved,
             session,
         } = opened;
-        // Before the window gives anything up, as the session may not fit its recording.
+        // This comes before the window gives anything up, because the saved session may not fit its recording.
         let debugger = match (&saved, session.recording()) {
             (SavedContent::Run(saved), Some(recording)) => {
                 match Debugger::resume(saved, Arc::clone(recording)) {
@@ -320,6 +322,7 @@ impl State {
             }
             SavedContent::Combination(_) => self.remember_run(UndoPart::Run),
         }
+        // A selection in the run before means nothing in this one.
         (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show(Which::First, session);
 
@@ -336,11 +339,13 @@ impl State {
                 run.set_stage(saved.stage.min(stages.saturating_sub(1)));
                 saved.view
             }
+            // A layout has no view.
             SavedContent::Combination(None) => return,
         };
+
         let (view, mut dropped) = SavedView::from_json(&view, &SavedView::of(self));
         dropped.extend(self.look_as(&view));
-        // The steps to undo are those of the session before.
+        // The steps to undo belong to the session before.
         self.past.history = History::default();
         if !dropped.is_empty() {
             let text = format!(
@@ -349,7 +354,7 @@ impl State {
             );
             self.messages.tell(text, false);
         }
-        // The last session is in no file of the user's.
+        // The session of an earlier use of the program was in no file of the user's.
         if path != LAST_SESSION {
             self.runs.first.session_path = Some(path);
             self.files.scenes_are_saved(&self.runs.first);
@@ -391,7 +396,7 @@ impl State {
             self.classroom.lessons.language.clone_from(language);
         }
         if let Some(wanted) = content.lesson {
-            // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
+            // The new lesson takes the place of one that is open. What that one had borrowed of the window stays borrowed.
             self.messages.warn(&warnings);
             self.in_class(|class, context| class.open_wanted(wanted, context));
             return;
@@ -400,12 +405,12 @@ impl State {
         self.give_back();
         let before = Memento::of(self);
         let is_made = self.runs.first.is_made_from(&content);
-        // A run to be made takes its step to undo now. One that is there takes it when the link is applied.
+        // If the run is to be made, the step to undo is added now. Otherwise it is added below, once the link is applied.
         if !is_made {
             self.remember_run(UndoPart::Everything);
         }
 
-        // A link names no pattern of a file.
+        // A link cannot name a pattern from a file, so that the next run has none.
         self.form.own_pattern = None;
         let made = if let Some(layout) = content.combination.clone() {
             Made::Combination(layout)
@@ -441,10 +446,10 @@ impl State {
 
         let shown_before = warnings.clone();
         let notice = self.messages.notice.as_ref();
-        // `None` if no notice is shown: the user has dismissed it.
+        // `None` if no notice is shown, because the user has dismissed it; `Some(false)` if another notice is shown.
         let shows_warnings = notice.map(|notice| notice.text == shown_before.text());
 
-        // The warnings of that notice are shown again below, together with those that come now.
+        // A notice with these warnings is closed, as they are shown again below, together with new ones.
         if shows_warnings == Some(true) {
             self.messages.notice = None;
         }

@@ -83,6 +83,7 @@ impl Exports {
         // A browser replaces no file: it chooses another name.
         let replaces = delivery != Delivery::Download;
         if let Some(form) = self.sheet.as_mut().filter(|_| replaces) {
+            // The file may have come to exist since the sheet was opened.
             form.look();
             if form.taken.is_some() && !form.asked {
                 form.asked = true;
@@ -131,6 +132,7 @@ impl Exports {
         }
     }
 
+    /// Tells how an export ended, and hands over its file.
     fn finish(&mut self, outcome: Result<Outcome, String>, context: &mut Context) {
         self.work = None;
         match outcome {
@@ -151,7 +153,7 @@ impl Exports {
             Err(failure) => context.tell(sentence(&failure), true),
         }
 
-        // The file may exist by now: the sheet asks before it is replaced.
+        // The file may exist by now, and then the sheet must ask before it is replaced.
         if let Some(form) = &mut self.sheet {
             form.look();
             form.asked = false;
@@ -195,7 +197,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
-            // The result must be valid anyway. Of the samples of a moment it is worth a sentence.
+            // A result is expected to be valid, so that this is said only of the samples of a moment.
             if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
@@ -205,7 +207,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
                 text.push_str(&sentence(&warning.to_string()));
             }
 
-            // Samples of a moment need not be valid: only a result that is not is an error.
+            // Samples of a moment need not be valid, but a result must be.
             (text, *result && !valid)
         }
 
@@ -217,6 +219,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
                     let folder = written.path.with_file_name("");
                     format!("{}{}-1 to -{count}", folder.display(), stem.display())
                 }
+                // A colon takes the place of the word "to".
                 _ => to.trim_start_matches("to ").to_owned(),
             };
             (format!("{verb} {pictures}: {to}."), false)

@@ -18,7 +18,7 @@ impl FileState {
 
         if let Some((purpose, outcome)) = found {
             self.finding = None;
-            // The sheet may have been opened for another purpose since.
+            // Meanwhile the sheet may have been opened for another purpose, and the choice is then dropped.
             let form = self.sheet.as_ref();
             let is_same_purpose = form.is_some_and(|form| form.purpose == purpose);
 
@@ -74,6 +74,7 @@ impl FileState {
         }
     }
 
+    /// Takes the outcome of reading or writing a file, and tells how it ended.
     fn filed(
         &mut self,
         outcome: Result<FileOutcome, String>,
@@ -87,16 +88,16 @@ impl FileState {
         match done {
             Ok(done) => {
                 self.close_sheet(&filing);
-                // The last session is no file of the user's.
+                // The session of an earlier use of the program is no file of the user's.
                 if filing.path != LAST_SESSION {
                     self.remember_file(&filing.path);
                 }
-                // A notice, if any, is about this file.
+                // An older notice is not about this file.
                 context.ask(Effect::CloseNotice);
                 self.take_done(done, runs, context);
             }
             Err(why) => {
-                // A sentence begins with a capital letter, but not where the name of a file begins it.
+                // A sentence begins with a capital letter, unless it begins with the name of a file, which must stay as it is.
                 let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
                 let begins = names.any(|name| why.starts_with(name));
                 let text = if begins { ended(&why) } else { sentence(&why) };
@@ -127,7 +128,7 @@ impl FileState {
 
             Done::Opened(opened) => context.ask(Effect::Open(opened)),
             Done::Against { file, no_pattern } => {
-                // A dropped set was tried as a pattern first.
+                // A dropped set was first tried as a pattern, and the user learns why it is none.
                 if let Some(why) = no_pattern {
                     let name = file.name();
                     let text = format!(
@@ -140,7 +141,7 @@ impl FileState {
             }
 
             Done::Levels(session) => {
-                // In this order: a lesson gives back the window first, so that the step to undo is of the user's own run.
+                // The order matters: a lesson gives back the window first, so that the step to undo has the user's own run.
                 context.ask(Effect::GiveBack);
                 context.ask(Effect::StopMaking);
                 context.ask(Effect::RememberRun(UndoPart::Run));

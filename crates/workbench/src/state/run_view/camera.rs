@@ -13,11 +13,12 @@ use super::RunView;
 use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
 
-/// The smallest distance of a selection from the edge of the view, in screen points.
+/// The smallest distance at which a selection is kept from the edge of the view, in screen points. Chosen, not measured.
 const IN_VIEW: f32 = 32.0;
-/// The width of the view around the current event, in r.
+/// The width of the view around the current event, in r. It shows a sample among all that can conflict with it, with their
+/// neighbours.
 const CURRENT: f64 = 12.0;
-/// A wider view is narrowed when the camera follows the events, in r.
+/// The width in r from which on a view is narrowed when the camera follows the events. Chosen, not measured.
 const FOLLOWED: f64 = 40.0;
 
 impl RunView {
@@ -25,7 +26,7 @@ impl RunView {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
             ViewCommand::Pan(delta) => {
-                // A picture that is moved by hand is neither fitted nor framed any more, and does not fly on.
+                // A picture that the user moves is no longer fitted or framed, and does not fly on.
                 (self.flight, self.fitted, self.framed) = (None, false, None);
                 self.camera.pan(delta);
             }
@@ -67,7 +68,7 @@ impl RunView {
             }
 
             ViewCommand::Hover(id) => {
-                // The pointer may still be where a sample of the run before was.
+                // Right after a new run the pointer may still name a sample of the run before.
                 let is_there = |id: &u32| self.can_select(Selection::Sample(*id));
                 self.hovered = id.filter(is_there);
             }
@@ -80,8 +81,8 @@ impl RunView {
         }
     }
 
-    /// Refits a fitted domain, or a place that was flown to, into the new viewport; otherwise keeps a selection in view that
-    /// was, as when a panel opens over the part of the canvas where it was picked.
+    /// Refits a fitted domain, or a place that was flown to, into the new viewport. Otherwise a selection that was in view stays in
+    /// view, as when a panel opens over the part of the canvas where it was picked.
     pub(in crate::state) fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
         let camera_before = self.camera;
@@ -105,12 +106,13 @@ impl RunView {
             .zip(self.session.as_ref())
             .map(|(id, session)| session.position(id));
         let position = sample.or(self.place);
+        // While the pattern is shown, places of the domain are not on the canvas.
         let Some(position) = position.filter(|_| self.before_pattern.is_none()) else {
             return;
         };
         if before.contains(camera_before.screen_from_domain(before, position)) {
             let now = self.camera.screen_from_domain(viewport, position);
-            // In a tiny canvas the whole margin would leave no room.
+            // In a tiny canvas the margin is at most half a side, so that it leaves at least a point.
             let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
             self.camera.pan(room.clamp(now) - now);
         }
@@ -338,7 +340,7 @@ impl RunView {
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let is_gap = self.geometry.is_gap(&shown, place);
-            // Until the extent of the gap is known, the place itself stands for its deepest one.
+            // Until the extent of the gap is known, the place stands for the deepest place in it.
             let gap = self.geometry.gap_at(&shown, place);
             is_gap.then(|| gap.map_or(place, |gap| gap.deepest.0))
         });
@@ -354,6 +356,7 @@ impl RunView {
         };
 
         let leaves = &session.run().blocks.leaves;
+        // The upper ends do not count, so that a place on a border is in one block only.
         let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
         let block = leaves.iter().find(|block| {
             let rect = &block.rect;
@@ -364,11 +367,12 @@ impl RunView {
             self.pick(Selection::Place(place), context);
             let center = units::position(rect.min).midpoint(units::position(rect.max));
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
-            // Some room is left around the block.
+            // The factor leaves some room around the block.
             self.fly_to(center, 1.1 * size, context);
         }
     }
 
+    /// Shows the moment that the verdict is about, and flies to the witness.
     pub(in crate::state) fn fly_to_witness(&mut self, witness: Witness, context: &Context) {
         let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
             return;
@@ -380,13 +384,13 @@ impl RunView {
         let center = match witness_mark {
             WitnessMark::Circle(center, _) => center,
             WitnessMark::Pair([a, b], _) => {
-                // Across the border of a periodic domain, where the two are nearest.
+                // In a periodic domain the two may be nearest across the border.
                 let from = session.position(a);
                 from.midpoint(session.image_near(b, from))
             }
         };
 
-        // The verdict is about the result, or about a prefix.
+        // A verdict is about the end of the run, or about a prefix of nested levels.
         match verdict.claim {
             Some(claim) => self.jump(claim.count),
             None => self.show_stage(session.stages.len() - 1),

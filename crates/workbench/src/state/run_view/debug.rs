@@ -262,6 +262,7 @@ impl Task for FindEventsTask {
     }
 }
 
+/// Applies a command that concerns the debugger alone.
 fn change(debugger: &mut Debugger, command: DebugCommand) {
     match command {
         DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),
@@ -285,12 +286,12 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 return;
             };
             if let Some(cause) = why::cause(debugger.recording(), last) {
-                // The moment after the cause shows its effect.
+                // The cursor behind the cause, as the moment after it shows its effect.
                 debugger.jump(cause + 1);
             }
         }
 
-        // These need the session as well: `apply_to_debugger` carries them out.
+        // These need the rest of the run as well, so that `apply_to_debugger` carries them out.
         DebugCommand::Query(_) | DebugCommand::SelectEvent(_) | DebugCommand::ToggleEvent(_) => {}
     }
 }
@@ -304,7 +305,7 @@ fn toggle(debugger: &mut Debugger, line: LineId) {
 
 /// Replaces a condition; the order of the breakpoints stays.
 fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
-    // A breakpoint is added behind all others, so that those behind this one are added again, too.
+    // A new breakpoint comes behind all others. To keep their order, this one and all behind it are removed and added again.
     let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
 
     for _ in &tail {

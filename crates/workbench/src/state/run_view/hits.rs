@@ -61,7 +61,7 @@ impl Hits {
 }
 
 impl RunView {
-    /// Starts the computation if the breakpoints have changed.
+    /// Takes the stops that were found, and starts to look for them again if the breakpoints or the session have changed.
     pub(in crate::state) fn want_hits(&mut self, context: &Context) {
         self.hits.found.poll();
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
@@ -71,7 +71,7 @@ impl RunView {
 
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let stops = enabled.map(|b| (b.line, b.condition.as_str()));
-        // Compared without copies, as every frame asks.
+        // The comparison makes no copies, because it is made in every frame.
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
             let known = known.iter().map(|(line, text)| (*line, text.as_str()));
             *generation == session.generation && known.eq(stops.clone())

@@ -46,7 +46,7 @@ impl RunView {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // A session without events lacks the last iteration as a stage: the last stage up to the one meant is shown.
+            // A session without events does not have the last iteration as a stage. The last stage up to it is then shown.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let count = stages.take_while(|&&other| other <= stage).count();
             if count > 0 {
@@ -54,7 +54,7 @@ impl RunView {
             }
         }
 
-        // The buffers stay on the canvas while the timeline stays at this moment.
+        // The passes keep this moment, as their buffers stay on the canvas until the timeline leaves it.
         let moment = self.moment();
         if let Some(passes) = &mut self.passes {
             passes.note_moment(moment);
@@ -71,6 +71,7 @@ impl RunView {
         context.ask(Effect::OpenPanel(Panel::Canvas));
         let position = self.passes.as_ref().and_then(Passes::picked_position);
         if let Some(position) = position {
+            // A view of 12 radii shows a sample among all that can conflict with it, with their neighbours.
             self.fly_to(position, 12.0, context);
         }
     }

@@ -13,7 +13,8 @@ use crate::state::effects::Context;
 /// Prefixes of at most so many samples are verified while the number still moves, since that takes less than a tenth of a
 /// second.
 const MAX_AT_ONCE: usize = 50_000;
-/// For how long the number of a larger prefix must rest before it is verified, in seconds.
+/// For how long the number of a larger prefix must rest before it is verified, in seconds: while the number moves, each frame would
+/// start work that the next one stops. Chosen, not measured.
 const REST_SECS: f32 = 0.15;
 
 /// The prefix that is shown.
@@ -111,7 +112,7 @@ impl RunView {
         };
 
         self.prefix.rested_secs += dt_secs;
-        // The verification of the whole set began elsewhere, and ends first.
+        // The verification of the whole set, which began elsewhere, must end before that of a prefix begins.
         if matches!(
             self.verification,
             Verification::Pending(_) | Verification::Nothing
@@ -129,7 +130,7 @@ impl RunView {
             return self.finish_verification(outcome);
         }
 
-        // Work on a small prefix ends by itself in less than a tenth of a second.
+        // Only work on a large prefix is stopped: work on a small one ends by itself in less than a tenth of a second.
         let is_stale = |(of, _): &(usize, _)| *of != count && *of > MAX_AT_ONCE;
         if self.prefix.work.as_ref().is_some_and(is_stale) {
             self.prefix.work = None;

@@ -36,7 +36,7 @@ impl RunView {
             stage => {
                 let debugger = self.debugger.as_ref();
                 let now = debugger.map(|debugger| debugger.state().counts());
-                // The debugger counts samples of the run; the stage of the pattern shows those of the pattern.
+                // The debugger counts the samples of the run, but the stage of the pattern shows the samples of the pattern.
                 let count = match now.filter(|_| stage != Stage::Pattern) {
                     Some(counts) => counts.undecided + counts.kept,
                     None => session.count_after(self.stage),
@@ -46,7 +46,7 @@ impl RunView {
         };
 
         let moment = match self.cursor() {
-            // A recording that is cut off here does not say how long the run is.
+            // At the end of a recording that is cut off, it is not known how long the run is.
             Some((at, _)) if session.is_cut_off_at(at) => format!("event {}", grouped(at)),
             Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
             None => format!("stage {} of {}", self.stage + 1, session.stages.len()),

@@ -50,7 +50,7 @@ impl RunView {
         });
 
         let selection = match (self.selected, self.place) {
-            // An id means a sample of one run, a place only needs the same domain.
+            // An id is that of a sample of one run, but a place is also one of another run on the same domain.
             (Some(id), _) if self.is_same_run(session) => Selection::Sample(id),
             (_, Some(place)) if same_domain => Selection::Place(place),
             _ => Selection::Nothing,
@@ -68,12 +68,12 @@ impl RunView {
 
         self.pick(selection, context);
 
-        // The file of the former session is not that of this one.
+        // The file belongs to the session before.
         self.session_path = None;
         self.verification = Verification::Nothing;
 
+        // A camera of another domain, or of the pattern, does not show the domain of this session.
         let from_pattern = self.before_pattern.take().is_some();
-        // A camera of another domain, or of the pattern, means nothing here.
         if !same_domain || from_pattern {
             (self.fitted, self.framed) = (true, None);
             self.flight = None;
@@ -158,7 +158,7 @@ impl RunView {
             self.measuring.rest();
         }
 
-        // Taken out of the run, as they change while the moment borrows it.
+        // These are taken out of the run, because they change while `shown` borrows it.
         let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
         let mut measuring = take(&mut self.measuring);
 
@@ -218,20 +218,21 @@ impl RunView {
         }
         self.settle_prefix(context);
 
-        // Nothing waits for this frame.
+        // No frame waits for this, so that the steps are not limited.
         let asked = Asked {
             steps: u64::MAX,
             ..asked
         };
 
-        // The first round ends work that was started for another moment, the second sees that the moment rests and starts its
-        // work, and the third hands on the outcome: gaps take their borders from a cover.
+        // The first round ends work that was started for another moment. The second one finds that the moment rests, and does its work.
+        // The third one passes on the outcome, as gaps take their borders from a cover.
         for _ in 0..3 {
             self.follow_moment(asked, context);
             self.live.settle();
             self.curve.settle();
             self.geometry.settle();
         }
+        // Each round measures one more part.
         while self.measuring.settle() {
             self.follow_moment(asked, context);
         }
