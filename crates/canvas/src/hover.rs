@@ -109,6 +109,12 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
 fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     let shown = subject.shown;
     let number = grouped(id as usize);
+    // Nested sets have levels instead of blocks and iterations.
+    if let Some(nested) = &shown.session.nested {
+        let text = format!("Sample {number} of level {}", nested.level_of(id as usize));
+        return [text.clone(), text];
+    }
+
     let stands = match shown.standing(id) {
         Standing::Absent => "not there yet".to_owned(),
         Standing::Tiled => "not decided yet".to_owned(),
@@ -116,12 +122,6 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Dropped => "dropped outside the domain".to_owned(),
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
-
-    // Nested sets have levels instead of blocks and iterations.
-    if let Some(nested) = &shown.session.nested {
-        let text = format!("Sample {number} of level {}", nested.level_of(id as usize));
-        return [text.clone(), text];
-    }
 
     let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {

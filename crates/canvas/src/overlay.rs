@@ -89,6 +89,7 @@ pub fn cursor(
 
     let shown = &subject.shown;
     let fitted = Camera::fitting(shown.session.size_at(Some(shown.stage)), rect).scale;
+    // Numbers have fixed widths, so that the text does not jump while they change.
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
     // Without a pointer over the picture there are no coordinates, and the scale is shown alone.
     let position = pointer

@@ -117,7 +117,7 @@ impl Coverage {
         let [width, height] = self.size;
         let mut image = ColorImage::filled(self.size, Color32::TRANSPARENT);
         let (fill, hatch, edge) = (color.gamma_multiply(0.5), color.gamma_multiply(0.85), color);
-        let fading = color.gamma_multiply(0.20);
+        let faint = color.gamma_multiply(0.20);
 
         // Stripes are two screen points wide, and begin every seven. On coarse screens they are at least a pixel wide, and two apart.
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
@@ -138,7 +138,8 @@ impl Coverage {
                     // Row plus column is the same along a diagonal.
                     OPEN if (k / width + k % width) % period < thick => hatch,
                     OPEN => fill,
-                    NOW => fading,
+                    NOW => faint,
+                    // Pixels that were covered before, or are outside the domain, stay transparent.
                     _ => continue,
                 };
             }

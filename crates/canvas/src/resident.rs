@@ -35,7 +35,7 @@ impl Resident {
     }
 
     /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit. Nested levels have the looks of all
-    /// their samples at every moment: which of them are shown is a number of the draw calls.
+    /// their samples at every moment; the draw calls have the number of those that are shown.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
         // Samples that did not fit on the device will not fit later.

@@ -132,7 +132,7 @@ impl<M: Follows> Kept<M> {
             steps += self.step(course, target);
             has_changed = true;
         }
-        // Once for all changes.
+        // Reading is prepared once, after all changes.
         if let Some(measure) = self.measure.as_mut().filter(|_| has_changed) {
             measure.prepare_reading();
         }

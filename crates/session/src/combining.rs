@@ -86,6 +86,7 @@ pub fn make(
         (combined.into_run(&pieces, &options), seams)
     };
 
+    // Fails if the work was cancelled.
     observer.end()?;
 
     let stops = || monitor.is_cancelled();

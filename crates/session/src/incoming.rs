@@ -285,6 +285,7 @@ pub fn pick(
 
     let mut left = lone;
     left.retain(|&k| k != opened);
+    // Files beyond the limit are not opened either.
     left.extend(considered..names.len());
     Some((opened, left))
 }

@@ -126,7 +126,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns the sentence for elimination, in a session of any kind.
+/// Returns the sentence for the stage of elimination.
 fn elimination_sentence(session: &Session) -> String {
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
@@ -216,6 +216,7 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
     let iteration = session.iteration(k)?;
     let inserted = samples(iteration.inserted.len());
 
+    // The first iteration has two levels.
     Some(match k {
         1 => format!(
             "Levels 0 and 1: what came first stays; {lost} lost, {inserted} that the pattern lacks."
@@ -227,7 +228,7 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
     })
 }
 
-/// Returns the sentence for iteration `k`, from 1, in other sessions than exact tilings.
+/// Returns the sentence for iteration `k`, counted from 1.
 fn iteration_sentence(session: &Session, k: u32) -> String {
     let Some(iteration) = session.iteration(k) else {
         return format!("Iteration {k}.");

@@ -54,7 +54,7 @@ pub enum WitnessMark {
 }
 
 impl Verdict {
-    /// Verifies the result of a run. `points` are its positions.
+    /// Verifies the result of a run, or a prefix of nested levels. `points` are the positions of the samples.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,

@@ -125,7 +125,7 @@ impl ComparePreset {
                 }
             }
             Self::Method => {
-                // Exact tiling clips from the same pattern, so that only seams differ.
+                // Exact tiling clips from the same pattern, so that only seams differ. Choices that it does not have get their defaults.
                 second = match first.method {
                     TilingMethod::Kdrt => first.as_exact(),
                     TilingMethod::Exact => Parameters {

@@ -531,9 +531,9 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         let (axis, tiles) = match tile {
             LayoutTile::Panel(_) => return,
             LayoutTile::Tabs { tiles, .. } => {
-                let below = (size - vec2(0.0, self.bar)).max(Vec2::ZERO);
+                let below_bar = (size - vec2(0.0, self.bar)).max(Vec2::ZERO);
                 for tile in tiles {
-                    self.enlarge(tile, below);
+                    self.enlarge(tile, below_bar);
                 }
                 return;
             }
@@ -594,7 +594,7 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
         return lengths.to_vec();
     }
 
-    // Each turn but the last gives one more tile its least length, so that there are at most as many turns as tiles, and one more.
+    // Each turn but the last gives one more tile its least length, so that the loop ends.
     let mut is_small = vec![false; lengths.len()];
     loop {
         // Returns the sum of the lengths of the tiles that `is_small` marks, or of the others.

@@ -18,7 +18,7 @@ use crate::clock::{Clock, SPEEDS};
 use crate::link::{COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named};
 use crate::view::AUTOMATIC;
 
-/// The longest request, in bytes.
+/// The longest request, in bytes. Chosen, not measured.
 pub const MAX_BYTES: usize = 65_536;
 
 /// The requests and their fields.
@@ -276,7 +276,7 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     Ok(Request::Step { forwards, unit })
 }
 
-/// Reads a request to go to a moment, of which exactly one field tells which.
+/// Reads a request to go to a moment, which exactly one field names.
 fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     // With two of these fields, it would not be clear which moment is meant.
     match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
@@ -343,7 +343,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         });
     };
 
-    // The field is present, so that the default never stands for it.
+    // The field is present, so that the default is never used.
     let value = text(field)?.unwrap_or_default();
     let refuse_unless_one_of = |names: &[&str]| {
         let names = choices(names.iter().copied());
@@ -365,6 +365,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         }
         ("go", "next") => LessonCommand::Step(Direction::Forwards),
         ("go", "back") => LessonCommand::Step(Direction::Backwards),
+        // Any other text is the name of a step.
         ("go", _) => LessonCommand::Go(value),
         ("language", _) => LessonCommand::Language(value),
         ("learner", _) => LessonCommand::Name(value),
@@ -376,6 +377,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "give-up") => LessonCommand::GiveUp,
         ("act", "clear") => LessonCommand::ClearResults,
         ("act", "keep") => LessonCommand::KeepResults,
+        // The number draws the run on which the question is asked again.
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
         _ => return refuse_unless_one_of(&ACTS),
     }))
@@ -510,8 +512,8 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         Parameters::deserialize(&all)
             .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
     };
-    // The usual pattern depends on the other parameters, so that these are read first. Then given parts of the pattern replace
-    // those of the usual one.
+    // The usual pattern depends on the other parameters, except for its boundary, so that these are read first. Then given parts
+    // of the pattern replace those of the usual one.
     let asked = laid_over(Parameters::default())?;
     let parameters = laid_over(Parameters {
         pattern: PatternSpec {

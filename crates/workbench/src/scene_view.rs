@@ -52,6 +52,7 @@ pub(crate) fn view_of_scene(
         colouring: saved.appearance.colouring,
         selection,
         dark,
+        // An export sets print, legend and analysis itself.
         print: false,
         caption: scene.caption.clone(),
         legend: None,

@@ -15,7 +15,7 @@ use crate::files::FileCommand;
 use crate::remote::to_json;
 use crate::state::{Effect, Settings, State};
 
-/// The most commands of a script.
+/// The most commands of a script. Chosen, not measured.
 pub const MAX_COMMANDS: usize = 100_000;
 /// The canvas that cameras are fitted into, in screen points. A script has no window; this is a common size of one.
 const CANVAS: [f32; 2] = [1280.0, 720.0];

@@ -144,7 +144,7 @@ impl PlaneView {
         periodic: bool,
         options: &PaintOptions,
     ) -> Vec<Copy> {
-        // A mark whose middle is outside the clip rectangle may reach into the rectangle.
+        // A mark whose middle is outside the clip rectangle may reach into the rectangle. The reach is converted from points to r.
         let reach = options.reach(self.camera.scale) / self.camera.scale;
         let low = self
             .camera

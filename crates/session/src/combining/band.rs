@@ -18,6 +18,7 @@ pub fn of(
         .flat_map(|seam| images(domain, seam.from, seam.to))
         .chain(pieces.iter().flat_map(|piece| cut(domain, piece)))
         .map(|line| grown(&line))
+        // Images that lie outside the domain are of no use.
         .filter(|line| common(line, &whole).is_some())
         .collect();
     lines.sort_unstable_by_key(|line| line.min.y);
@@ -102,10 +103,10 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     ];
 
     // A periodic set goes on beyond every side, and a bounded one only where it is larger than the rectangle.
-    let cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
+    let is_cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
     sides
         .into_iter()
-        .filter(cut)
+        .filter(is_cut)
         .map(|(_, _, line)| line)
         .collect()
 }

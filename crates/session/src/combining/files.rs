@@ -60,6 +60,7 @@ impl<'a> Files<'a> {
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
+            // Files are read before the first stage begins, which stands for that time.
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
                 stage: Stage::Pattern,
             })),

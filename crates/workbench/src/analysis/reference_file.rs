@@ -90,7 +90,8 @@ pub fn of(
         return Err(why);
     }
     // Positions that were read lie in the domain, whose lower corner is 0.
-    refuse_degrees(&read, region, [0.0; 2]).map_err(|error| named(&error.to_string()))?;
+    let lower_corner = [0.0; 2];
+    refuse_degrees(&read, region, lower_corner).map_err(|error| named(&error.to_string()))?;
 
     let points = read.set.points;
     // Fewer samples have no pair correlation.

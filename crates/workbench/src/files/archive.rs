@@ -86,7 +86,7 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         };
 
         // The limits are checked before an entry is unpacked, by the stated lengths of all entries so far. The last refusal is that
-        // of this entry: earlier entries were not refused.
+        // of this entry, as the earlier ones were not refused.
         entries.push((inner.clone(), length));
         let lengths: Vec<(&str, u64)> = entries.iter().map(|(name, n)| (&**name, *n)).collect();
         if let Some(why) = refusals(&lengths).pop().flatten() {

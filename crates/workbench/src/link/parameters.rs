@@ -100,7 +100,7 @@ pub fn read<'a>(
 ) -> Parameters {
     let mut parameters = *base;
     for parameter in in_links() {
-        // The usual pattern may depend on the seed and the size of the set. Both come earlier in this order, and are known by now.
+        // The usual pattern may depend on the seed and on the size of the set, which come earlier in this order.
         if parameter == Parameter::PatternSide {
             parameters.pattern = following(base, &parameters).pattern;
         }
@@ -151,7 +151,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         .pattern
         .side
         .clamp(MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE);
-    // Compared as links and messages write them.
+    // The sides are compared as links and messages write them.
     if exact(side) != exact(p.pattern.side) {
         warnings.add(format!(
             "The link asked for a pattern{run} of {} r; {side} r is used instead.",

@@ -248,6 +248,7 @@ impl LinkReader {
         layout.ok()
     }
 
+    /// Reads the view: camera, layers, colours, playback and panels.
     fn look(&mut self, content: &mut LinkContent) {
         content.view.camera = self.take("camera", |text| {
             let [x, y, scale] = numbers(text)?;
@@ -276,7 +277,8 @@ impl LinkReader {
 
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
             content.view.playback.choose(clock);
-            // Older links name the clock that plays, and know no playing of the whole run in a given time.
+            // A new window plays the whole run in a given time. A link that names a clock is played by the ticks of that clock, as older
+            // links are, unless it names a time as well.
             content.view.playback.whole_run_secs = None;
         }
 
@@ -305,6 +307,7 @@ impl LinkReader {
         content.view.selection = selection.unwrap_or(Selection::Nothing);
     }
 
+    /// Reads the second run: its parameters, and in what it is linked with the first.
     fn second(&mut self, content: &mut LinkContent) {
         let Some(names) = self.pairs.get("b") else {
             if self.pairs.keys().any(|key| key.starts_with("b.")) {

@@ -147,9 +147,9 @@ impl Writer {
         }
     }
 
+    /// Writes the parts of the view that differ from those of an empty link, so that the link stays short.
     fn look(&mut self, content: &LinkContent) {
         let empty_link = LinkContent::default();
-        // A part that is as in an empty link is left out, so that the link stays short.
         if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
@@ -205,6 +205,7 @@ impl Writer {
         self.parameters("b.", parameters, &content.parameters);
     }
 
+    /// Writes breakpoints, watches, and scenes with their views.
     fn stops(&mut self, content: &LinkContent) {
         // A condition or a watch that is too long is left out whole, because without its end it would mean something else. A caption
         // only loses its end.
@@ -221,6 +222,7 @@ impl Writer {
         };
 
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
+        // A scene is written as its event, its run and its anchor if it is of another run, and its caption.
         let scene_text = |scene: &SavedScene| {
             let caption: String = scene.caption.chars().take(MAX_TEXT).collect();
             let colon = if caption.is_empty() { "" } else { ":" };

@@ -198,6 +198,7 @@ impl Runs {
         let first = &self.first;
         (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
         (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
+        // Nested levels are shown whole.
         side.show_whole(session.summary.count);
         side.session = Some(session);
 

@@ -305,6 +305,7 @@ impl State {
                 });
             }
 
+            // A camera that is given needs no other one in its place.
             E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
             E::ShowSomeRun => {
                 if self.runs.first.session.is_none() {
@@ -439,16 +440,18 @@ impl State {
         self.runs.second = borrowed.second;
 
         match (borrowed.run, lesson) {
+            // The user's run comes back, also if an opened link still waits for another one.
             (Some(run), _) => {
                 self.runs.arriving = None;
                 self.on(Which::First, |first, context| first.put_back(*run, context));
             }
-            // A window that had no run before the lesson keeps the run of the lesson's step, shown whole: no limit.
+            // A window that had no run before the lesson keeps the run of the lesson's step, and shows it whole.
             (None, Some(lesson)) => {
                 if let Some(recording) = &lesson.run {
                     self.with(|state, context| {
                         let run = &mut state.runs.first;
-                        state.time.show_recording(recording, None, run, context);
+                        let no_limit = None;
+                        state.time.show_recording(recording, no_limit, run, context);
                         run.verify(context);
                     });
                 }

@@ -390,6 +390,7 @@ impl ExportSource<'_> {
             dark: self.appearance.look.is_dark(),
             print,
             caption: self.caption.unwrap_or_default().to_owned(),
+            // `checked_view` sets legend and analysis.
             legend: None,
             analysis: false,
         })

@@ -261,6 +261,7 @@ impl FileState {
         context: &mut Context,
     ) {
         let Some(first) = names.first() else {
+            // All files were refused. The reason for the first one is told.
             if let Some(why) = refused.first() {
                 context.tell(tilescope_session::words::ended(why), true);
             }

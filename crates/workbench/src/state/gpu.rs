@@ -248,6 +248,7 @@ impl GpuState {
             _ => return None,
         };
 
+        // On a page the engine has a sentence, to which a device that is ready adds its test. Elsewhere only the device is described.
         let device = self.device.description();
         let all = match (self.engine_sentence(parameters), device) {
             (Some(why), Some(test)) if self.device.ready().is_some() => format!("{why} {test}"),

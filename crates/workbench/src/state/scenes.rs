@@ -244,7 +244,7 @@ impl Scenes {
         if list == SceneList::Tour && index + 1 == tour().len() {
             context.ask(Effect::BringPanels);
         }
-        // While the run is still being made nothing can be shown: `finish_sampling` shows the scene again once there is a run.
+        // While the run is still being made, nothing can be shown. Once there is a run, `State::finish_sampling` shows the scene again.
         arrive_at(&scene, run, source, context);
     }
 }

@@ -76,6 +76,7 @@ impl Time {
             TimeCommand::Loop(range) => self.playback.range = range,
         }
 
+        // Marks and passes follow to the new moment.
         run.moved(before);
     }
 
@@ -175,6 +176,7 @@ impl Time {
 
         self.continuing = None;
         if let Stop::BadCondition(index, error) = stop {
+            // The message counts breakpoints from 1.
             let text = format!(
                 "The condition of breakpoint {} cannot be evaluated: {error}",
                 index + 1

@@ -15,7 +15,7 @@ use crate::layout::{Layout, Panel};
 use crate::rules::UndoPart;
 use crate::scenes::SceneCommand;
 
-/// The most steps that are kept.
+/// The most steps that are kept. Chosen, not measured.
 const MAX_STEPS: usize = 200;
 
 /// The input of the current run, so that it can be made again.
@@ -148,7 +148,7 @@ impl Change {
     fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
-            // Hidden panels come back, or the other way round; the tabs that were opened meanwhile stay open.
+            // The change hid panels or brought some back. The tabs that were opened meanwhile stay open.
             UndoPart::Layout if memento.layout.hidden() != layout.hidden() => {
                 context.ask(Effect::Layout(with_tabs_of(memento.layout, layout)));
             }
@@ -307,6 +307,7 @@ impl History {
         let Some(change) = from.pop() else {
             return;
         };
+        // Doing the same once more, while the notice shows the question, is the answer to it.
         let question = change.question(&now);
         if let Some(question) = question.filter(|question| asked != Some(question)) {
             from.push(change);

@@ -55,8 +55,8 @@ impl SavedView {
         context.ask(Effect::Layout(self.layout.clone()));
 
         let run = &mut runs.first;
-        let camera = self.camera.unwrap_or(run.camera);
-        run.take_camera(self.camera, camera);
+        let without_canvas = self.camera.unwrap_or(run.camera);
+        run.take_camera(self.camera, without_canvas);
 
         // The passes of the GPU are not saved, so that a clock of passes is not applied.
         let clock = self.playback.clock_of_events();

@@ -161,7 +161,7 @@ impl State {
                     return self.in_class(|class, context| class.arrive_at_step(&run, context));
                 }
 
-                // A run that was made because a parameter changed shows the same stage as the run before it.
+                // A run that was made because a parameter changed shows the same stage as the run before it, unless that showed its end.
                 let run = &self.runs.first;
                 let is_live = self.form.live && !run.is_at_end();
                 let stage = run.current_stage().filter(|_| is_live);
@@ -308,6 +308,7 @@ impl State {
                     Err(error) => return self.messages.tell(sentence(&error.to_string()), true),
                 }
             }
+            // A saved run always has events.
             (SavedContent::Run(_), None) => return,
             (SavedContent::Combination(_), _) => None,
         };
@@ -320,6 +321,7 @@ impl State {
                 self.form.draft = Draft::from_parameters(saved.parameters);
                 self.form.own_pattern.clone_from(&session.own);
             }
+            // Opening a layout can be undone. After a session is opened, the steps are dropped below.
             SavedContent::Combination(_) => self.remember_run(UndoPart::Run),
         }
         // A selection in the run before means nothing in this one.
@@ -335,8 +337,8 @@ impl State {
                 saved.view
             }
             SavedContent::Combination(Some(saved)) => {
-                let stages = run.session.as_ref().map_or(0, |made| made.stages.len());
-                run.set_stage(saved.stage.min(stages.saturating_sub(1)));
+                let stage_count = run.session.as_ref().map_or(0, |made| made.stages.len());
+                run.set_stage(saved.stage.min(stage_count.saturating_sub(1)));
                 saved.view
             }
             // A layout has no view.

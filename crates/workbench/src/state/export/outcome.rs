@@ -69,6 +69,7 @@ impl Exports {
         delivery: Delivery,
         context: &mut Context,
     ) {
+        // One export runs at a time.
         if self.work.is_some() {
             return;
         }
@@ -197,7 +198,8 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
-            // A result is expected to be valid, so that this is said only of the samples of a moment.
+            // A result is expected to be valid, so that this is said only of the samples of a moment. Of nested levels, `valid` is about each
+            // level, and the report about the whole set.
             if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }

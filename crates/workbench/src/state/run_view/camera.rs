@@ -97,6 +97,7 @@ impl RunView {
             (self.camera, self.flight) = (self.framing(center, radii), None);
         }
         self.camera = self.within_scales(self.camera);
+        // A fitted domain has every place in view.
         if self.fitted {
             return;
         }

@@ -286,7 +286,7 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 return;
             };
             if let Some(cause) = why::cause(debugger.recording(), last) {
-                // The cursor behind the cause, as the moment after it shows its effect.
+                // The cursor goes behind the cause, because the moment after it shows its effect.
                 debugger.jump(cause + 1);
             }
         }

@@ -62,6 +62,7 @@ impl RunView {
         self.show_whole(session.summary.count);
         self.session = Some(Arc::clone(session));
         self.debug(session, context);
+        // Of a recorded run, the end is shown.
         if let Some(debugger) = &mut self.debugger {
             debugger.jump(usize::MAX);
         }
@@ -164,6 +165,7 @@ impl RunView {
 
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
+            // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
             let is_analysed = asked.is_analysed;
             let wanted = Wanted {
                 spectrum: is_analysed,
