@@ -56,12 +56,22 @@ pub struct Notice {
 }
 
 impl Notice {
-    /// Returns a notice without a folder.
+    /// Returns a notice that something went wrong, without a folder.
     #[must_use]
-    pub const fn new(text: String, is_error: bool) -> Self {
+    pub const fn error(text: String) -> Self {
         Self {
             text,
-            is_error,
+            is_error: true,
+            folder: None,
+        }
+    }
+
+    /// Returns a notice that is no error, without a folder.
+    #[must_use]
+    pub const fn remark(text: String) -> Self {
+        Self {
+            text,
+            is_error: false,
             folder: None,
         }
     }
@@ -149,14 +159,14 @@ impl State {
         match command {
             // A layer that would show the answer is refused alone; others can be switched.
             Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
-                self.messages.tell(HIDDEN_LAYER.to_owned(), false);
+                self.messages.tell(HIDDEN_LAYER.to_owned());
             }
             _ if lessons.veil().is_some() && command.rules().reveals => {
-                self.messages.tell(VEILED.to_owned(), false);
+                self.messages.tell(VEILED.to_owned());
             }
             // A script, or a page or file of others, may name a number that is not there.
             _ => match self.runs.index_refusal(command) {
-                Some(text) => self.messages.tell(format!("{text}."), true),
+                Some(text) => self.messages.tell_error(format!("{text}.")),
                 None => return false,
             },
         }

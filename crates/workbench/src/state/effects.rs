@@ -132,8 +132,14 @@ impl Context {
         }
     }
 
-    pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.ask(Effect::Tell(Notice::new(text, is_error)));
+    /// Asks for a notice that is no error.
+    pub(super) fn tell(&mut self, text: String) {
+        self.ask(Effect::Tell(Notice::remark(text)));
+    }
+
+    /// Asks for a notice that something went wrong.
+    pub(super) fn tell_error(&mut self, text: String) {
+        self.ask(Effect::Tell(Notice::error(text)));
     }
 
     /// Returns the generation for a session that is about to be made.
@@ -276,7 +282,12 @@ impl State {
         use classroom::Effect as E;
 
         match effect {
-            E::Tell { text, is_error } => self.messages.tell(text, is_error),
+            E::Tell { text, is_error } => {
+                self.messages.notice = Some(Notice {
+                    is_error,
+                    ..Notice::remark(text)
+                });
+            }
             E::EndTour => self.end_tour(),
             E::Begin => {
                 self.end_tour();

@@ -59,7 +59,7 @@ impl Runs {
                 context.ask(Effect::RememberRun(UndoPart::Run));
                 context.ask(Effect::Make(Box::new(Made::Combination(layout))));
             }
-            Err(error) => context.tell(sentence(&error.to_string()), true),
+            Err(error) => context.tell_error(sentence(&error.to_string())),
         }
     }
 

@@ -113,7 +113,7 @@ impl Exports {
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
                 if let Some(why) = crate::files::dialog::refusal() {
-                    return context.tell(why, true);
+                    return context.tell_error(why);
                 }
                 let form = self.sheet.as_ref();
                 let browse = |form| crate::export::browse::browse(form, &context.wake);

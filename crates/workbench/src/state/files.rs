@@ -106,7 +106,7 @@ impl FileState {
             Some(Ok(lesson)) => {
                 return context.ask(Effect::Issue(Box::new(Command::Lesson(lesson))));
             }
-            Some(Err(why)) => return context.tell(why, true),
+            Some(Err(why)) => return context.tell_error(why),
             None => {}
         }
 
@@ -232,7 +232,7 @@ impl FileState {
         #[cfg(not(target_arch = "wasm32"))]
         match files::dialog::refusal() {
             _ if self.in_browser() => {}
-            Some(why) => context.tell(why, true),
+            Some(why) => context.tell_error(why),
             None => self.finding = Some((form.purpose, files::browse(form, &context.wake))),
         }
         #[cfg(target_arch = "wasm32")]
@@ -263,14 +263,14 @@ impl FileState {
         let Some(first) = names.first() else {
             // All files were refused. The reason for the first one is told.
             if let Some(why) = refused.first() {
-                context.tell(tilescope_session::words::ended(why), true);
+                context.tell_error(tilescope_session::words::ended(why));
             }
             return;
         };
 
         if self.filing.is_some() {
             let text = format!("{first} was not opened: another file is being read or written.");
-            context.tell(text, true);
+            context.tell_error(text);
             return;
         }
 
@@ -357,7 +357,7 @@ impl FileState {
         } else if self.in_browser() {
             // A page cannot open a path.
             let text = "Choose the file with Browse, or drop it on the window.";
-            context.tell(text.to_owned(), true);
+            context.tell_error(text.to_owned());
         } else {
             #[cfg(not(target_arch = "wasm32"))]
             self.begin_reading(
@@ -481,7 +481,7 @@ impl FileState {
             (_, None) => "No curve is shown: choose its number first.".to_owned(),
         };
 
-        context.tell(why, true);
+        context.tell_error(why);
     }
 
     /// Writes a file, by default a new one beside where the program runs; on a page, downloads it.
@@ -531,10 +531,10 @@ fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
             let text = format!("Saved as {}.", path.display());
             context.ask(Effect::Tell(Notice {
                 folder: path.parent().map(Path::to_owned),
-                ..Notice::new(text, false)
+                ..Notice::remark(text)
             }));
         }
-        Err(error) => context.tell(sentence(&error.to_string()), true),
+        Err(error) => context.tell_error(sentence(&error.to_string())),
     }
 }
 

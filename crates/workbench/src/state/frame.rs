@@ -144,7 +144,7 @@ impl State {
 
     /// Shows a notice about something that the window could not do.
     pub fn report(&mut self, error: String) {
-        self.messages.notice = Some(Notice::new(error, true));
+        self.messages.notice = Some(Notice::error(error));
     }
 
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
@@ -177,7 +177,7 @@ impl State {
             self.window.full_screen = FullScreen::Refused(why);
         }
         if !start.reason.is_empty() {
-            self.messages.notice = Some(Notice::new(start.reason.clone(), true));
+            self.messages.notice = Some(Notice::error(start.reason.clone()));
         }
 
         self.with(|state, context| state.gpu.begin_on_page(start, context));

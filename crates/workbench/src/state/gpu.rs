@@ -125,7 +125,7 @@ impl GpuState {
         {
             let text = format!("The GPU cannot be used. {reason} The CPU engine samples instead.");
             self.engine = EngineChoice::Auto;
-            context.tell(text, true);
+            context.tell_error(text);
         }
     }
 

@@ -227,7 +227,7 @@ impl Link {
         }
         let link = format!("{}#{fragment}", address.unwrap_or_default());
         context.ask(Effect::Copy(link));
-        context.tell(text, false);
+        context.tell(text);
     }
 }
 

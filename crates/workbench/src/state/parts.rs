@@ -142,15 +142,20 @@ impl Messages {
         self.announcer.announcement.clone()
     }
 
-    /// Shows a notice in place of the one that is shown.
-    pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.notice = Some(Notice::new(text, is_error));
+    /// Shows a notice that is no error, in place of the one that is shown.
+    pub(super) fn tell(&mut self, text: String) {
+        self.notice = Some(Notice::remark(text));
+    }
+
+    /// Shows an error, in place of the notice that is shown.
+    pub(super) fn tell_error(&mut self, text: String) {
+        self.notice = Some(Notice::error(text));
     }
 
     /// Shows a notice that only confirms a command.
     pub(super) fn tell_briefly(&mut self, text: String) {
         self.brief = Some(text.clone());
-        self.tell(text, false);
+        self.tell(text);
     }
 
     /// Shows a notice that concerns one of the runs.
@@ -167,7 +172,10 @@ impl Messages {
             Some(notice) => (format!("{} {message}", notice.text), notice.is_error),
             None => (message.to_owned(), false),
         };
-        self.notice = Some(Notice::new(text, is_error || was_error));
+        self.notice = Some(Notice {
+            is_error: is_error || was_error,
+            ..Notice::remark(text)
+        });
     }
 
     /// Shows the warnings about a link, after an existing notice.

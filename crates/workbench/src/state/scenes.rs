@@ -281,7 +281,7 @@ fn arrive_at(scene: &SavedScene, run: &mut RunView, source: &SceneSource, contex
     let marked = debugger.marked(scene);
     let Some(cursor) = marked.cursor() else {
         let text = "This run has no such moment: the scene was made in another run.";
-        return context.tell(text.to_owned(), false);
+        return context.tell(text.to_owned());
     };
 
     // Play would leave the moment of the scene at once.

@@ -181,7 +181,7 @@ impl Time {
                 "The condition of breakpoint {} cannot be evaluated: {error}",
                 index + 1
             );
-            context.tell(tilescope_session::words::sentence(&text), true);
+            context.tell_error(tilescope_session::words::sentence(&text));
         }
     }
 

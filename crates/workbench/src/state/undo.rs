@@ -311,7 +311,7 @@ impl History {
         let question = change.question(&now);
         if let Some(question) = question.filter(|question| asked != Some(question)) {
             from.push(change);
-            return context.tell(question, false);
+            return context.tell(question);
         }
 
         let (layout, made) = (now.layout.clone(), now.made.clone());

@@ -33,7 +33,7 @@ impl State {
     pub(super) fn run(&mut self) {
         // The button is off then; scripts, links and pages that embed the window are told why nothing runs.
         if let Some(why) = self.form.refusal(&self.gpu) {
-            return self.messages.tell(why, true);
+            return self.messages.tell_error(why);
         }
         self.stop_making();
         let recipe = self.form.recipe();
@@ -186,7 +186,7 @@ impl State {
                 self.messages.tell_of(which, not_made(&error, is_kept));
             }
             Err(failure) => {
-                let notice = Notice::new(sentence(&failure), true);
+                let notice = Notice::error(sentence(&failure));
                 self.messages.tell_of(which, notice);
             }
         }
@@ -284,11 +284,11 @@ impl State {
                 "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
                  The passes of the GPU show where the two diverge."
             );
-            self.messages.tell_of(which, Notice::new(text, true));
+            self.messages.tell_of(which, Notice::error(text));
         }
         if let Some(failure) = failure {
             let text = self.gpu.failed(failure);
-            self.messages.tell_of(which, Notice::new(text, true));
+            self.messages.tell_of(which, Notice::error(text));
         }
     }
 
@@ -305,7 +305,7 @@ impl State {
             (SavedContent::Run(saved), Some(recording)) => {
                 match Debugger::resume(saved, Arc::clone(recording)) {
                     Ok(debugger) => Some(debugger),
-                    Err(error) => return self.messages.tell(sentence(&error.to_string()), true),
+                    Err(error) => return self.messages.tell_error(sentence(&error.to_string())),
                 }
             }
             // A saved run always has events.
@@ -354,7 +354,7 @@ impl State {
                 "{path} is open. These parts of its view are invalid and were left out: {}.",
                 dropped.join(", ")
             );
-            self.messages.tell(text, false);
+            self.messages.tell(text);
         }
         // The session of an earlier use of the program was in no file of the user's.
         if path != LAST_SESSION {
@@ -513,8 +513,8 @@ fn not_made(error: &MakeError, is_kept: bool) -> Notice {
     match error.cancelled() {
         Some(stage) => {
             let text = format!("Cancelled during stage \"{stage}\".{kept}");
-            Notice::new(text, false)
+            Notice::remark(text)
         }
-        None => Notice::new(sentence(&error.to_string()), true),
+        None => Notice::error(sentence(&error.to_string())),
     }
 }

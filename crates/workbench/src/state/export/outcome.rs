@@ -77,7 +77,7 @@ impl Exports {
         let job = match self.job(source) {
             Ok(job) => job,
             Err(refusal) => {
-                return context.tell(format!("Nothing was exported. {refusal}"), true);
+                return context.tell_error(format!("Nothing was exported. {refusal}"));
             }
         };
 
@@ -111,7 +111,7 @@ impl Exports {
                     self.apply(ExportCommand::Path(path), source, delivery, context);
                 }
                 Ok(None) => {}
-                Err(failure) => context.tell(sentence(&failure), true),
+                Err(failure) => context.tell_error(sentence(&failure)),
             }
         }
 
@@ -145,13 +145,13 @@ impl Exports {
             }
             Ok(Err(WriteError::Cancelled)) => {
                 let text = "The export was cancelled; no file was written.";
-                context.tell(text.to_owned(), false);
+                context.tell(text.to_owned());
             }
             Ok(Err(error)) => {
                 let text = format!("Nothing was exported: {error}");
-                context.tell(sentence(&text), true);
+                context.tell_error(sentence(&text));
             }
-            Err(failure) => context.tell(sentence(&failure), true),
+            Err(failure) => context.tell_error(sentence(&failure)),
         }
 
         // The file may exist by now, and then the sheet must ask before it is replaced.
@@ -171,8 +171,9 @@ impl Exports {
         let path = std::path::absolute(&written.path).ok();
         let folder = path.as_deref().and_then(std::path::Path::parent);
         context.ask(Effect::Tell(Notice {
+            text,
+            is_error,
             folder: folder.filter(|_| download.is_none()).map(PathBuf::from),
-            ..Notice::new(text, is_error)
         }));
     }
 }

@@ -31,7 +31,7 @@ impl FileState {
                 #[cfg(target_arch = "wasm32")]
                 Ok(found) if is_same_purpose => {
                     if let Some(why) = found.refused.first() {
-                        context.tell(ended(why), true);
+                        context.tell_error(ended(why));
                     }
                     if !found.files.is_empty() {
                         let chosen = FileCommand::Chosen(found.files);
@@ -39,7 +39,7 @@ impl FileState {
                     }
                 }
                 Ok(_) => {}
-                Err(failure) => context.tell(sentence(&failure), true),
+                Err(failure) => context.tell_error(sentence(&failure)),
             }
         }
 
@@ -101,7 +101,7 @@ impl FileState {
                 let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
                 let begins = names.any(|name| why.starts_with(name));
                 let text = if begins { ended(&why) } else { sentence(&why) };
-                context.tell(text, true);
+                context.tell_error(text);
             }
         }
 
@@ -134,7 +134,7 @@ impl FileState {
                     let text = format!(
                         "{name} is compared with this run: its curves are drawn dashed in the analysis. It cannot be used as a pattern: {why}. A pattern must be maximal and come with its certificate."
                     );
-                    context.tell(text, false);
+                    context.tell(text);
                 }
                 context.ask(Effect::OpenPanel(Panel::Analysis));
                 context.ask(Effect::Against(Arc::new(*file)));
@@ -155,7 +155,7 @@ impl FileState {
                     own.file.path
                 );
                 context.ask(Effect::Pattern(Box::new(own)));
-                context.tell(text, false);
+                context.tell(text);
             }
         }
     }
@@ -166,7 +166,7 @@ impl FileState {
                 " The second run was not saved: it is not finished, or its pattern comes from a file.",
             );
         }
-        context.tell(text, false);
+        context.tell(text);
         runs.first.session_path = Some(path);
         self.scenes_are_saved(&runs.first);
     }

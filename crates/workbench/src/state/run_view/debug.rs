@@ -125,7 +125,7 @@ impl RunView {
         match &mut self.debugger {
             Some(debugger) => {
                 if let Err(error) = debugger.put_stops(stops) {
-                    context.tell(tilescope_session::words::sentence(&error.to_string()), true);
+                    context.tell_error(tilescope_session::words::sentence(&error.to_string()));
                 }
             }
             None => self.stops = stops,

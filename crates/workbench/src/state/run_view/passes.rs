@@ -103,7 +103,7 @@ impl RunView {
         };
         match Passes::new(gpu, &session.run().parameters, &context.wake) {
             Ok(passes) => self.passes = Some(passes),
-            Err(refusal) => context.tell(sentence(&refusal), true),
+            Err(refusal) => context.tell_error(sentence(&refusal)),
         }
     }
 }

@@ -162,7 +162,7 @@ impl RunView {
     pub(in crate::state) fn go_to_rise(&mut self, direction: Direction, context: &mut Context) {
         let (Some(points), Some((cursor, _))) = (self.curve.points(), self.cursor()) else {
             let why = "There is no curve: choose a number of the run first.";
-            return context.tell(why.to_owned(), false);
+            return context.tell(why.to_owned());
         };
         let Some(risen) = points.rise(cursor, direction) else {
             let there = match direction {
@@ -170,7 +170,7 @@ impl RunView {
                 Direction::Backwards => "before",
             };
             let why = format!("The curve does not rise {there} this moment.");
-            return context.tell(why, false);
+            return context.tell(why);
         };
         self.jump(risen);
     }
@@ -202,7 +202,7 @@ impl RunView {
 
         if stop == Stop::End {
             let text = none_there(target, direction);
-            context.tell(tilescope_session::words::sentence(&text), false);
+            context.tell(tilescope_session::words::sentence(&text));
         }
     }
 
