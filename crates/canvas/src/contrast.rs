@@ -4,9 +4,9 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::scene::Scene;
 
-/// With more marks in view none are drawn, since they would merge into a surface.
+/// With more marks in view none are drawn, since they would merge into a surface. Chosen, not measured.
 const MAX_MARKS: usize = 60_000;
-/// Largest share of the picture that marks may cover; beyond it they hide the samples they mark.
+/// Largest share of the picture that marks may cover; beyond it they hide the samples they mark. Chosen, not measured.
 const MAX_INK: f32 = 0.25;
 /// Line width of a mark, in screen points.
 const WIDTH: f32 = 1.5;
@@ -24,6 +24,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     // by.
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
+    // Each mark has a place, and whether it is a whole square.
     let there = contrast
         .there
         .iter()

@@ -1,5 +1,5 @@
 //! The tag beside the pointer: the sample under it and its status, or else the gap, or else the block. The tag does not
-//! cover the object that it names.
+//! cover the object that it names. Sizes were chosen, not measured.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use glam::DVec2;
@@ -236,6 +236,7 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
     let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
 
+    // `x` is 1 to the right and -1 to the left; `y` is 1 downwards and -1 upwards.
     let (anchor, x) = match (to_right, above) {
         (true, true) => (Align2::LEFT_BOTTOM, 1.0),
         (true, false) => (Align2::LEFT_TOP, 1.0),

@@ -1,4 +1,5 @@
 //! Overlays: scale bar, coordinates, remarks, and a marker at the conflict or gap that decides a verdict.
+//! Sizes are in screen points, and were chosen, not measured.
 
 use glam::DVec2;
 

@@ -8,7 +8,7 @@ use egui::{Color32, ColorImage, Context, Mesh, Shape, TextureHandle, TextureId, 
 
 use tilescope_drawing::{DISK_FILL, DISK_RING};
 
-/// Number of meshes kept to reuse their memory.
+/// Number of meshes kept to reuse their memory. Chosen, not measured.
 const MAX_SPARE: usize = 16;
 
 /// A symbol that is drawn as a texture.

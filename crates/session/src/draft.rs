@@ -38,7 +38,7 @@ pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Parameter, D
     Err(D::Error::custom(format!("{key} is chosen, not typed")))
 }
 
-/// Runs of so many samples are worth a word before they start.
+/// Runs of so many samples are worth a word before they start. Chosen, not measured.
 const MANY_SAMPLES: f64 = 2e7;
 /// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
 const BYTES_PER_SAMPLE: f64 = 90.0;

@@ -17,7 +17,7 @@ use tilescope_formats::{
 use crate::limits::MAX_PATTERN_BYTES;
 use crate::words::last_part;
 
-/// The most files that are read when several are opened together.
+/// The most files that are read when several are opened together. Chosen, not measured.
 pub const MAX_FILES: usize = 64;
 
 /// A file in memory.

@@ -25,7 +25,8 @@ pub enum Witness {
     LargestHole,
 }
 
-/// The most samples of a valid set whose closest pair and largest empty circle are found: each takes another verification.
+/// The most samples of a valid set whose closest pair and largest empty circle are found: each takes another
+/// verification. Chosen, not measured.
 const MAX_EXTREMES: usize = 3_000_000;
 /// The closest pair and the largest circle of a valid set are found by verifying it once more, with limits that are tighter
 /// than theirs by this factor.

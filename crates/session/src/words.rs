@@ -111,7 +111,7 @@ pub fn last_part(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// The most characters of a text from outside that are shown.
+/// The most characters of a text from outside that are shown. Chosen, not measured.
 const MAX_QUOTED: usize = 40;
 
 /// Returns a text from outside, shortened and on one line, so that it can be shown.

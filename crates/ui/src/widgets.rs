@@ -1,5 +1,5 @@
 //! Small widgets: chips, icon buttons, headings, rows of names and numbers. They draw and report clicks, and do not
-//! read the state.
+//! read the state. Sizes are in screen points; they and opacities were chosen, not measured.
 
 use std::fmt::{self, Debug, Display, Formatter, Write};
 

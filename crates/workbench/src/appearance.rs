@@ -51,7 +51,7 @@ impl Appearance {
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
             AppearanceCommand::Look(look) => self.choose_look(look),
-            // The key that enters projector mode also leaves it.
+            // The key that enters projector mode also leaves it, for the look from before.
             AppearanceCommand::ToggleProjector => self.choose_look(match self.look {
                 look if look.is_projector() => self.look_before,
                 _ => Look::Projector,

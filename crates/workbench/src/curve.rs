@@ -21,7 +21,7 @@ pub use figure::CurveFormat;
 
 /// The heights that a curve can have, in screen points: that of a sparkline, and that of a chart of the analysis.
 pub const HEIGHTS: [u16; 2] = [40, 200];
-/// The height of a curve that was not resized.
+/// The height of a curve that was not resized. Chosen, not measured.
 pub const HEIGHT: u16 = 84;
 /// The counted steps between two looks at whether the curve is still wanted: those of five frames, so that another number that
 /// the user chooses need not wait long.

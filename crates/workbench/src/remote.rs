@@ -377,7 +377,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "give-up") => LessonCommand::GiveUp,
         ("act", "clear") => LessonCommand::ClearResults,
         ("act", "keep") => LessonCommand::KeepResults,
-        // The number draws the run on which the question is asked again.
+        // The number draws the run on which the question is asked again; it is 0 if a page names none.
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
         _ => return refuse_unless_one_of(&ACTS),
     }))

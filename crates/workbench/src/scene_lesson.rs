@@ -10,7 +10,7 @@ use tilescope_session::layers::Layer;
 use crate::scenes::split_caption;
 use crate::view::{SavedView, SceneCamera};
 
-/// The longest title, in characters: a longer first sentence becomes a part of the text.
+/// The longest title, in characters: a longer first sentence becomes a part of the text. Chosen, not measured.
 const TITLE: usize = 70;
 
 /// Returns the text of a lesson with a step for each scene: the first sentence of its caption as title, the rest as text,

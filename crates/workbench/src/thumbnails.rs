@@ -17,7 +17,7 @@ use crate::view::SceneCamera;
 
 /// Width and height of a picture, in points of the window.
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
-/// How much larger the picture is laid out than it is shown, so that lines and texts are small.
+/// How much larger the picture is laid out than it is shown, so that lines and texts are small. Chosen, not measured.
 const LAID_OUT: f64 = 3.0;
 /// The height of a picture that shows the surroundings of an event, in r. Chosen, not measured.
 const NEAR: f64 = 14.0;

@@ -115,7 +115,8 @@ impl SavedView {
         let camera = parts.take("camera", |Camera { center, scale }| {
             Camera::checked(center, scale)
         });
-        // A view that is fitted to the domain needs no camera; a file may nevertheless have one.
+        // A view that is fitted to the domain needs no camera, even if a file has one. Any other view has the saved camera, or that of
+        // `now`.
         match parts.take("fitted", Some) {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),

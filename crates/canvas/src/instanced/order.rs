@@ -10,13 +10,14 @@ use tilescope_session::units::{radii, size};
 
 /// About every 64th sample, then every 16th, every fourth, and the rest.
 const LEVELS: usize = 4;
-/// The smallest distances between the samples of a level and those before, in r; the last level has the rest.
+/// The smallest distances between the samples of a level and those before, in r. At half the distance there are about four times
+/// the samples. The last level has the rest.
 const DISTANCES: [f64; LEVELS - 1] = [8.0, 4.0, 2.0];
-/// Most cells of the grid; a level holds their offsets.
+/// Most cells of the grid; a level holds their offsets. Chosen, not measured.
 const MAX_CELLS: f64 = 65_536.0;
-/// The shortest side of a cell, in r.
+/// The shortest side of a cell, in r. Chosen, not measured.
 const MIN_CELL: f64 = 4.0;
-/// Ranges closer than this are drawn in one call.
+/// Ranges closer than this are drawn in one call. Chosen, not measured.
 const MAX_SKIPPED: u32 = 64;
 /// How far outside its domain a sample may lie, in r, with some slack: bounded domains drop such samples.
 const BEYOND: f64 = 1.5;

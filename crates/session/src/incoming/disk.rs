@@ -9,7 +9,7 @@ use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_beside, certificate_p
 use super::{Incoming, NamedBytes, Unread, too_long};
 use crate::jobs::Monitor;
 
-/// The bytes read between two checks for cancellation.
+/// The bytes read between two checks for cancellation. Chosen, not measured.
 const CHUNK: u64 = 1 << 20;
 
 /// Fails unless the path is a regular file of at most `limit` bytes: a device or a pipe might never end.

@@ -14,7 +14,7 @@ use tilescope_session::task::{self, Task};
 use super::measured::{Samples, missing, refusal};
 use super::{name_of, samples};
 
-/// The most moments whose measures are cached.
+/// The most moments whose measures are cached. Chosen, not measured.
 pub const MAX_KEPT: usize = 48;
 
 /// The measures of a moment.

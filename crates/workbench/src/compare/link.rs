@@ -23,6 +23,7 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
         Some(&Divergence::Ends { event, .. }) => Some([event; 2]),
+        // The runs are not compared yet, or differ in a domain or a stage, not in an event.
         _ => None,
     }
 }

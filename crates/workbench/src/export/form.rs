@@ -14,13 +14,13 @@ use crate::clock::Clock;
 
 /// The smallest scale: pixels for a point of the window.
 pub const MIN_SCALE: f64 = 0.5;
-/// The largest scale, in pixels for a point of the window.
+/// The largest scale, in pixels for a point of the window. Chosen, not measured.
 pub const MAX_SCALE: f64 = 8.0;
-/// The most ticks from frame to frame.
+/// The most ticks from frame to frame. Chosen, not measured.
 pub const MAX_EVERY: usize = 10_000_000;
 /// The shortest time for a frame, in ms: viewers slow shorter ones down.
 pub const MIN_DELAY_MS: u32 = 20;
-/// The longest time for a frame, in ms.
+/// The longest time for a frame, in ms. Chosen, not measured.
 pub const MAX_DELAY_MS: u32 = 60_000;
 
 /// A typed number of the sheet.

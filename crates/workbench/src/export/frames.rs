@@ -8,7 +8,7 @@ use tilescope_session::session::Session;
 use super::refusal::ExportRefusal;
 use crate::clock::Clock;
 
-/// The most frames of an animation.
+/// The most frames of an animation. Chosen, not measured.
 pub const MAX_FRAMES: usize = 600;
 /// The approximate number of frames proposed for an animation. Chosen, not measured.
 const AT_FIRST: usize = 120;

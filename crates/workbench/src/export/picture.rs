@@ -11,7 +11,7 @@ use tilescope_session::session::Session;
 use super::provenance::provenance;
 use super::refusal::ExportRefusal;
 
-/// The most samples that a picture draws.
+/// The most samples that a picture draws. Chosen, not measured.
 pub const MAX_DRAWN: usize = 1_000_000;
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.

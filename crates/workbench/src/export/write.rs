@@ -31,7 +31,8 @@ use tilescope_session::jobs::Monitor;
 use tilescope_session::moment::Moment;
 use tilescope_sets::{point_set, region};
 
-/// The longest animation that is made in memory, in bytes: a browser's tab crashes when it runs out of memory.
+/// The longest animation that is made in memory, in bytes: a browser's tab crashes when it runs out of memory. Chosen,
+/// not measured.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
 /// An export whose files were made.
@@ -346,6 +347,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         // The 0.3 is an estimate: laying out a picture takes less time than encoding it.
         monitor.set_fraction((index as f32 + 0.3) / count as f32);
         go_on(monitor)?;
+        // The form has refused extensions of other formats than these two.
         let bytes = match extension(&path).as_deref() {
             Some("svg") => to_svg(&drawn)?.into_bytes(),
             _ => match to_png_controlled(&drawn, scale, &mut |_, _| flow(monitor)) {

@@ -1,6 +1,6 @@
 //! Warnings about parts of a link, limited in number.
 
-/// The most warnings that are kept; others are counted.
+/// The most warnings that are kept; others are counted. Chosen, not measured.
 const MAX_WARNINGS: usize = 8;
 
 /// Warnings about parts of a link that were changed or ignored.

@@ -189,7 +189,7 @@ impl State {
             match effect {
                 Effect::Tell(notice) => self.messages.tell_of(which, notice),
                 Effect::TellBriefly(text) => self.messages.tell_briefly(text),
-                Effect::Add(text) => self.messages.add(&text, false),
+                Effect::Add(text) => self.messages.add(Notice::remark(text)),
                 Effect::CloseNotice => self.messages.notice = None,
                 Effect::Copy(text) => self.window.copied = Some(text),
                 Effect::Download(file) => self.files.downloads.push(file),

@@ -166,22 +166,22 @@ impl Messages {
         self.notice = Some(notice);
     }
 
-    /// Appends to the notice, or shows a new one, which is an error if this is one or the notice was.
-    pub(super) fn add(&mut self, message: &str, is_error: bool) {
-        let (text, was_error) = match self.notice.take() {
-            Some(notice) => (format!("{} {message}", notice.text), notice.is_error),
-            None => (message.to_owned(), false),
+    /// Appends to the notice that is shown, or shows a new one. It is an error if either part is one.
+    pub(super) fn add(&mut self, added: Notice) {
+        let whole = match self.notice.take() {
+            Some(shown) => Notice {
+                is_error: shown.is_error || added.is_error,
+                ..Notice::remark(format!("{} {}", shown.text, added.text))
+            },
+            None => added,
         };
-        self.notice = Some(Notice {
-            is_error: is_error || was_error,
-            ..Notice::remark(text)
-        });
+        self.notice = Some(whole);
     }
 
     /// Shows the warnings about a link, after an existing notice.
     pub(super) fn warn(&mut self, warnings: &LinkWarnings) {
         if !warnings.is_empty() {
-            self.add(&warnings.text(), true);
+            self.add(Notice::error(warnings.text()));
         }
     }
 

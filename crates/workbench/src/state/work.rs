@@ -26,7 +26,7 @@ use crate::rules::UndoPart;
 use crate::scenes::SceneList;
 use crate::view::SavedView;
 
-/// Larger runs, in samples, do not start by themselves.
+/// Larger runs, in samples, do not start by themselves. Chosen, not measured.
 const MAX_LIVE: f64 = 50_000.0;
 
 impl State {

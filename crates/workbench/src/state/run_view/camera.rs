@@ -15,9 +15,9 @@ use crate::state::effects::{Context, Effect};
 
 /// The smallest distance at which a selection is kept from the edge of the view, in screen points. Chosen, not measured.
 const IN_VIEW: f32 = 32.0;
-/// The width of the view around the current event, in r. It shows a sample among all that can conflict with it, with their
+/// The width of the view around the current event or a sample, in r. It shows a sample among all that can conflict with it, with their
 /// neighbours.
-const CURRENT: f64 = 12.0;
+const NEIGHBOURHOOD: f64 = 12.0;
 /// The width in r from which on a view is narrowed when the camera follows the events. Chosen, not measured.
 const FOLLOWED: f64 = 40.0;
 
@@ -62,8 +62,7 @@ impl RunView {
                 self.pick(Selection::Sample(id), context);
                 if let Some(session) = &self.session {
                     let center = session.position(id);
-                    // A view of 12 radii shows a sample among all that can conflict with it, with their neighbours.
-                    self.fly_to(center, 12.0, context);
+                    self.fly_to(center, NEIGHBOURHOOD, context);
                 }
             }
 
@@ -273,7 +272,7 @@ impl RunView {
 
     fn go_to_current(&mut self, context: &Context) {
         if let Some(place) = self.current_place() {
-            self.fly_to(place, CURRENT, context);
+            self.fly_to(place, NEIGHBOURHOOD, context);
         }
     }
 
@@ -329,7 +328,7 @@ impl RunView {
 
         if is_wide || !self.inner_viewport().contains(at) {
             let radii = if is_wide {
-                CURRENT
+                NEIGHBOURHOOD
             } else {
                 room / camera.scale
             };

@@ -12,10 +12,10 @@ use tilescope_session::words::counted;
 use super::{FoundEvents, RunView};
 use crate::state::effects::Context;
 
-/// The most events that are marked.
+/// The most events that are marked. Chosen, not measured.
 pub const MAX_HITS: usize = 20_000;
 
-/// The number of evaluation errors after which counting stops.
+/// The number of evaluation errors after which counting stops. Chosen, not measured.
 const MAX_UNCLEAR: usize = 1_000;
 
 /// A session's generation, and the enabled breakpoints with their conditions.

@@ -6,7 +6,7 @@ use super::RunView;
 
 /// The duration of a transition, in seconds.
 pub(in crate::state) const TRANSITION_SECS: f32 = 0.35;
-/// The duration where a clip flies from the pattern to its block.
+/// The duration where a clip flies from the pattern to its block. Chosen, not measured.
 const CLIP_SECS: f32 = 1.0;
 
 /// How far the last event is drawn in.
