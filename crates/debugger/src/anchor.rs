@@ -140,7 +140,7 @@ impl Recording {
         })
     }
 
-    /// Returns the event of an anchor, if this run has it.
+    /// Returns the index of an anchor's event, if this run has it.
     #[must_use]
     pub fn anchored(&self, anchor: &Anchor) -> Option<usize> {
         let stages = self.stages();
@@ -150,17 +150,19 @@ impl Recording {
             self.classes()
                 .count(end, |other| other.kind() == anchor.kind)
         };
-        let wanted = before(events.start).checked_add(anchor.ordinal)?;
-        if wanted > before(events.end) {
+        // How many events of the kind the run has up to the wanted one and with it. An ordinal is read from a text and may
+        // be too large to be added.
+        let wanted_count = before(events.start).checked_add(anchor.ordinal)?;
+        if wanted_count > before(events.end) {
             return None;
         }
 
-        // Counts grow with the end. Find the lowest end with so many events of the kind before it; it lies just after the
-        // event.
+        // `before` never falls, so that a binary search finds the lowest end with so many events before it. The wanted
+        // event is the last one before this end.
         let (mut low, mut high) = (events.start, events.end);
         while low + 1 < high {
             let middle = usize::midpoint(low, high);
-            if before(middle) < wanted {
+            if before(middle) < wanted_count {
                 low = middle;
             } else {
                 high = middle;

@@ -66,13 +66,14 @@ impl Context {
             RunEvent::Iteration { number, .. } => self.enter(Stage::Iterate(number), number),
 
             RunEvent::Clip { block } => self.block = Some(block),
-            // Each of these makes a sample the current one. Deep inside a block a sample is kept without a turn.
+            // Each of these makes a sample the current one. `rest` marks a sample deep inside its block: it is kept without
+            // a turn, so that no `Take` comes before.
             RunEvent::Tiled { sample, .. }
             | RunEvent::Take { sample, .. }
             | RunEvent::Detect { sample }
             | RunEvent::Keep { sample, rest: true } => self.take(sample),
 
-            // Algorithm 4 as printed inserts in its first loop, before any event begins an iteration.
+            // Algorithm 4 as printed inserts already in its first loop, where no event begins an iteration: the call names it.
             RunEvent::Call { iteration, .. } => self.iteration = iteration,
             RunEvent::Test { other, .. } => self.other = Some(other),
 
@@ -81,9 +82,11 @@ impl Context {
                 (self.sample, self.search, self.examined) = (None, None, None);
             }
 
-            // As printed, an insertion happens during a search, whose sample remains the current one.
+            // Algorithm 4 as printed inserts while it goes through the samples of a search: the search's centre remains the
+            // current sample.
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
 
+            // A wake is no test, so that its dart has no verdict yet: it counts as accepted.
             RunEvent::Wake { point, .. } => self.dart = Some((point, Verdict::Accepted)),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
 
@@ -92,7 +95,7 @@ impl Context {
                 radius,
                 found,
             } => {
-                // The place examined before belongs to the search before.
+                // The candidate that was examined last belongs to the search before this one.
                 self.examined = None;
                 self.search = Some(NeighbourSearch {
                     centre,
@@ -116,7 +119,7 @@ impl Context {
                 });
             }
 
-            // The rest changes samples or the tree of blocks, not the places that a sample's turn looks at.
+            // All other events change samples or the tree of blocks, but not the context.
             _ => {}
         }
     }

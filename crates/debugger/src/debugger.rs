@@ -220,7 +220,7 @@ impl Debugger {
     }
 
     /// Like [`Self::run`], but calls `go_on` at the start and at every breakpoint whose condition does not hold. If it returns
-    /// false, the cursor stops there.
+    /// false, the cursor stays where it then is, and [`Stop::End`] is returned.
     pub fn run_while(&mut self, direction: Direction, go_on: &dyn Fn() -> bool) -> Stop {
         loop {
             if !go_on() {
@@ -233,14 +233,16 @@ impl Debugger {
                 enabled.any(|b| b.line == event.line())
             };
 
-            // Classes of events are asked, not events: a way past millions of events takes a few searches.
+            // `nearest` asks about one event of each class instead of every event, so that a run past millions of events
+            // takes a few binary searches.
             let hit = self.recording.classes().nearest(from, direction, armed);
             let Some(cursor) = hit else {
                 let forwards = direction == Direction::Forwards;
                 self.jump(if forwards { self.recording.len() } else { 0 });
                 return Stop::End;
             };
-            // Conditions see the state just before the line, which the jump makes.
+
+            // A condition is evaluated on the state just before the line, which the jump makes.
             self.jump(cursor);
             if let Some(stop) = self.stop_here() {
                 return stop;
@@ -388,7 +390,8 @@ impl Debugger {
 
     /// Returns the session as it was, on a recording of its run, such as [`Session::record`] makes.
     ///
-    /// Fails when the digest of the recording's result is not the saved one.
+    /// Fails when the session exceeds a limit, when the digest of the recording's result is not the saved one, and when the
+    /// session names an event or a line that there is not.
     pub fn resume(session: &Session, recording: Arc<Recording>) -> Result<Self, SessionError> {
         session.check()?;
         let found = digest(recording.run());
@@ -400,12 +403,13 @@ impl Debugger {
         let events = recording.len();
         let mut debugger = Self::new(recording, session.budget);
 
-        // Scenes of other runs name events that this run need not have.
+        // A scene without a run belongs to this one. Scenes of other runs may name events that this run does not have.
         let of_this = |scene: &&SavedScene| scene.run.is_empty() || scene.run == debugger.run_id();
         let scenes = session.scenes.iter().filter(of_this);
-        let named = scenes.map(|scene| scene.event);
-        // A cursor beyond the end would show another moment than the saved one.
-        if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
+        let mut cursors = scenes.map(|scene| scene.event).chain([session.cursor]);
+
+        // `jump` stops at the end of the run, which for a cursor beyond the end is not the saved moment.
+        if let Some(event) = cursors.find(|&event| event > events) {
             return Err(SessionError::NoSuchEvent { event, events });
         }
 

@@ -66,14 +66,16 @@ pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
         return different;
     }
 
-    // Two budgets leave out different tests, which are then no difference of the runs.
+    // Recordings with different budgets leave out different tests, although their runs are the same: then tests are not
+    // compared.
     let whole = a.tape().left_out() == 0 && b.tape().left_out() == 0;
     let mut left = events(a, whole);
     let mut right = events(b, whole);
 
     loop {
-        // Either an event differs, which ends the search, or one recording is longer.
-        let (more, index, a_goes_on) = match (left.next(), right.next()) {
+        // A pair of equal events continues the loop, and an unequal pair ends it. What comes out of the match is the first
+        // additional event of the longer recording.
+        let (longer, index, a_goes_on) = match (left.next(), right.next()) {
             (None, None) => return Divergence::Same,
             (Some((i, x)), Some((j, y))) => {
                 if equal(a, x, b, y) {
@@ -93,7 +95,7 @@ pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
         return Divergence::Ends {
             a_goes_on,
             event: index,
-            sentence: sentence(more, index),
+            sentence: sentence(longer, index),
         };
     }
 }
@@ -119,7 +121,7 @@ fn domains(a: &Domain, b: &Domain) -> Option<Divergence> {
     })
 }
 
-/// Returns the events that are compared.
+/// Returns the events that are compared, each with its index: all, or if `whole` is false those that are never left out.
 fn events(recording: &Recording, whole: bool) -> impl Iterator<Item = (usize, &Event)> {
     let stays = move |event: &Event| whole || !(event.is_detail() || event.left_out().is_some());
     recording
@@ -162,7 +164,8 @@ fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points)
     (bare, points)
 }
 
-/// Takes all ids of samples out of an event.
+/// Passes every id of a sample in an event to `take`, which replaces it. Of a candidate, the detector comes first, then the
+/// sites, then the sample of the verdict: [`with_points`] sorts the sites' points and relies on this order.
 fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
     match run_event {
         RunEvent::Tiled { sample, .. }
@@ -177,7 +180,7 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
         | RunEvent::Wake { behind: sample, .. }
         | RunEvent::Insert { sample, .. } => take(sample),
 
-        // Events with two samples: the order of the two has a meaning and stays.
+        // Of two samples, each has a part of its own in the event, so that they are taken in a fixed order.
         RunEvent::Test {
             pivot: a, other: b, ..
         }
@@ -203,7 +206,7 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
             take_from_verdict(verdict, take);
         }
 
-        // Nodes and blocks keep their numbers, which are compared as they are; the rest names no sample.
+        // All other events name no sample. Numbers of nodes and blocks stay: they are compared as they are.
         _ => {}
     }
 }
@@ -225,14 +228,15 @@ fn take_from_sites(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
     }
 }
 
-/// Returns the points that describe a node or a block: its corners, and its cut or the start of its clip.
+/// Returns the points that describe a node or a block, as its event only has its number: the corners of a node and its cut,
+/// the corners of a leaf, or the start of a clip and its symmetry; `None` in the places that are not used.
 fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
     let run = recording.run();
 
-    let (corners, third) = match run_event {
+    let (corners, cut) = match run_event {
         RunEvent::Split { index, .. } => {
             let split = run.blocks.splits.get(index as usize);
-            // The axis takes the place of a coordinate, so that cuts across x and y at one distance differ.
+            // A point serves to hold the axis and the plane, so that cuts across x and across y at one distance differ.
             let plane = split.map(|split| Point::new(split.axis as i32, split.plane));
             (split.map(|split| split.rect), plane)
         }
@@ -244,6 +248,7 @@ fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
 
         RunEvent::Clip { block } => {
             let tile = run.tiles.get(block as usize);
+            // Here, too, a point serves to hold a number.
             let symmetry = tile.map(|tile| Point::new(i32::from(tile.symmetry.0), 0));
             return [tile.map(|tile| tile.start), symmetry, None, None, None];
         }
@@ -252,5 +257,5 @@ fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
     };
 
     let ends = [corners.map(|rect| rect.min), corners.map(|rect| rect.max)];
-    [ends[0], ends[1], third, None, None]
+    [ends[0], ends[1], cut, None, None]
 }

@@ -265,7 +265,8 @@ impl Evaluator {
             .map_err(error)
     }
 
-    /// Returns a number of the moment at a cursor.
+    /// Returns the value of a number of the moment at a cursor: `()` where it is not defined, or if the recording was given
+    /// no numbers. A value that takes more than about `steps` counted steps is [`ExpressionError::Pending`].
     fn number(
         &self,
         number: &NumberName,
@@ -275,7 +276,8 @@ impl Evaluator {
         let Some(numbers) = self.recording.numbers() else {
             return Ok(Dynamic::UNIT);
         };
-        // Begun when an expression first names a number, as most expressions name none.
+
+        // Following the run costs time and memory, and most expressions name no number: it begins with the first that does.
         let followed = self
             .followed
             .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
@@ -285,8 +287,9 @@ impl Evaluator {
         let value = followed(name, cursor, steps).map_err(|why| ExpressionError::Evaluation {
             message: format!("the number \"{name}\": {why}"),
         })?;
+
         match value {
-            // A whole number is shown without decimals.
+            // A count becomes an integer, which is shown without decimals.
             NumberValue::Known(count) if number.is_count => Ok((count as i64).into()),
             NumberValue::Known(value) => Ok(value.into()),
             NumberValue::Undefined => Ok(Dynamic::UNIT),
@@ -305,15 +308,16 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
 
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
 
-    // A blank behind the end closes a word there.
+    // A space is added behind the text: it ends a word that reaches up to the end.
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
-        // Within quotes, only the sign that opened them ends them.
+        // A text in quotes ends with the sign that began it; the other signs of quotation are a part of it.
         if quote.is_some() {
             if quote == Some(c) {
                 quote = None;
             }
             continue;
         }
+
         if is_part(c) {
             start = start.or(Some(at));
             continue;
@@ -321,7 +325,7 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
 
         if let Some(from) = start.take() {
             let word = &text[from..at];
-            // A digit begins a number such as 1e5, of which no letter is a name.
+            // A word that begins with a digit is a number such as 1e5, and its letters are no name.
             if !word.starts_with(|c: char| c.is_ascii_digit()) {
                 let before = text[..from].trim_end().chars().next_back();
                 let after = text[at..].trim_start().chars().next();
@@ -381,11 +385,13 @@ fn sample(id: u32) -> Option<i64> {
     (id != NONE).then_some(i64::from(id))
 }
 
+/// Registers the functions that [`Evaluator`] lists. A number that is no sample's id gives `()` instead of an error, as a
+/// condition is evaluated for all samples of a run.
 fn register(engine: &mut Engine, recording: &Arc<Recording>) {
+    // `NONE` is no sample's id either.
     let id = |s: i64| u32::try_from(s).unwrap_or(NONE);
 
     let run = Arc::clone(recording);
-    // An id that no sample has gives no value instead of an error, as conditions meet all samples of a run.
     engine.register_fn("x_of", move |s: i64| {
         maybe(run.point(id(s)).map(|p| radii(p.x)))
     });
@@ -394,16 +400,19 @@ fn register(engine: &mut Engine, recording: &Arc<Recording>) {
     engine.register_fn("y_of", move |s: i64| {
         maybe(run.point(id(s)).map(|p| radii(p.y)))
     });
+
     let run = Arc::clone(recording);
     engine.register_fn("distance", move |s: i64, t: i64| {
         maybe(distance(&run, id(s), id(t)))
     });
+
     let run = Arc::clone(recording);
     engine.register_fn("block_of", move |s: i64| {
-        let life = run
+        // A sample belongs to the block of the event that tiled or inserted it.
+        let birth = run
             .life(id(s))
             .and_then(|life| run.event(life.born as usize));
-        maybe(life.and_then(|event| block(&run, event)).map(i64::from))
+        maybe(birth.and_then(|event| block(&run, event)).map(i64::from))
     });
 }
 
@@ -435,7 +444,7 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
         maybe(context.search.map(|search| i64::from(search.found))),
     );
 
-    // The detector is one of the sites: m and n are the other two, as in Algorithm 3.
+    // The detector is one of a candidate's sites; m and n are the names of the other two in Algorithm 3.
     let others = context
         .examined
         .map_or([NONE; 2], |examined| others(&examined));
@@ -454,6 +463,7 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
     scope
 }
 
+/// Puts the names of the event about to happen into scope: the first [`NAMES_OF_NEXT`] of [`NAMES`].
 fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>) {
     let event = recording.event(state.cursor());
     let lines = crate::listing::Listings::shipped();
@@ -462,10 +472,10 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
         scope.push_constant_dynamic(name, value);
     };
 
-    // Numbers of events begin with 1 wherever a user meets them.
+    // The event at the cursor is about to happen. Users count events from 1.
     put("event", (state.cursor() as i64 + 1).into());
 
-    // At the end of a run no event is next, so that all others are without a value.
+    // At the end of a run no event is about to happen: the names below then have no value.
     put("kind", maybe(event.map(|event| event.kind().name())));
     let line = event.and_then(|event| lines.line(event.line()));
     put("line", maybe(line.map(|line| line.id.clone())));
@@ -480,6 +490,7 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
     );
     put("verdict", maybe(event.and_then(verdict_name)));
 
+    // Of the four samples that an event may name, expressions have the first two.
     let [a, b, ..] = event.map_or([NONE; 4], crate::event::Event::samples);
     put("a", maybe(sample(a)));
     put("b", maybe(sample(b)));

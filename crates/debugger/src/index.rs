@@ -19,7 +19,9 @@ pub enum Direction {
 /// Events of the same kind and line that are all details or all not.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Class {
+    /// One of the events, which answers whether all of them are wanted.
     example: Event,
+    /// Where the class's events stand in [`Classes::events`].
     events: Range<usize>,
 }
 
@@ -30,7 +32,7 @@ pub(crate) struct Classes {
     events: Vec<u32>,
 }
 
-/// Numbers that (kind, line, detail) can have.
+/// How many keys there may be: the kind and the line have a byte each, and whether the event is a detail a bit.
 const KEYS: usize = 256 * 256 * 2;
 
 const fn key(event: &Event) -> usize {
@@ -38,11 +40,12 @@ const fn key(event: &Event) -> usize {
 }
 
 impl Classes {
+    /// Returns the classes of a tape's events, by a sort by counting, which takes two walks along the tape.
     pub(crate) fn new(tape: &Tape) -> Self {
         let mut class_of_key = vec![NONE; KEYS];
         let mut classes: Vec<Class> = Vec::new();
 
-        // A sort by counting: first the size of each class, kept in the end of its range.
+        // The first walk counts the events of each class. As each range begins at 0, its end is the count.
         for &example in tape.iter() {
             let class = &mut class_of_key[key(&example)];
             if *class == NONE {
@@ -55,7 +58,7 @@ impl Classes {
             classes[*class as usize].events.end += 1;
         }
 
-        // The sizes become empty ranges, one behind the other, which the events then fill.
+        // Each class gets an empty range, with room for its events up to the start of the next.
         let mut start = 0;
         for class in &mut classes {
             let count = class.events.end;
@@ -63,6 +66,7 @@ impl Classes {
             start += count;
         }
 
+        // The second walk appends each event to its class's range. The ranges are sorted, as the tape is in sequence.
         let mut events = vec![0; tape.len()];
         for (index, event) in (0..).zip(tape.iter()) {
             let class = &mut classes[class_of_key[key(event)] as usize];
@@ -124,10 +128,11 @@ pub(crate) struct BySample {
 impl BySample {
     /// Returns the index of the samples that have an id below `count`.
     pub(crate) fn new(tape: &Tape, count: usize) -> Self {
+        // A sample's events end where those of the next begin; the last entry is the end of the last sample's.
         let mut starts = vec![0_u32; count + 1];
 
-        // A sort by counting: first how many events name each sample. A tape may name samples that a run that was cut
-        // off lacks.
+        // A sort by counting begins with how many events name each sample. `get_mut` skips ids from `count` on: the tape of a
+        // run that was cut off may name samples that the run lacks.
         for event in tape.iter() {
             each_sample(event, |id| {
                 if let Some(start) = starts[..count].get_mut(id as usize) {
@@ -136,6 +141,7 @@ impl BySample {
             });
         }
 
+        // The counts become starts: the sums of the counts before.
         let mut total = 0;
         for start in &mut starts {
             total += std::mem::replace(start, total);
@@ -151,7 +157,7 @@ impl BySample {
             });
         }
 
-        // Filling moved each start to its end, which is the start of the next.
+        // Filling has moved each sample's start to its end, which is the start of the next: all move up by one place.
         starts.rotate_right(1);
         starts[0] = 0;
         Self { starts, events }

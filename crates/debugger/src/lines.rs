@@ -40,10 +40,11 @@ impl Lines {
         LineId(listing.map_or(0, |listing| listing.lines.start + number - 1))
     }
 
+    /// Returns the name of the listing and the number of the line in it, from 1.
     fn listing_line(self, run_event: &RunEvent) -> (&'static str, u8) {
         match *run_event {
             RunEvent::Begin(stage) => self.begin(stage),
-            // Exact tiling has its own listing even for events that other runs have, too.
+            // Exact tiling has a listing of its own, also for events that other runs have.
             _ if self == Self::Exact => exact(run_event),
             RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Finish { .. } => {
                 shared(run_event)
@@ -96,6 +97,7 @@ impl Lines {
         }
     }
 
+    /// Returns the line of an event of the stages, by circumcentres or by darts.
     fn staged(self, run_event: &RunEvent) -> (&'static str, u8) {
         let darts = self == Self::Darts;
         match *run_event {
@@ -105,7 +107,7 @@ impl Lines {
             RunEvent::Eliminate { .. } => ("eliminate", 5),
             RunEvent::Mark { .. } => ("eliminate", 7),
 
-            // Darts have the same events as circumcentres from here on, but other lines.
+            // In iterations, insertion by darts has some of the events of circumcentres, on lines of its own listing.
             RunEvent::Iteration { .. } => (if darts { "darts" } else { "detect" }, 1),
             RunEvent::Detect { .. } => ("detect", 2),
 
@@ -114,6 +116,7 @@ impl Lines {
             RunEvent::IterationEnd { .. } if darts => ("darts", 7),
             RunEvent::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
 
+            // Of the events that detection has, only its search is left.
             _ => ("detect", 3),
         }
     }
@@ -128,11 +131,13 @@ const fn shared(run_event: &RunEvent) -> (&'static str, u8) {
     }
 }
 
+/// Returns the line of an event of exact tiling.
 const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Clip { .. } => ("exact", 2),
         RunEvent::Tiled { .. } => ("exact", 3),
-        // Without an id, the blocker lies beyond the border of the block, which lacks it from the beginning.
+        // The largest number stands for a blocker without an id: it lies beyond the border of the block, whose clip lacks it
+        // from the beginning, and the dart is woken with the clip. Other darts are woken by a loss.
         RunEvent::Wake { behind, .. } => ("exact", if behind == u32::MAX { 4 } else { 9 }),
         RunEvent::Iteration { .. } => ("exact", 5),
         RunEvent::Dart { ranked: false, .. } => ("exact", 6),
@@ -150,13 +155,16 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
     }
 }
 
+/// Returns the line of an event of Algorithm 4 as printed.
 const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Take { .. } => ("printed", 2),
         RunEvent::Keep { rest: false, .. } => ("printed", 3),
+        // Line 4 marks the sample whose turn it is, line 9 another one because of a loss near it.
         RunEvent::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
 
-        // The radius tells the searches apart: r for conflicts, 2r for the gap they leave, more in the second loop.
+        // The radius tells the searches apart: r for conflicts, a little above 2r for samples that border the gap of a lost
+        // one, and another radius in the second loop.
         RunEvent::Search { radius, .. } if radius == tilescope_core::R => ("printed", 5),
 
         RunEvent::Test { .. } => ("printed", 6),
@@ -170,9 +178,11 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
 
         RunEvent::Keep { .. } => ("printed", 11),
         RunEvent::Iteration { .. } => ("printed", 12),
+        // The first loop is iteration 1, the second one has all later ones.
         RunEvent::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),
         RunEvent::Detect { .. } => ("printed", 13),
         RunEvent::IterationEnd { inserted, .. } => ("printed", if inserted > 0 { 16 } else { 17 }),
+        // Only insertions are left.
         _ => ("gaps", 5),
     }
 }

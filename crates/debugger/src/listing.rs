@@ -104,7 +104,7 @@ pub enum ListingError {
         /// The line as it is written.
         line: String,
     },
-    /// There are more than 256 lines.
+    /// There are more than 255 lines.
     #[error("more than 255 lines of pseudocode")]
     TooMany,
 }
@@ -153,7 +153,7 @@ impl Listings {
         &COMPARISON
     }
 
-    /// Returns the listings of named texts.
+    /// Returns the listings of texts, each with its name. Lines are numbered through all of them.
     pub fn parse(texts: &[(&str, &str)]) -> Result<Self, ListingError> {
         let mut all = Self::default();
         for &(name, text) in texts {
@@ -170,7 +170,7 @@ impl Listings {
                 all.lines.push(line);
             }
 
-            // An event has a byte for its line.
+            // An event has one byte for the number of its line.
             let byte = |n: usize| u8::try_from(n).map_err(|_| ListingError::TooMany);
             all.listings.push(Listing {
                 name: name.into(),

@@ -82,7 +82,7 @@ pub fn find(
     hit.map(|(index, _)| index)
 }
 
-/// Returns the nearest event after (or before) the one at `cursor` that matches `target`.
+/// Returns the index of the nearest event after (or before) the one at `cursor` that matches `target`.
 #[must_use]
 pub fn run_to(
     recording: &Recording,
@@ -90,15 +90,16 @@ pub fn run_to(
     target: Target,
     direction: Direction,
 ) -> Option<usize> {
-    // Few kinds come into question, so that most classes of events are never looked through.
+    // The kinds of events that may match. Most targets need no look at single events and leave here.
     let kinds: &[EventKind] = match target {
+        // Each sample has a list of its events.
         Target::Sample(sample) => {
             return index::nearest(recording.events_of(sample), cursor, direction);
         }
         Target::SecondInsertion => &[EventKind::Insert],
         Target::Violation => &[EventKind::Keep, EventKind::Insert],
         _ => {
-            // These targets depend only on the class of an event.
+            // Whether an event matches depends only on its class, so that the index passed here does not matter.
             let meant = |event: &Event| matches_target(recording, cursor, event, target);
             return recording.classes().nearest(cursor, direction, meant);
         }
@@ -106,7 +107,7 @@ pub fn run_to(
 
     let meant = |event: &Event| kinds.contains(&event.kind());
 
-    // These targets depend on the samples of an event, too: each event of the kinds is asked, the nearest first.
+    // Whether an event of these kinds matches also depends on its samples: they are asked one by one, the nearest first.
     let next = |&from: &usize| recording.classes().nearest(from, direction, meant);
     std::iter::successors(next(&cursor), next).find(|&index| {
         let event = recording.event(index);
@@ -127,11 +128,12 @@ pub fn arrive(
         return run_to(recording, cursor, target, direction);
     }
 
-    // The event that has just happened is where the cursor is already, so that the search begins beyond it.
+    // The cursor already stands behind the event that has just happened. `run_to` looks beyond the event that it begins at,
+    // so that it begins at this one.
     let found = match (cursor.checked_sub(1), direction) {
         (Some(last), _) => run_to(recording, last, target, direction),
         (None, Direction::Backwards) => None,
-        // Before the first event there is no such one: the search must not skip the first.
+        // At the start no event has happened. `run_to` would skip event 0, which is therefore asked first.
         (None, Direction::Forwards) => {
             let first = recording.event(0);
             let is_first = first.is_some_and(|event| matches_target(recording, 0, event, target));
@@ -141,6 +143,7 @@ pub fn arrive(
         }
     };
 
+    // The cursor behind the event.
     found.map(|index| index + 1)
 }
 

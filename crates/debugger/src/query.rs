@@ -78,6 +78,7 @@ enum NumberField {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A condition on an event. A term that ends with `bool` accepts what it names if that is true, and all else if it is false.
 enum Term {
     Kind(EventKind, bool),
     /// A target of a run, such as the next conflict.
@@ -86,7 +87,7 @@ enum Term {
     Verdict(&'static str, bool),
     Sample(u32, bool),
     Number(NumberField, Orderings, i64),
-    /// The distance of the two samples that an event names, in r, as the bits of a float.
+    /// The distance of the two samples that an event names, in r, as the bits of a float: floats are not `Eq`.
     Distance(Orderings, u64),
 }
 
@@ -102,6 +103,7 @@ type Orderings = &'static [Ordering];
 const EQUAL: Orderings = &[Ordering::Equal];
 const UNEQUAL: Orderings = &[Ordering::Less, Ordering::Greater];
 
+/// The signs of comparisons. Of two signs that begin alike, the longer one comes first.
 const OPERATORS: [(&str, Orderings); 8] = [
     ("==", EQUAL),
     ("!=", UNEQUAL),
@@ -252,16 +254,17 @@ impl Term {
                     NumberField::Block => block(recording, event).map(i64::from),
                 };
 
-                // An event without a block is in none, whatever the comparison.
+                // An event without a block matches no comparison of blocks, not even `!=`.
                 found.is_some_and(|found| orderings.contains(&found.cmp(&value)))
             }
 
             Self::Distance(orderings, value) => {
                 let [a, b, ..] = event.samples();
-                let value = f64::from_bits(value);
+                let wanted = f64::from_bits(value);
 
+                // An event without two samples has no distance and does not match.
                 let ordering =
-                    distance(recording, a, b).and_then(|found| found.partial_cmp(&value));
+                    distance(recording, a, b).and_then(|found| found.partial_cmp(&wanted));
                 ordering.is_some_and(|ordering| orderings.contains(&ordering))
             }
         }
@@ -343,6 +346,7 @@ struct Word<'a> {
     orderings: Orderings,
 }
 
+/// Returns the term of a word: a target, a kind of event, or a comparison.
 fn parse_word(word: &str) -> Result<Term, QueryError> {
     let signs = OPERATORS.iter();
     let split = signs.filter_map(|&(sign, orderings)| {
@@ -350,7 +354,8 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
         Some((parts, orderings))
     });
 
-    // The first sign in the word divides it. Of several at one place the longest counts, which the list has first.
+    // The first sign in the word divides it. Where `<=` stands, `<` stands, too: of signs at one place `min_by_key` takes
+    // the first of the list, which is the longest.
     let Some(((name, value), orderings)) = split.min_by_key(|((name, _), _)| name.len()) else {
         if let Some((_, target, _)) = TARGETS.iter().find(|(name, ..)| *name == word) {
             return Ok(Term::Found(*target));
@@ -361,7 +366,7 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
         };
 
         let kind = EventKind::named(word).ok_or_else(unknown)?;
-        // Events of the kind are looked for, not all others.
+        // A kind alone asks for its events, as `kind=` does, and not for all others.
         let is_wanted = true;
         return Ok(Term::Kind(kind, is_wanted));
     };
@@ -379,7 +384,7 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 impl Word<'_> {
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
-            // Names and samples are equal or not; only numbers and distances have an order.
+            // Names and samples can only be equal or not, which `same` returns; numbers and distances have an order, too.
             "kind" => Ok(Term::Kind(
                 self.known(EventKind::named(self.value))?,
                 self.same()?,

@@ -64,9 +64,9 @@ pub struct MomentNumbers {
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct ExpectedDart {
     point: Point,
-    /// The event that said so.
+    /// The event that made it expected.
     said: u32,
-    /// The event of its arrival.
+    /// The event of its arrival; `NONE` if it never arrives.
     arrival: u32,
 }
 
@@ -134,7 +134,7 @@ impl Recording {
     #[must_use]
     pub fn of(run: Run, tape: Tape) -> Self {
         let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
-        // Samples outside a bounded domain have no cell in the grid, and were dropped: they cover nothing inside it.
+        // Dropped samples lie outside a bounded domain, where the grid has no cells. They are not in the set and cover nothing.
         for (id, (&point, &fate)) in (0..).zip(run.samples.points.iter().zip(&run.samples.fates)) {
             if fate != Fate::Dropped {
                 grid.insert(id, point);
@@ -142,7 +142,9 @@ impl Recording {
         }
 
         let mut recording = Self {
+            // All lists below are filled by `index`.
             lives: vec![UNBORN; run.samples.len()],
+            // One before each stride, the last of which may be incomplete.
             contexts: Vec::with_capacity(tape.len() / STRIDE + 1),
             grid,
             splits: Vec::new(),
@@ -164,13 +166,14 @@ impl Recording {
         recording
     }
 
+    /// Fills the lists that follow from the events, in one walk along the tape.
     fn index(&mut self) {
         let (mut context, mut tally) = (Context::default(), Density::default());
-        // The tape is taken out while its events change the recording.
+        // Its events change the recording, so that the tape is taken out meanwhile; an empty one stands in for it.
         let tape = std::mem::replace(&mut self.tape, Tape::new(&self.run.parameters, 0));
 
         for (index, event) in (0..).zip(tape.iter()) {
-            // Stored before the event, so that they hold for the cursor of this number.
+            // The cursor of this number stands before the event, so that both are stored before the event is applied.
             if (index as usize).is_multiple_of(STRIDE) {
                 self.contexts.push(context);
                 self.tallies.push(tally);
@@ -178,7 +181,7 @@ impl Recording {
 
             context.apply(event, index);
             tally.add(event);
-            // A notice of tests left out changes nothing.
+            // A notice of tests that were left out has no run event, and changes no list.
             if let Some(run_event) = event.run_event() {
                 self.note(run_event, index);
             }
@@ -186,8 +189,10 @@ impl Recording {
 
         self.tape = tape;
 
-        // Searched by sites, then by event.
+        // `gap` finds the sites by a binary search, and then the last event before a cursor: the order is by both.
         self.gaps.sort_unstable();
+
+        // Only in exact tiling do darts wait for their turn.
         if self.is_exact() {
             self.expect_darts();
         }
@@ -197,7 +202,7 @@ impl Recording {
     fn expect_darts(&mut self) {
         let mut arrived = Vec::new();
         for (index, event) in (0..).zip(self.tape.iter()) {
-            // A dart is said to arrive by a wake, or by a throw that hits an open place; its arrival has a rank.
+            // A dart becomes expected when it is woken, or thrown at an open place. It arrives with its event that has a rank.
             match event.run_event() {
                 Some(
                     RunEvent::Wake { point, .. }
@@ -220,17 +225,18 @@ impl Recording {
             }
         }
 
-        // One place may have several darts: an arrival belongs to the last one that was said before it.
+        // `expected_at` searches by place and then by event. Of several darts at one place, an arrival belongs to the one
+        // that became expected last before it.
         self.expected
             .sort_unstable_by_key(|dart| (dart.point.row_major(), dart.said));
         for (point, index) in arrived {
-            if let Some(dart) = self.expected_at(point, index as usize) {
-                self.expected[dart].arrival = index;
+            if let Some(expected) = self.expected_at(point, index as usize) {
+                self.expected[expected].arrival = index;
             }
         }
     }
 
-    /// Returns the last of the expected darts at a place, of those that an event before `end` made expected.
+    /// Returns the index of the last expected dart at a place, of those that an event before `end` made expected.
     fn expected_at(&self, point: Point, end: usize) -> Option<usize> {
         let key = (point.row_major(), end as u32);
         let is_before = |dart: &ExpectedDart| (dart.point.row_major(), dart.said) < key;

@@ -88,8 +88,9 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a run event, which has this index.
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
-        // Exact tiling has the events of other runs, but a turn means an arrival there.
+        // Exact tiling shares events with other runs, but some mean another thing: a sample's turn is its arrival.
         if let Some(text) = self.exact(run_event) {
             return text;
         }
@@ -110,15 +111,18 @@ impl Words<'_> {
             } => self.dart(point, ranked, verdict),
             RunEvent::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
 
-            // The functions for all other events pass on what they do not know, in the order of the stages.
+            // The other kinds are divided among functions, each of which passes on the kinds that are not its own: `change`,
+            // then `tree`, `round` and `search`.
             _ => self.change(run_event, index),
         }
     }
 
+    /// Returns the sentence of a stage that begins.
     fn begin(&self, stage: Stage) -> String {
         let run = self.0.run();
 
-        // Samples that were dropped at a closed border take no part in elimination, and inserted ones come later.
+        // How many samples take part in elimination: those of the clips, which have the lowest ids, without the ones dropped
+        // outside a bounded domain.
         let samples = || {
             let tiled = run.tiles.last().map_or(0, |tile| tile.samples.end as usize);
             let fates = run.samples.fates.iter().take(tiled);
@@ -152,13 +156,14 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of an event of the KD-tree's nodes and blocks.
     fn tree(&self, run_event: RunEvent) -> String {
         let blocks = &self.0.run().blocks;
         match run_event {
             RunEvent::Split { index, turned } => self.split(index, turned),
 
             RunEvent::Leaf { block } => {
-                // A recording that was cut off may lack the block, and the sentence then has no size.
+                // A recording that was cut off may lack the block: the sentence then gives no size.
                 let leaf = blocks.leaves.get(block as usize);
                 let size = leaf.map_or_else(String::new, |leaf| format!(", {}", size(&leaf.rect)));
                 let block = grouped(block.into());
@@ -200,12 +205,13 @@ impl Words<'_> {
         format!("a node, {node}, is cut across {axis} at {plane}{reason}")
     }
 
+    /// Returns the sentence of an event that changes a sample, or compares two.
     fn change(&self, run_event: RunEvent, index: usize) -> String {
         match run_event {
             RunEvent::Tiled { sample, inside, .. } => self.tiled(sample, inside),
             RunEvent::Take { sample, valid } => self.take(sample, valid),
 
-            // Elimination keeps samples deep inside a block without a turn, since no other clip reaches them.
+            // `rest` marks a sample deep inside its block. It is kept without a turn, since no other clip reaches it.
             RunEvent::Keep { sample, rest: true } => {
                 format!("{} is kept, since nothing contests it", self.sample(sample))
             }
@@ -235,7 +241,8 @@ impl Words<'_> {
                 )
             }
 
-            // Line 3 of Algorithm 4 marks the sample whose turn it is, without another one as the reason.
+            // Line 3 of Algorithm 4 marks the sample whose turn it is. No other sample is the reason, so that its own id stands
+            // for one.
             RunEvent::Mark { sample, because } if sample == because => {
                 format!("{} stays and becomes a gap detector", self.sample(sample))
             }
@@ -286,10 +293,12 @@ impl Words<'_> {
         format!("{name} becomes a gap detector: {lost}, {apart} away, {gone}")
     }
 
+    /// Returns the sentence of an event of an iteration or of the end.
     fn round(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Iteration { number, detectors } => {
-                // Staged insertion by darts has no detectors: it throws at cells that may hold uncovered places.
+                // Staged insertion by darts has no detectors: it throws at active cells, which may hold uncovered places, and
+                // the event has their number instead.
                 let noun = match self.0.run().parameters.insertion {
                     Insertion::Uniform if self.0.run().parameters.variant == Variant::Staged => {
                         "active cell"

@@ -34,13 +34,13 @@ pub const MAX_SAMPLES: usize = if cfg!(target_arch = "wasm32") {
     2_000_000
 };
 
-/// The most breakpoints, and the most watches, of a saved session.
+/// The most breakpoints, and the most watches, of a saved session: more than people set by hand.
 pub const MAX_STOPS: usize = 1_000;
 
-/// The most scenes of a saved session.
+/// The most scenes of a saved session: more than people set by hand.
 pub const MAX_SCENES: usize = 10_000;
 
-/// The most bytes of a condition, a watch, a note or a path.
+/// The most bytes of a condition, a watch, a caption or a path: more than people type.
 pub const MAX_TEXT: usize = 10_000;
 
 /// The most bytes of a saved session.
@@ -264,8 +264,9 @@ impl Session {
             path: path(),
             reason,
         })?;
+
         let found = pattern_digest(&pattern);
-        // Another pattern gives another run, which would only be noticed after it was computed.
+        // Another pattern gives another run. The digest of the result would show it, too, but only after the whole run.
         if found != file.digest {
             return Err(SessionError::PatternChanged {
                 path: path(),
@@ -283,7 +284,7 @@ impl Session {
         )?)
     }
 
-    /// Fails when the session exceeds a limit. Computes nothing else.
+    /// Fails when the session exceeds a limit. Makes no run.
     pub fn check(&self) -> Result<(), SessionError> {
         within("events of budget", self.budget, MAX_BUDGET)?;
         within("breakpoints", self.breakpoints.len(), MAX_STOPS)?;
@@ -309,7 +310,7 @@ impl Session {
             self.pattern.iter().map(|p| p.path.as_str()),
         )?;
 
-        // Other errors in the parameters are reported by the run.
+        // A maximal set has about this many samples. Faults of the parameters are left to the run, which reports them.
         if let Ok(domain) = self.parameters.validate() {
             let samples = MAXIMAL_DENSITY * domain.area_radii();
             within("expected samples", samples as usize, MAX_SAMPLES)?;

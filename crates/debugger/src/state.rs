@@ -62,10 +62,11 @@ impl State {
     pub fn seek(&mut self, recording: &Recording, cursor: usize) {
         let cursor = cursor.min(recording.len());
 
-        // A jump looks at each sample once, a walk at each event: the shorter of the two.
+        // A jump looks at each sample once, a walk at each event on the way: the one that looks at fewer is taken.
         if cursor.abs_diff(self.cursor) > recording.lives.len() {
             self.jump(recording, cursor);
         } else if cursor > self.cursor {
+            // Forwards, an event leads from the cursor before it to the cursor behind it; backwards, the other way round.
             for (index, event) in recording
                 .tape()
                 .from(self.cursor)
@@ -82,7 +83,7 @@ impl State {
             {
                 self.count(recording, event, [index + 1, index]);
             }
-            // A context cannot be undone: it is applied again from the last stored one.
+            // Events cannot be undone in a context: the recording applies them again from the last stored context on.
             self.context = recording.context(cursor);
         }
 
@@ -104,7 +105,7 @@ impl State {
         self.cursor = cursor;
     }
 
-    /// Counts the sample that an event changes by its status at the second of two cursors, no longer at the first.
+    /// Moves the sample that an event changes from the count of its status at the first cursor to that at the second.
     fn count(&mut self, recording: &Recording, event: &Event, cursors: [usize; 2]) {
         if !matches!(
             event.kind(),

@@ -30,7 +30,7 @@ impl Counts {
             RunEvent::Tiled { .. } => self.samples += 1,
             RunEvent::Begin(Stage::Finish) => self.is_finished = true,
 
-            // Only the last iteration may be incomplete: its counts begin anew.
+            // Counts within an iteration begin anew with each: only the last iteration may be incomplete and needs them.
             RunEvent::Iteration { number, .. } => {
                 (self.iterations, self.is_within_iteration) = (number as usize, true);
                 (self.detectors, self.candidates, self.inserted) = (0, 0, 0);
@@ -39,13 +39,13 @@ impl Counts {
             RunEvent::Detect { .. } => self.detectors += 1,
             RunEvent::Rank { candidates } => self.candidates = candidates as usize,
 
-            // Algorithm 4 as printed inserts in iteration 1 without an event that begins it.
+            // Algorithm 4 as printed inserts in iteration 1 without an event that begins it: the insertion tells of it.
             RunEvent::Insert { iteration, .. } => {
                 (self.samples, self.inserted) = (self.samples + 1, self.inserted + 1);
                 self.iterations = self.iterations.max(iteration as usize);
             }
 
-            // The rest adds to no list.
+            // Other events add to none of the run's lists.
             _ => {}
         }
     }
@@ -69,6 +69,7 @@ impl Recording {
         run.blocks.splits.truncate(counts.splits);
         run.blocks.leaves.truncate(counts.leaves);
         run.tiles.truncate(counts.clips);
+        // The last clip may be cut within its samples. Ids of samples count from 0, so that the count is the end.
         if let Some(last) = run.tiles.last_mut() {
             last.samples.end = last.samples.end.min(counts.samples);
         }
@@ -76,17 +77,19 @@ impl Recording {
         self.cut_samples(&mut run.samples, counts.samples as usize, cursor);
 
         run.iterations.truncate(counts.iterations);
-        // Without iterations the index wraps to the largest one, which no list has.
+        // Without iterations the index wraps to the largest number, at which no list has an entry.
         if let Some(last) = run.iterations.get_mut(counts.iterations.wrapping_sub(1)) {
+            // Inserted samples have ids in a row. Where none is inserted so far, the range is empty, within the samples left.
             let start = last.inserted.start.min(counts.samples);
             last.inserted = start..(start + counts.inserted).min(last.inserted.end);
             last.candidates.truncate(counts.candidates);
 
-            // In Algorithm 4 as printed samples become detectors within the iteration.
+            // In Algorithm 4 as printed samples become detectors within the iteration; in stages all are known at its start.
             if run.parameters.variant == Variant::AsPrinted {
                 last.detectors.truncate(counts.detectors);
             }
 
+            // A run gets an iteration's list of active cells at the iteration's end.
             if counts.is_within_iteration {
                 last.cells.clear();
             }
@@ -99,7 +102,7 @@ impl Recording {
         let tape = self.tape().until(&run.parameters, cursor);
         let mut past = Self::of(run, tape);
 
-        // A cut at the end of a stage, of the run or at its start looks like a run that ended there.
+        // A cut at the start or the end of the run, or at the end of a stage, leaves whole stages only.
         past.is_cut_within_stage =
             (1..self.len()).contains(&cursor) && self.stage_ending_at(cursor).is_none();
         past

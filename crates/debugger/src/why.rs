@@ -8,7 +8,8 @@ use crate::kind::EventKind;
 use crate::moves::Direction;
 use crate::recording::Recording;
 
-/// How near a point an examined point must be to belong to its history: r / 8.
+/// How near a point an examined point must be to belong to its history, in units: r / 8, which is about as exact as people
+/// point at a place.
 pub const POINT_REACH: i32 = R / 8;
 
 /// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: a phase,
@@ -24,15 +25,15 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Clip { block } => at(&recording.leaves, block),
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
 
-        // Elimination: a sample's turn follows from its tiling, a decision from the turn or the test just before.
+        // In elimination a sample's turn follows from its tiling, and a decision from the turn, or from the test just before.
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
-        // In exact tiling a sample's turn is its arrival, which nothing brings about but its tiling.
+        // A sample kept without a turn (`rest`), and each sample that arrives in exact tiling, has only its tiling as a cause.
         RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),
         RunEvent::Keep { .. } => recording.last_of(EventKind::Take, index).map(|i| i as u32),
         RunEvent::Test { pivot, .. } => Some(life(pivot)?.kept),
         RunEvent::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
 
-        // Detection: a survivor looks for gaps because a sample near it was lost.
+        // A survivor looks for gaps because a sample near it was lost; with its own id as the reason, because it was kept.
         RunEvent::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
         RunEvent::Mark { because, .. } => Some(life(because)?.lost),
         RunEvent::Detect { sample } => Some(marked_or_born(recording, sample, index)),
@@ -42,17 +43,18 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
             .map(|i| i as u32),
         RunEvent::Pairs { .. } => recording.last_of(EventKind::Call, index).map(|i| i as u32),
 
-        // A candidate is made of the last search's samples, and one is passed over for a sample inserted before.
+        // A candidate is made of the samples of the last search. One is passed over because of a sample inserted before it.
         RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
         RunEvent::Pass { by, .. } => Some(life(by)?.born),
 
-        // Without an id, the blocker lies beyond the border of the block, which lacks it since its clip was laid.
+        // A blocker without an id lies beyond the border of its block, which lacks it since the clip was laid.
         RunEvent::Wake { behind: NONE, .. } => {
             recording.last_of(EventKind::Clip, index).map(|i| i as u32)
         }
         RunEvent::Wake { behind, .. } => Some(life(behind)?.lost),
 
-        // A refused dart was refused by a kept sample. Insertion by darts keeps no ids, so that `by` may be missing.
+        // A dart is refused by a kept sample, whose id insertion by darts does not record. In exact tiling, a dart that is
+        // accepted when it arrives was expected since an event, and one thrown at an open place hits it since it is bare.
         RunEvent::Dart {
             verdict: Verdict::Covered { by },
             ..
@@ -75,7 +77,7 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Begin(_) | RunEvent::Iteration { .. } | RunEvent::Finish { .. } => None,
     };
 
-    // `NONE` is beyond every index. A sample's life may also name a later event than the one asked about.
+    // `NONE` is above every index, and a sample's life may name a later event than the one asked about: both are no causes.
     found
         .map(|event| event as usize)
         .filter(|&event| event < index)
@@ -100,15 +102,16 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
 
-    // Whatever changed a disk over this point changed whether the point is covered.
+    // Each event that changed a sample within r of the point changed whether the point is covered.
     for sample in recording.ever_near(point, R) {
         if let Some(life) = recording.life(sample) {
             events.extend([life.born, life.kept, life.lost, life.marked]);
         }
     }
-    // Most samples were never lost or never became detectors.
+    // Most samples were never lost, or never became detectors.
     events.retain(|&event| event != NONE);
 
+    // The nodes of the tree and the block that hold the point.
     let blocks = &recording.run().blocks;
     let holds = |rect: &Rect| rect.contains(point);
     let splits = blocks.splits.iter().zip(&recording.splits);
@@ -125,7 +128,7 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     );
 
     // Examined places have no list by position, so that the tape is read from end to end.
-    let limit = i64::from(POINT_REACH) * i64::from(POINT_REACH);
+    let reach_squared = i64::from(POINT_REACH) * i64::from(POINT_REACH);
     for (index, event) in recording.tape().from(0) {
         if matches!(
             event.kind(),
@@ -135,7 +138,7 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
                 | EventKind::Dart
                 | EventKind::Cut
         ) {
-            let near = |p| recording.domain().distance_squared(p, point) <= limit;
+            let near = |p| recording.domain().distance_squared(p, point) <= reach_squared;
             if recording.event_point(event).is_some_and(near) {
                 events.push(index as u32);
             }

@@ -22,7 +22,8 @@ use crate::error::LessonError;
 use crate::lesson::{Lesson, Step};
 use crate::scene::record;
 
-/// The largest mean score of a learner who guesses.
+/// The largest mean score of a learner who guesses. It is a coarse bound, as a wrong answer may have a part of the score; the
+/// chance of a right guess has its own limit in `rules.rs`.
 const MAX_GUESSED: f64 = 0.75;
 /// The most faults that are listed of one question.
 const MAX_FAULTS: usize = 3;
@@ -62,13 +63,13 @@ impl Runs {
         parameters: &Parameters,
         observer: &mut dyn Observer,
     ) -> Result<Arc<Recording>, SampleError> {
-        // By their text, since numbers with fractions have no hash.
+        // Parameters hold floats, which have no hash: their text is the key.
         let name = format!("{parameters:?}");
         if let Some(recording) = self.recordings.get(&name) {
             return Ok(Arc::clone(recording));
         }
 
-        // Runs of several seeds share a pattern, which need not be made again.
+        // The runs of several seeds have the same pattern, which is made once.
         let spec = format!("{:?}", parameters.pattern);
         let pattern = if let Some(pattern) = self.patterns.get(&spec) {
             Arc::clone(pattern)
@@ -96,10 +97,11 @@ impl Checked {
             self.faults.append(&mut found.faults);
             return;
         };
+
         self.faults
             .extend(rules::of_gate(step, gate, &found, is_test));
 
-        // A wrong expression is wrong in each run; a few of its faults are enough to find it.
+        // A wrong expression is a fault in each run: a few of these faults are enough to find it.
         let more = found.faults.len().saturating_sub(MAX_FAULTS);
         found.faults.truncate(MAX_FAULTS);
         if let (Some(last), true) = (found.faults.last_mut(), more > 0) {
@@ -107,6 +109,7 @@ impl Checked {
         }
         self.faults.append(&mut found.faults);
 
+        // A line for each run, named by its seed; the step's own run has no seed of practice.
         let _ = writeln!(self.keys, "{}", gate.name);
         for ((practised, seed), key) in found.keys {
             let name = if practised {
@@ -192,16 +195,19 @@ pub fn check(
 
     for (done, &(seed, index, purpose)) in asked.iter().enumerate() {
         if !go_on(done as f64 / asked.len() as f64) {
+            // The error names a stage of a run; before a run that is its first.
             return Err(SampleError::Cancelled {
                 stage: tilescope_core::Stage::Pattern,
             });
         }
-        // Only the steps of one seed share runs; those of all seeds would fill the memory.
+
+        // Only steps with the same seed share runs. To keep the runs of all seeds would fill the memory.
         if seed != last {
             runs.clear();
             last = seed;
         }
 
+        // Without a seed of practice the step's own run is meant.
         let Step { scene, gate, .. } = &lesson.steps[index];
         let parameters = Parameters {
             seed: seed.unwrap_or(scene.parameters.seed),

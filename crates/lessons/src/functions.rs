@@ -24,7 +24,8 @@ use crate::fields::Field;
 use crate::parameters::{MAX_SAMPLES, set_parameter};
 use crate::sets::{self, PointSet, position, radii};
 
-/// How many searches and computations the expressions of one question may make.
+/// How many searches of the events, or computations that take as long, the expressions of one question may make: a question
+/// is asked while a learner waits.
 const MAX_WORK: i64 = 1_000;
 /// The cost of a computation over the whole set, in searches.
 const SET: i64 = 4;
@@ -131,7 +132,7 @@ impl Now {
         Ok(maybe(event.map(|&event| self.map(event))))
     }
 
-    /// Returns an event as a map.
+    /// Returns an event as a map of its properties; `()` if the run has no event of this index.
     fn map(&self, index: usize) -> Dynamic {
         let mut map = Map::new();
         let mut put = |name: &str, value: Dynamic| {
@@ -142,11 +143,11 @@ impl Now {
             return Dynamic::UNIT;
         };
 
-        // Events are numbered from 1.
+        // Lessons count events from 1.
         put("event", (index as i64 + 1).into());
         put("kind", event.kind().name().into());
 
-        // Events have places for two samples, of which some are not used.
+        // An event has several places for samples, with `NONE` in those that it does not use. Lessons have the first two.
         let named: Vec<u32> = event
             .samples()
             .into_iter()
@@ -175,6 +176,7 @@ impl Now {
         map.into()
     }
 
+    /// Puts the properties that only some kinds of events have: of nodes and blocks, of searches, of iterations, of candidates.
     fn details(&self, event: &Event, put: &mut impl FnMut(&str, Dynamic)) {
         let blocks = &self.recording.run().blocks;
 
@@ -252,6 +254,7 @@ impl Now {
         })
     }
 
+    /// Returns the parameters of the run with changes, such as `leaf=10 seed=3`.
     fn changed(&self, changes: &str) -> Found<tilescope_core::Parameters> {
         let mut parameters = self.recording.run().parameters;
         for change in changes.split_whitespace() {
@@ -259,13 +262,14 @@ impl Now {
                 .split_once('=')
                 .ok_or_else(|| wrong(format!("\"{change}\" is not of the form leaf=10")))?;
 
+            // Of a fault only the message is used, so that the line does not matter.
             let field = Field {
                 key: key.to_owned(),
                 value: value.to_owned(),
                 line: 0,
             };
 
-            // A misspelt name would compare the run with itself.
+            // A misspelt name would change nothing, and the run would be compared with itself.
             let Some(parameter) = Parameter::all().find(|it| it.key() == key) else {
                 let keys: Vec<&str> = Parameter::all().map(Parameter::key).collect();
                 return Err(wrong(
@@ -277,10 +281,11 @@ impl Now {
                 .map_err(|error| wrong(error.message))?;
         }
 
+
         let domain = parameters
             .validate()
             .map_err(|error| wrong(error.to_string()))?;
-        // The run is made when the question is asked, on the learner's machine.
+        // A maximal set has about so many samples. The run is made while the learner waits, so that it has to be small.
         if domain.area_radii() * tilescope_core::MAXIMAL_DENSITY > MAX_SAMPLES {
             return Err(wrong(format!(
                 "a run with {changes} has too many samples for a lesson"
@@ -379,20 +384,23 @@ impl Now {
         x.min(width - x).min(y).min(height - y)
     }
 
-    /// Returns the number of samples of the result per r^2 nearer to an edge of a block than a distance, or farther away.
+    /// Returns how many samples of the result there are per r^2, at places nearer to an edge of a block than `distance` if
+    /// `is_near`, otherwise at places farther away.
     fn density(&self, distance: f64, is_near: bool) -> Found<f64> {
-        // All samples are looked at, which the budget of a question counts.
+        // A look at all samples counts in the budget of the question.
         self.spend(SET)?;
         let run = self.recording.run();
         let leaves = &run.blocks.leaves;
 
-        // Every place has the nearest edge on its own block, so the area is that of the blocks' frames or of their insides.
+        // The nearest edge to a place is one of its own block. Places near an edge therefore are the frames of the blocks, and
+        // the others are the rectangles inside the frames.
         let is_counted = |at: &Point| {
             let own = leaves.iter().find(|leaf| leaf.rect.contains(*at));
             own.is_some_and(|leaf| (radii(leaf.rect.depth(*at)) < distance) == is_near)
         };
         let count = run.points().iter().filter(|at| is_counted(at)).count() as f64;
 
+        // A block narrower than two distances has no inside.
         let areas = leaves.iter().map(|leaf| {
             let [width, height] = [leaf.rect.width(), leaf.rect.height()].map(radii);
             let inside = (width - 2.0 * distance).max(0.0) * (height - 2.0 * distance).max(0.0);
@@ -517,7 +525,7 @@ impl Now {
         let key = DrawKey::from_seed(run.parameters.seed);
         let ranking = Ranking::new(run.parameters.order, &run.domain, key);
 
-        // Earlier turns come first; the ids of samples decide between equal ranks.
+        // Turns go by rank; the ids of samples decide between equal ranks.
         let turn = |s: u32| {
             let own = matches!(
                 run.samples.origins.get(s as usize),
@@ -534,8 +542,8 @@ impl Now {
         };
 
         let before = earlier(id(s));
-        // A sample without earlier conflicts is kept, and one beside such a sample is lost: both are decided in the
-        // first round.
+        // The first round keeps a sample without earlier conflicts, and loses one that conflicts with such a sample. All
+        // others stay open.
         !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
     }
 
@@ -570,7 +578,7 @@ impl Now {
         events.find(takes).unwrap_or(usize::MAX)
     }
 
-    /// Returns the nearest place on an edge of a block, and its distance.
+    /// Returns the nearest place on an edge of a block, and its distance, in r.
     fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
         let mut nearest = (at, f64::INFINITY);
@@ -578,8 +586,7 @@ impl Now {
         for leaf in leaves {
             let corners = [leaf.rect.min, leaf.rect.max];
             let [min, max] = corners.map(|corner| DVec2::from(position(corner)));
-            // The nearest place on an edge lies straight above, below or beside the place, once that is moved into the
-            // block.
+            // Moved into the block, the place has the nearest place of each edge straight above it, below it or beside it.
             let inside = at.clamp(min, max);
 
             for place in [

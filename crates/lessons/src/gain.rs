@@ -10,11 +10,11 @@ use tilescope_core::{Key, Stream, below};
 use crate::inventory::{Concept, TestForm};
 use crate::results::{ClassVote, Merged, Results};
 
-/// How often learners are drawn again for an interval.
+/// How often learners are drawn again for an interval: 50 of the gains lie in each tail, which makes its end steady.
 const RESAMPLES: u32 = 2000;
 /// The share of the resampled gains below the interval, and the share above it.
 const TAIL: f64 = 0.025;
-/// A mean score from here on leaves nothing to be gained.
+/// A mean score from here on leaves nothing to be gained: means are sums of fractions, which are rounded.
 const FULL: f64 = 1.0 - 1e-9;
 
 /// A gain, and what it is computed of.
@@ -208,14 +208,14 @@ fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
 
 /// Returns the gains of a class: over all concepts that were asked, then by concept.
 fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
-    // Over all concepts only learners with every answer count: means over other questions would be other means.
+    // Over all concepts only the learners with every answer count, as means over different questions cannot be compared.
     let complete = pairs.iter().filter(|(_, pairs)| pairs.len() == asked.len());
     let means = complete.map(|(_, pairs)| mean(&pairs.values().copied().collect::<Vec<_>>()));
     let all = ("all", means.collect::<Vec<_>>());
 
     let of_concept = |concept: &Concept| {
-        let of = pairs.iter().filter_map(|(_, pairs)| pairs.get(concept));
-        (concept.name(), of.copied().collect::<Vec<_>>())
+        let scores = pairs.iter().filter_map(|(_, pairs)| pairs.get(concept));
+        (concept.name(), scores.copied().collect::<Vec<_>>())
     };
 
     let rows = std::iter::once(all).chain(asked.iter().map(of_concept));
@@ -230,6 +230,7 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
                 after,
                 gain: normalized([before, after]),
                 interval: interval(&scores),
+                // Learners who lack an answer are in no row.
                 is_complete: true,
             }
         })
@@ -261,7 +262,8 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
     Some([at(TAIL)?, at(1.0 - TAIL)?])
 }
 
-/// Returns the gains of votes. Each vote of a class weighs the same, as not all of them are counted.
+/// Returns the gains of votes: over all concepts, then by concept. Each vote has the same weight, as the number of learners
+/// who took part in it may be unknown.
 fn votes(votes: &[ClassVote]) -> Vec<Gain> {
     let shares_of = |concept: Concept, form: TestForm| {
         let is_of = move |vote: &&ClassVote| vote.concept == concept && vote.form == form;
@@ -269,6 +271,7 @@ fn votes(votes: &[ClassVote]) -> Vec<Gain> {
         cast.map(|vote| vote.share).collect::<Vec<f64>>()
     };
 
+    // The mean share of right answers of each concept that was voted on in both forms.
     let pairs = both(|concept, form| {
         let shares = shares_of(concept, form);
         (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
@@ -285,6 +288,7 @@ fn votes(votes: &[ClassVote]) -> Vec<Gain> {
         gain: normalized(means),
         // Votes have no learners who could be drawn again.
         interval: None,
+        // Concepts without votes in one of the forms are in no row.
         is_complete: true,
     };
 

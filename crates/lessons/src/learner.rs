@@ -227,7 +227,8 @@ impl Learner {
         let gate = step.gate.as_ref();
         let question = gate.map(|gate| Question::of(gate, &scene)).transpose()?;
 
-        // Another seed shows all that its question is about; the step's own run was chosen by the author.
+        // A run of practice must show all that its question is about, or another seed is drawn. The step's own run is the
+        // author's choice and is taken as it is.
         if let (Some(gate), Some(question), Some(_)) = (gate, &question, self.seed)
             && unseen(&step.scene, gate, question, &scene)?.is_some()
         {
@@ -318,7 +319,7 @@ impl Learner {
     ///
     /// An answer that is not of the question's kind, or given while no question is open; it does not count as a try.
     pub fn answer(&mut self, answer: &Answer, time: f64) -> Result<Feedback, LessonError> {
-        // An answer that was taken, as in a form, cannot be given again.
+        // A form takes an answer once and leaves its question open.
         let waits = self.is_open() && !self.attempt.is_taken;
         let asked = self.question.as_ref().zip(self.scene.as_ref());
         let Some((question, scene)) = asked.filter(|_| waits) else {
@@ -333,12 +334,13 @@ impl Learner {
         // A learner who answers has not given up.
         attempt.asked_to_give_up = false;
 
+        // A trace is done when its last event is answered rightly; until then each answer is about one event.
         if let Some(events) = question.traced() {
             if grade.is_right() {
                 attempt.traced.0 += 1;
                 attempt.traced.1 += usize::from(!attempt.missed);
                 attempt.missed = false;
-                // The score is the share of events that were right at the first try.
+                // The score of a trace is the share of its events that were right at the first try.
                 if attempt.traced.0 == events {
                     let right = attempt.traced.1;
                     let share = right as f64 / events as f64;
@@ -427,7 +429,7 @@ impl Learner {
     /// Records the question at its end.
     fn note(&mut self, time: f64, given_up: bool) {
         let attempt = &self.attempt;
-        // A learner who gave up without an answer has no score.
+        // A learner who gave up without an answer has the score 0.
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
         let gate = self.step().gate.as_ref();
 
@@ -445,7 +447,7 @@ impl Learner {
             hints: attempt.hints,
             given_up,
             confidence: attempt.confidence,
-            // Clocks may be set back.
+            // The clock may have been set back meanwhile.
             seconds: (time - attempt.begun).max(0.0),
             time,
         };

@@ -33,6 +33,7 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     let mut styles = vec![Style::Plain];
 
+    // A text in the style of the last part continues it.
     let mut put = |text: &str, style: Style| match spans.last_mut() {
         Some(last) if last.style == style => last.text.push_str(text),
         _ => spans.push(Span {
@@ -52,7 +53,7 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
             }
             Event::Code(text) => put(&text, Style::Code),
             Event::Text(text) | Event::Html(text) | Event::InlineHtml(text) => put(&text, style),
-            // A paragraph goes on over the ends of its lines.
+            // The end of a line within a paragraph is a space.
             Event::SoftBreak | Event::HardBreak => put(" ", style),
             // Links, lists and headings leave their text as it is.
             _ => {}
@@ -91,9 +92,9 @@ pub fn filled(
         let (brace, after) = rest[at..].split_at(1);
 
         // A brace that is written twice stands for itself.
-        if let Some(after) = after.strip_prefix(brace) {
+        if let Some(behind_both) = after.strip_prefix(brace) {
             filled.push_str(brace);
-            rest = after;
+            rest = behind_both;
         } else if brace == "}" {
             return Err("a closing brace without an opening one; write }} for a brace".to_owned());
         } else {

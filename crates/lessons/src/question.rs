@@ -88,6 +88,7 @@ impl Question {
         Ok(question)
     }
 
+    /// Returns the question without its known wrong answers, which [`Self::of`] checks with it and adds.
     fn unchecked(gate: &Gate, scene: &Scene) -> Result<Self, LessonError> {
         let fill = |text| scene.fill(text);
         let ask = fill(&gate.ask)?;
@@ -106,7 +107,7 @@ impl Question {
             line: gate.line,
             scene,
         })?;
-        // The last event of a trace decides: the cursor stands behind it then.
+        // A trace is decided by its last event, and the moment shown afterwards is the one behind it.
         let last = interaction.events().last();
         let decided = last.map_or(decided, |last| last.cursor + 1);
 

@@ -25,6 +25,8 @@ const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
+/// How many r a camera may show: fewer than 2 are no whole disk, and no run of a lesson has more than 1,000 on a side.
+const CAMERA_RADII: [f64; 2] = [2.0, 1_000.0];
 /// The limits of the bound of a mean: far beyond every number of a run, and not infinite.
 const BOUNDS: [f64; 2] = [-1e9, 1e9];
 impl Lesson {
@@ -40,7 +42,7 @@ impl Lesson {
             return Err(LessonError::new(1, message));
         }
 
-        // Without the mark that editors put before a text, which would change the hash below.
+        // Some editors put a mark before a text, which would change the hash below.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
 
         let mut reader = Reader {
@@ -72,7 +74,7 @@ impl Lesson {
         };
 
         if lesson.form.is_some() {
-            // All who take a form have the same instances; otherwise their scores could not be compared.
+            // A form has no practice: scores can be compared only if all who take it are asked about the same runs.
             let gates = lesson
                 .steps
                 .iter_mut()
@@ -85,7 +87,7 @@ impl Lesson {
     }
 }
 
-/// Refuses a form with a question that is about no concept or about that of a question before it, or that gives help.
+/// Refuses a form if one of its questions has no concept, has the concept of an earlier one, or gives help.
 fn check_form(lesson: &Lesson) -> Result<(), LessonError> {
     if lesson.form.is_none() {
         return Ok(());
@@ -101,7 +103,7 @@ fn check_form(lesson: &Lesson) -> Result<(), LessonError> {
             return Err(wrong(message));
         };
 
-        // Gains are computed by concept: two questions about one would be two first answers.
+        // A gain compares the first answers about a concept, of which there is one in each form.
         if let Some(other) = gates[..index].iter().find(|it| it.concept == Some(concept)) {
             let (name, line) = (concept.name(), other.line);
             let message = format!("the question of line {line} is about \"{name}\" already");
@@ -161,10 +163,12 @@ impl<'a> Reader<'a> {
         Ok(fields)
     }
 
+    /// Reads the steps: all lines after the front matter.
     fn body(&mut self) -> Result<(), LessonError> {
         let mut paragraph = String::new();
 
         while let Some(line) = self.line() {
+            // The index of the next line, from 0, is the number of this one, from 1.
             let number = self.at;
             if line.starts_with("```") {
                 self.end_paragraph(&mut paragraph, number)?;
@@ -178,7 +182,7 @@ impl<'a> Reader<'a> {
             } else if line.trim().is_empty() {
                 self.end_paragraph(&mut paragraph, number)?;
             } else {
-                // An item of a list is a paragraph of its own, also without a blank line before it.
+                // An item of a list is a paragraph of its own, even without a blank line before it.
                 if line.trim_start().starts_with("- ") {
                     self.end_paragraph(&mut paragraph, number)?;
                 }
@@ -215,6 +219,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Begins a step.
     fn step(&mut self, title: &str, line: usize) -> Result<(), LessonError> {
         if self.steps.len() == MAX_STEPS {
             let message = format!("a lesson has at most {MAX_STEPS} steps");
@@ -235,6 +240,7 @@ impl<'a> Reader<'a> {
             title: title.to_owned(),
             text: Vec::new(),
             after: Vec::new(),
+            // The first step shows the end of the default run, until a directive changes that.
             scene: scene.unwrap_or(SceneSpec {
                 parameters: first(),
                 moment: Moment::End,
@@ -264,6 +270,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Reads a directive, whose first line has the kind and the name `info`.
     fn directive(&mut self, info: &str, line: usize) -> Result<(), LessonError> {
         let fault = "the directive has no end; it ends with a line of three backticks";
         let lines = self.up_to("```", fault)?;
@@ -272,8 +279,9 @@ impl<'a> Reader<'a> {
         if !DIRECTIVES.contains(&kind) {
             return Err(LessonError::unknown(line, "directive", kind, &DIRECTIVES));
         }
+
+        // A question gives its name to the step. The step's own name is taken already, by this step, and allowed.
         let name = step_name(name);
-        // A question gives its name to the step, and may keep the step's own.
         if kind == "gate" && self.steps.last().is_some_and(|step| step.name != name) {
             self.check_name(&name, line)?;
         }
@@ -303,6 +311,7 @@ impl<'a> Reader<'a> {
                     .filter(|part| !part.is_empty());
                 step.notes.extend(paragraphs);
             }
+            // The only other directive is `run`.
             _ => run(&mut step.scene, &Fields::read("a run", line, &lines)?)?,
         }
 
@@ -341,19 +350,19 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     scene.line = fields.line;
     scene.claims = claims(fields)?;
 
-    // In the order of the file, so that the first wrong line is the one that is named.
+    // In the order of the file, so that the error names the first wrong line.
     for field in &fields.all {
         if let Some(parameter) = parameters().find(|it| it.key() == field.key) {
             set_parameter(&mut scene.parameters, parameter, field)?;
         }
     }
 
-    // Unlike the rest of the scene, camera and condition belong to the step that names them.
-    scene.camera = Camera::Fit;
-
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
+
+    // Unlike the rest of the scene, the camera and the condition are not those of the step before, if this one names none.
+    scene.camera = Camera::Fit;
     scene.condition = fields.optional("where", |field| field.expression(&[]))?;
 
     if let Some(field) = fields.get("layers") {
@@ -367,7 +376,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         scene.camera = match field.split(" radii ") {
             ("fit", None) => Camera::Fit,
             (place, Some(radii)) => {
-                let radii = field.part(radii).number([2.0, 1_000.0])?;
+                let radii = field.part(radii).number(CAMERA_RADII)?;
                 Camera::At(Text::new(place, field.line).expression(&[])?, radii)
             }
             _ => {
@@ -384,9 +393,8 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         .validate()
         .map_err(|error| wrong(error.to_string()))?;
 
-    // Every run is recorded with all of its events, on learners' machines.
+    // A maximal set has about so many samples. Runs are recorded with all of their events, on the machines of learners.
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
-
     if samples > MAX_SAMPLES {
         return Err(wrong(format!(
             "the run would have about {samples:.0} samples; a lesson's has at most {MAX_SAMPLES}"
@@ -444,9 +452,10 @@ const OF_GATE: [&str; 12] = [
 /// The radii of circles and the widths of strips, in r: a smaller one lies under its mark, a larger one beyond every canvas.
 const CIRCLES: [f64; 2] = [0.1, 20.0];
 
+/// Reads a gate with the name of its step, from the lines of its directive.
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
     let mut fields = Fields::read("a gate", line, lines)?;
-    // The other fields are known only once the type is.
+    // Which other fields there may be depends on the type: without it, a field that looks like a misspelt `type` is named.
     let is_alike = |field: &&Field| nearest(&field.key, &["type"]).is_some();
     if let (None, Some(field)) = (fields.get("type"), fields.all.iter().find(is_alike)) {
         let (line, what) = (field.line, "field of a gate");
@@ -454,7 +463,6 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     }
 
     let named = fields.need("type")?;
-
     let of_name = |kind: &&KindRow| kind.name == named.value;
     let Some(row) = KINDS.iter().find(of_name) else {
         let names = KINDS.map(|kind| kind.name);
@@ -468,6 +476,7 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     let kind = (row.read)(&fields)?;
 
     let said = |field: &Field| field.text().paragraph();
+    // Without the field, the seeds are as many as the check of lessons asks by default.
     let practice = match fields.get("practice") {
         None => Some(1..=40),
         Some(field) if field.value == "none" => None,

@@ -218,7 +218,7 @@ impl Results {
     /// Takes the entries of results that were kept elsewhere, such as by another window: each entry once, in the order of
     /// their times. Entries that were cleared in either place are gone. The learner's name stays, unless there is none.
     pub fn merge(&mut self, other: &Self) {
-        // Both lists are of one learner, whatever name each has.
+        // Both lists are of one learner. Entries are compared without the name, which one of the lists may lack.
         let own = self.entries.iter();
         let mut seen = own.map(|entry| id("", entry)).collect();
         self.take_unseen(&other.entries, "", &mut seen);
@@ -241,7 +241,7 @@ impl Results {
             self.learner.clone_from(&other.learner);
         }
 
-        // Two full lists together may be too long.
+        // Two full lists together may be longer than the limit, above which `add` drops the oldest entries.
         self.add([]);
     }
 
@@ -313,7 +313,7 @@ impl Results {
                 },
                 "result": {
                     "score": {"scaled": entry.score},
-                    // Scores are sums of fractions, which are rounded.
+                    // A success is the full score, which as a sum of rounded fractions may be a little below 1.
                     "success": entry.score > 0.999,
                     "completion": !entry.given_up,
                     "response": entry.answer,
@@ -396,7 +396,7 @@ impl Merged {
         for (name, results) in files {
             let is_named = !results.learner.is_empty();
 
-            // Learners without a name may be different people, and are kept apart.
+            // Files without a learner's name may be of different people, and are kept apart.
             let others = merged.all.iter();
             let known = others
                 .filter(|_| is_named)
@@ -414,7 +414,8 @@ impl Merged {
                 merged.all.len() - 1
             });
 
-            // Compared by the name in the file: a copy of a file without a name has another one.
+            // Entries are compared by the name inside the file. A name that is given to a learner without one would differ
+            // between two copies of a file, and their entries would count twice.
             let into = &mut merged.all[at];
             merged.repeated += into.take_unseen(&results.entries, &results.learner, &mut seen);
             for vote in results.votes {

@@ -110,8 +110,8 @@ impl Scene {
     /// Returns the samples that a text names: those of its expressions whose values are valid samples, and that do not
     /// count something.
     pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
-        // An expression with one of these words counts something: its value is no sample, even where there is one of
-        // that number.
+        // An expression with one of these words gives a count, or the number of an event: its value is no sample, although a
+        // sample may have that number.
         const COUNTS: [&str; 11] = [
             "count",
             "inserted",

@@ -40,7 +40,8 @@ pub(crate) fn unseen(
     if let Some(hidden) = hidden_samples(spec, scene) {
         return Ok(Some(hidden));
     }
-    // A trace follows the algorithm, which takes samples wherever they are; its camera follows too.
+
+    // A trace follows the algorithm from sample to sample, wherever they are, and the camera follows the trace.
     if gate.kind.is_trace() {
         return Ok(None);
     }
@@ -49,15 +50,19 @@ pub(crate) fn unseen(
     if let Some(near) = near_the_border(&named, scene) {
         return Ok(Some(near));
     }
+
     let camera = scene.camera(&spec.camera)?;
     let size = size(scene);
 
     Ok(CANVASES.iter().find_map(|&canvas| {
         let (center, scale) = match camera {
+            // A camera shows `across` r along the shorter side of the canvas.
             Some((center, across)) => (center, canvas[0].min(canvas[1]) / across),
-            // The whole domain is in the middle of the canvas.
+            // Without a camera the whole domain is in the middle of the canvas.
             None => (size.map(|side| 0.5 * side), fitting(size, canvas)),
         };
+
+        // Where the whole domain is seen, no edge of the canvas cuts anything off.
         let outside = camera.and_then(|_| near_the_edge(&named, center, scale, canvas));
         outside.or_else(|| too_close(&named, scale, canvas))
     }))
@@ -114,7 +119,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
         is_chosen,
     };
 
-    // Of the answered question, so that the right ones are among them.
+    // The right samples and places are among the marks only once the question is answered.
     let is_done = true;
     let (chosen, not_chosen) = (true, false);
     let marks = question
@@ -126,6 +131,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
         (Spot::Place(at), MarkKind::Right) => of_place("a right place", at, not_chosen),
         (Spot::Place(at), _) => of_place("a place of the list", at, chosen),
     });
+
     let mut named: Vec<Named> = listed.collect();
     let marked = question.marked.iter();
     named.extend(marked.map(|&at| of_place("the mark", at, not_chosen)));

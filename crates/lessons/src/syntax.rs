@@ -22,6 +22,7 @@ const OF_DEBUGGER: [&str; 4] = ["x_of", "y_of", "distance", "block_of"];
 static ENGINE: LazyLock<Engine> = LazyLock::new(|| {
     let mut engine = Engine::new_raw();
     engine.disable_symbol("eval");
+    // As deep as the debugger lets expressions nest.
     engine.set_max_expr_depths(32, 32);
     engine
 });
@@ -47,12 +48,13 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
         .chain(more.iter().copied())
         .collect();
 
-    // The list has them with their arguments, such as `seam(x, y)`.
+    // The list of functions has them with their arguments, such as `seam(x, y)`.
     let functions = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
     let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
 
-    // The engine knows a name only when it is evaluated; a misspelt one is found here, with its line.
+    // The engine notices a misspelt name only when it evaluates the expression, in some run; here it is found with its line.
     for (before, word, after) in words(text) {
+        // A word behind a point is a property, or a function called as a method; one before a bracket is a function.
         match (before, after) {
             (Some('.'), _) if PROPERTIES.contains(&word) || functions.contains(&word) => {}
             (Some('.'), _) => {

@@ -36,6 +36,7 @@ impl Translation {
         let mut read = Self::default();
         let (mut original, mut translated, mut line) = (String::new(), String::new(), 1);
 
+        // Appends a line of the file to a text: lines are joined by spaces, as in the lesson.
         let add = |part: &mut String, text: &str| {
             if !part.is_empty() {
                 part.push(' ');
@@ -45,7 +46,7 @@ impl Translation {
 
         for (number, text) in (1..).zip(text.lines()) {
             if let Some(quoted) = text.strip_prefix('>') {
-                // A quotation after a translation begins the next pair.
+                // A quotation behind a translation begins the next pair, so that this pair is complete.
                 if !translated.is_empty() {
                     let [original, translated] = [&mut original, &mut translated].map(take);
                     read.put(original, translated, line)?;
@@ -99,6 +100,7 @@ impl Translation {
         format!("({x} r{between} {y} r)")
     }
 
+    /// Adds a text and its translation; `line` is that of the quotation.
     fn put(
         &mut self,
         original: String,
@@ -111,7 +113,7 @@ impl Translation {
             return wrong(format!("\"{}\" has no translation", shortened(&original)));
         }
 
-        // Values may stand in another order, as languages have them, but none may be missing.
+        // Another language may have the values in another order, but none may be missing.
         let sorted = |text: &str| {
             let mut found =
                 prose::expressions(text).map_err(|message| LessonError::new(line, message))?;

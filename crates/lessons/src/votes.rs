@@ -67,7 +67,7 @@ impl Vote {
     /// A sentence with the wrong word and the allowed ones.
     pub fn read(text: &str, options: usize) -> Result<Self, String> {
         let lower = text.to_lowercase();
-        // Lecturers separate counts in any way.
+        // Lecturers type all kinds of signs between counts.
         let words: Vec<&str> = lower
             .split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':' | '='))
             .filter(|word| !word.is_empty())
@@ -118,14 +118,15 @@ impl Vote {
     }
 }
 
-/// Returns the votes for each of so many options, from the words `A 12 B 30` or `12 30`.
+/// Returns the votes for each of so many options, at least one, from the words `A 12 B 30` or `12 30`.
 fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
     let mut counts = vec![0; options];
-    // The option to which the next count belongs: counts follow each other, and a letter moves to its option.
+    // The option of the next count: the one behind that of the last count, or the one that a letter has named.
     let mut at = 0;
     let mut is_named = false;
 
     for word in words {
+        // A word is a letter, a count, or both, such as `a12`.
         let (letters, digits): (String, String) = (
             word.chars().take_while(|c| c.is_alphabetic()).collect(),
             word.chars().skip_while(|c| c.is_alphabetic()).collect(),
@@ -134,6 +135,7 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         if !letters.is_empty() {
             let option =
                 (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
+            // The message names the last letter that there is.
             let last = letter(options - 1);
             at = option.ok_or_else(|| wrong_word(&letters, last))?;
             is_named = true;
@@ -159,7 +161,7 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         at += 1;
     }
 
-    // Letters without counts would be read as a vote in which no learner took part.
+    // Letters without counts would otherwise be a vote in which no learner took part.
     if is_named && counts.iter().all(|&count| count == 0) {
         return Err("A count follows each letter: A 12 B 30.".to_owned());
     }

@@ -150,7 +150,8 @@ impl Pair<'_> {
         Some(differ(Stage::Tile, Some(block.rect.min), text(x), text(y)))
     }
 
-    /// Compares which samples were dropped, or all fates after elimination.
+    /// Returns the first difference of the fates after a stage: after tiling, in which samples were dropped; after elimination,
+    /// in any fate. `a` and `b` are the tiled samples of the runs with their ids, and have the same points in the same order.
     fn fates(&self, stage: Stage, a: &[(Key, u32)], b: &[(Key, u32)]) -> Option<Divergence> {
         let fate = |run: &Run, id: u32| {
             let fate = run.samples.fates[id as usize];
@@ -165,9 +166,9 @@ impl Pair<'_> {
         };
 
         let dropped = |(name, _): &(&str, _)| *name == "dropped";
-        a.iter().zip(b).find_map(|(&(key, x), &(_, y))| {
-            let (of_a, of_b) = (fate(self.a, x), fate(self.b, y));
-            // Tiling decides nothing but which samples lie outside.
+        a.iter().zip(b).find_map(|(&(key, id_a), &(_, id_b))| {
+            let (of_a, of_b) = (fate(self.a, id_a), fate(self.b, id_b));
+            // Tiling decides only which samples lie outside the domain and are dropped.
             let same = match stage {
                 Stage::Tile => dropped(&of_a) == dropped(&of_b),
                 _ => of_a == of_b,
@@ -179,8 +180,16 @@ impl Pair<'_> {
                 format!("{} is {name}{by}", sample_name(run, id))
             };
 
+            // A key has the row first, which is y.
             let point = Some(Point::new(key.1, key.0));
-            (!same).then(|| differ(stage, point, text(self.a, x, of_a), text(self.b, y, of_b)))
+            (!same).then(|| {
+                differ(
+                    stage,
+                    point,
+                    text(self.a, id_a, of_a),
+                    text(self.b, id_b, of_b),
+                )
+            })
         })
     }
 
@@ -209,10 +218,10 @@ impl Pair<'_> {
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }
 
-    /// Compares the sites of the candidates, whose points are equal.
+    /// Returns the first difference of the candidates' sites in iteration `k`, counted from 0. The candidates' points are equal.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let sorted = |run: &Run| {
-            // The positions are equal here, so that sorting by them pairs the candidates of both runs.
+            // As the points of both runs are equal, their order by points pairs the candidates.
             let mut all = run
                 .iterations
                 .get(k)
@@ -223,9 +232,11 @@ impl Pair<'_> {
 
         let (a, b) = (sorted(self.a), sorted(self.b));
         a.iter().zip(&b).find_map(|(x, y)| {
+            // Sites that one of the engines did not record are not compared.
             let (of_a, of_b) = (sites(self.a, x)?, sites(self.b, y)?);
 
             let text = |sites: &[Key]| {
+                // A key has the row first, which is y.
                 let points = sites.iter().map(|&(y, x, _)| units(Point::new(x, y)));
                 format!(
                     "a candidate made by samples at {}",

@@ -128,23 +128,26 @@ fn pack_dart(point: Point, ranked: bool, verdict: Verdict) -> Event {
     }
 }
 
+/// Returns the packed event of a candidate. Its words are three sites and the offset or, if the verdict names a sample, three
+/// sites, this sample, and the low bits of the offset.
 fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: Verdict) -> Event {
     let (tag, ids) = match sites {
         Sites::Three(ids) => (0, ids),
         Sites::Border([a, b]) => (1, [a, b, NONE]),
         Sites::Corner(a) => (2, [a, NONE, NONE]),
+        // Events of candidates have sites by which they were found; these two are only those of inserted samples.
         Sites::Dart | Sites::Unrecorded => (2, [detector, NONE, NONE]),
     };
 
-    // The detector is one of the sites: two bits say which, so that its id need not be kept twice.
+    // The detector is one of the sites. Two bits say which, so that its id is kept once.
     let index = ids.iter().position(|&id| id == detector).unwrap_or(0) as u8;
     let (tags, by) = verdict_tags(verdict);
 
     let (words, extra) = match by {
         None => ([ids[0], ids[1], ids[2], x as u32, y as u32], 0),
         Some(by) => {
-            // The verdict's sample takes a word of the offset. The place is within reach then, at most 3.5r = 7 * 2^14
-            // away, which fits into 20 signed bits: 16 in the word and 4 beside it.
+            // The verdict's sample takes a word from the offset. Only a place within reach has such a verdict, at most
+            // 3.5r = 7 * 2^14 away, so that a coordinate has 20 signed bits: 16 in the last word and 4 in the extra byte.
             let low = (x as u32 & 0xffff) | (y as u32) << 16;
             let high = (x >> 16 & 15) | (y >> 16 & 15) << 4;
             ([ids[0], ids[1], ids[2], by, low], high as u8)
@@ -158,6 +161,7 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
     }
 }
 
+/// Returns the candidate of an event that [`pack_candidate`] made.
 fn unpack_candidate(event: &Event) -> RunEvent {
     let [a, b, c, d, e] = event.words;
     let sites = match (event.tags >> 3) & 3 {
@@ -169,7 +173,7 @@ fn unpack_candidate(event: &Event) -> RunEvent {
     let verdict = verdict(event.tags & 7, d);
     let offset = match verdict {
         Verdict::Covered { .. } | Verdict::NotNearest { .. } => {
-            // Up to the top of a word and down again spreads the sign of 20 bits.
+            // A shift to the top of the word, and an arithmetic one down again, extends the sign of a number of 20 bits.
             let join = |low: u32, high: u8| {
                 (((u32::from(high) << 16 | (low & 0xffff)) << 12) as i32) >> 12
             };

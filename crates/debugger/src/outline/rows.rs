@@ -78,22 +78,25 @@ impl Node {
         after.checked_sub(1)
     }
 
+    /// Returns the `k`-th row below this node, from 0. `level` is that of the node's children.
     fn row(&self, k: usize, level: usize) -> Option<OutlineRow> {
-        // The last expanded child whose own row is at or before the wanted one.
+        // A child's row is its index and the rows inside expanded children before it. The last expanded child whose row is
+        // at or before the wanted one decides where the wanted row lies.
         let after = self
             .open
             .partition_point(|open| open.index + open.before <= k);
 
         let (index, expanded) = match after.checked_sub(1).map(|last| &self.open[last]) {
-            // No child before is expanded: rows and children have the same numbers.
+            // No child up to the row is expanded: rows and children have the same numbers.
             None => (k, false),
             Some(open) => {
-                // How many rows below the own row of the expanded child, which is 0 for that row itself.
+                // How many rows the wanted one lies below that of the expanded child.
                 let below = k - open.index - open.before;
+                // The rows inside the expanded child follow its own row at once.
                 if below > 0 && below <= open.rows {
-                    // Behind the expanded child, its rows have moved the others down.
                     return open.node.row(below - 1, level + 1);
                 }
+                // It is the row of the child itself, or lies behind the rows inside it, which have moved it down.
                 (
                     k - open.before - if below > 0 { open.rows } else { 0 },
                     below == 0,
@@ -129,11 +132,13 @@ impl Node {
         let Some(index) = self.child_of(event) else {
             return false;
         };
+        // Where the child stands in the list of expanded ones or, as an error, where it would stand.
         let at = self.open_at(index);
+        // Whether the event is the child itself, and not one inside it.
         let own = self.children[index] as usize == event;
 
         let changed = match at {
-            // The event lies within an expanded child, which passes it on.
+            // The event lies inside an expanded child, whose node changes it.
             Ok(at) if !own => self.open[at].node.set(outline, event, wanted),
 
             // Collapsing also forgets which nodes within it were expanded.
@@ -142,6 +147,7 @@ impl Node {
                 true
             }
 
+            // The numbers of rows are filled in below, by `count`.
             Err(at) if own && wanted != Some(false) && self.has_children(index) => {
                 let node = Node::of(outline.children(event), outline.end(event));
                 self.open.insert(
@@ -160,7 +166,7 @@ impl Node {
             _ => false,
         };
 
-        // Only this child and those after it have moved.
+        // Rows before this child stay where they are.
         if changed {
             self.count(at.unwrap_or_else(|at| at));
         }

@@ -6,7 +6,8 @@ use super::{Words, coordinates, count, fraction, grouped, radii};
 use crate::event::NONE;
 
 impl Words<'_> {
-    /// Returns the sentence of an event that says another thing in exact tiling than in other runs, or is there alone.
+    /// Returns the sentence of an event that exact tilings alone have, or that means another thing in them; `None` for all
+    /// other events and runs.
     pub(super) fn exact(&self, run_event: RunEvent) -> Option<String> {
         if !self.0.is_exact() {
             return None;
@@ -43,7 +44,7 @@ impl Words<'_> {
                 self.sample(sample)
             ),
 
-            // The first iteration has the levels 0 and 1 together.
+            // Levels 0 and 1 arrive together, as iteration 1; from 2 on an iteration is a level.
             RunEvent::Iteration { number: 1, .. } => {
                 "levels 0 and 1 begin: samples and woken darts arrive in their order".to_owned()
             }

@@ -8,6 +8,7 @@ use super::{Words, coordinates, count, fraction, grouped, radii};
 use crate::event::NONE;
 
 impl Words<'_> {
+    /// Returns the sentence of an event of the search for gaps; empty for kinds that have a sentence elsewhere.
     pub(super) fn search(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Detect { sample } => {
@@ -26,7 +27,7 @@ impl Words<'_> {
                 )
             }
 
-            // The detector's Voronoi cell, from its neighbours' bisectors, lies within its own disk.
+            // The bisectors with its neighbours bound the detector's Voronoi cell. It lies within the detector's disk.
             RunEvent::NoGap { sample } => {
                 format!(
                     "the neighbours of {} leave no gap around it",
@@ -48,8 +49,8 @@ impl Words<'_> {
                 format!("{pivot} is about to form triangles with {pairs} of its test buffer")
             }
 
-            // All other kinds have sentences elsewhere.
             RunEvent::Pass { point, by } => self.pass(point, by),
+            // The functions that passed the event on have sentences for all other kinds.
             _ => String::new(),
         }
     }
@@ -70,7 +71,7 @@ impl Words<'_> {
         offset: IVec2,
         verdict: Verdict,
     ) -> String {
-        // The sites include the detector, which is named on its own.
+        // The detector is one of the sites: the sentence names it first, and then the others.
         let own = self.sample(detector);
         let others = sites.ids().iter().filter(|&&id| id != detector);
         let others: Vec<String> = others.map(|&id| self.sample(id)).collect();
@@ -123,16 +124,17 @@ impl Words<'_> {
         )
     }
 
+    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
         let at = coordinates(point);
-        // Insertion by darts keeps no ids, so that the sample may be unknown.
-        let by = |by: u32| match by {
+        // Insertion by darts does not record which sample covers a place: the sentence then names none.
+        let by = |id: u32| match id {
             NONE => String::new(),
-            by => format!(" by {}", self.sample(by)),
+            id => format!(" by {}", self.sample(id)),
         };
 
-        // A dart is examined where it lands and, if it is open there, again by rank, when earlier darts have become
-        // samples.
+        // A dart is examined when it lands. If it lands in the open it is examined again when its rank is reached, as darts
+        // of lower ranks may have become samples meanwhile.
         match (ranked, verdict) {
             (false, Verdict::Accepted) => format!("a dart lands at {at} in the open"),
             (true, Verdict::Accepted) => {
@@ -155,7 +157,7 @@ impl Words<'_> {
             (_, Verdict::Outside) => {
                 format!("a dart at {at} lands outside the domain and is discarded")
             }
-            // Only candidates have a reach. The sampler never says this of a dart.
+            // Only candidates have a reach, so that no dart gets these verdicts.
             (_, Verdict::TooFar | Verdict::NotNearest { .. }) => {
                 format!("a dart at {at} is out of reach and is discarded")
             }

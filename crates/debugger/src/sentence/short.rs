@@ -33,6 +33,7 @@ fn number(id: u32) -> String {
 }
 
 impl Words<'_> {
+    /// Returns the short text of a run event. Events of single samples have functions of their own.
     fn short(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Begin(stage) => format!("begin: {stage}"),
@@ -63,7 +64,7 @@ impl Words<'_> {
             }
             RunEvent::Wake { point, .. } => format!("wake the dart at {}", coordinates(point)),
 
-            // In exact tiling these two say how an arrival ends: an earlier sample covers the place, or none does.
+            // In exact tiling a sample is kept or lost when it arrives, and by samples that came first.
             RunEvent::Keep { sample, .. } if self.0.is_exact() => {
                 format!("{} arrives and stays", number(sample))
             }
@@ -86,6 +87,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the short text of an event of tiling or elimination.
     fn short_of_sample(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Tiled { sample, inside, .. } => {
@@ -122,6 +124,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the short text of an event of the search for gaps.
     fn short_of_search(run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Detect { sample } => format!("detector {}", number(sample)),
@@ -151,7 +154,7 @@ impl Words<'_> {
 
             RunEvent::Insert { sample, .. } => format!("insert {}", number(sample)),
 
-            // The two functions above have taken all other kinds.
+            // `short` and `short_of_sample` have texts for all other kinds.
             _ => String::new(),
         }
     }

@@ -15,7 +15,8 @@ use crate::question::Question;
 use crate::seen::unseen;
 use crate::text::Text;
 
-/// The most answers that a learner gives to a question, of which a trace takes several.
+/// The most answers that a learner gives to a question: more than the events of a trace, each of which takes several tries of
+/// one who guesses.
 const MAX_TRIES: u32 = 100;
 
 /// A question with the answers of the three learners.
@@ -43,7 +44,7 @@ pub(super) fn ask(
     learner.go(index);
 
     if practised {
-        // Any draw stands for the seed of the recording; the run is given.
+        // Whichever seed this draws, the learner counts as practising; the run is the recording.
         learner.practise(seed);
     }
 
@@ -52,7 +53,7 @@ pub(super) fn ask(
         return if practised { Ok(None) } else { Err(missing) };
     }
 
-    // Expressions in texts may have a fault in this run alone.
+    // The texts are filled in only to find faults, as an expression may have one in this run alone.
     if let Some(scene) = learner.scene() {
         for text in step.text.iter().chain(&step.after) {
             scene.fill(&Text::new(text.as_str(), step.line))?;
@@ -70,10 +71,11 @@ pub(super) fn ask(
             question.chance(scene)?,
             unseen(&step.scene, gate, &question, scene)?,
         ),
+        // A learner who has arrived has a scene.
         None => (0.0, None),
     };
 
-    // Drawn by seed and step, so that each check of a lesson finds the same.
+    // Guesses are drawn by seed and step, so that each check of a lesson finds the same.
     let draws = Key::from_seed(seed).derive(Stream::Throw, index as u32);
     let scores = [
         // One who knows the right answers.
@@ -85,7 +87,7 @@ pub(super) fn ask(
             let dice = Dice::new(draws, attempt);
             Some(question.interaction.guess(&dice))
         })?,
-        // One with the misconception, who has no second answer.
+        // One with the misconception, who gives one answer only.
         score(&mut learner, &question, &|_, attempt| {
             let believed = (attempt == 0).then(|| misconception(gate, &question));
             believed.flatten()

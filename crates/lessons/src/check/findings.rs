@@ -60,17 +60,21 @@ impl Findings {
                 unseen,
             })) => {
                 let run = (is_practised, seed);
+                // A run of practice with a part out of sight counts as one that lacks the moment, so that only the step's own
+                // run can have it here.
                 self.unseen = self.unseen.take().or(unseen);
                 self.keys.insert(run, question.key());
                 self.cursors.insert(run, question.cursor);
                 self.chances.push(chance);
                 self.misconceived.extend(misconceived);
                 self.add_options(&question);
-                // The step's own run is one that the author chose, so it does not count among shares.
+
+                // The author chose the step's own run: among the shares of drawn runs it does not count.
                 if is_practised {
                     self.add_practised(gate, &question);
                 }
             }
+            // The run lacks the moment: it only counts as asked.
             Ok(None) => {}
             Err(mut error) => {
                 let _ = write!(error.message, " (seed {seed})");

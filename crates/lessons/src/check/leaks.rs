@@ -33,7 +33,7 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
             let all: Vec<Vec<f64>> = candidates.iter().map(|&s| vec![f64::from(s)]).collect();
             let is_right = |index: usize| right.contains(&candidates[index]);
 
-            // What the question itself says of a sample, other texts may say; but not if it names them all.
+            // A sample that the question names may be named by other texts, too, unless the question names all candidates.
             let mut known: BTreeSet<usize> = (0..candidates.len())
                 .filter(|&index| question.named(0).contains(&candidates[index]))
                 .collect();
@@ -124,18 +124,21 @@ fn holds(parts: &[String], wanted: f64) -> bool {
     parts.iter().any(|part| is_number(part, wanted))
 }
 
-/// Returns why texts name some right candidates and not all others, of those that are not known from the question.
+/// Returns why texts give the answer away by naming a right candidate but not all candidates. Candidates that are `known` from
+/// the question do not count.
 fn named(
     texts: &[&str],
     candidates: &[Vec<f64>],
     known: &BTreeSet<usize>,
     is_right: &dyn Fn(usize) -> bool,
 ) -> Option<String> {
+    // Texts of one shape are the rows of one list, which together may name all candidates: each shape has the candidates that
+    // its texts name, and one of the texts, for the message.
     let mut alike: BTreeMap<String, (BTreeSet<usize>, &str)> = BTreeMap::new();
 
     for text in texts {
         let found = &candidates_in(text, candidates) - known;
-        // Texts of one shape are the rows of one list: together they may name all candidates.
+        // The message shows a text that names a right candidate.
         if found.iter().any(|&index| is_right(index)) {
             alike.entry(shape(text)).or_default().1 = text;
         }

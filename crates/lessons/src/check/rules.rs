@@ -12,21 +12,24 @@ use crate::lesson::{Gate, Lesson, Step};
 use crate::moment::Moment;
 use crate::prose;
 
-/// The most words of a step's text, before and after its question.
+/// The most words of a step's text before its question, and of that after it: Desmos' guide for activities advises no more on
+/// a screen.
 const MAX_WORDS: usize = 60;
 /// The most words of a question.
 const MAX_ASK_WORDS: usize = 60;
-/// The largest share of seeds in which one option is right.
+/// The largest share of seeds in which one option is right: above it, who always chooses the same is right most of the time.
 const MAX_SHARE: f64 = 0.6;
-/// The largest share of seeds in which the right option is at one place of the list.
+/// The largest share of seeds in which the right option is at one place of the list: of three shuffled options each place has
+/// about a third, of two a half, which is too much.
 const MAX_PLACE: f64 = 0.45;
-/// The smallest share of seeds that have the moment of a question.
+/// The smallest share of seeds that have the moment of a question: below it, most draws of practice are in vain.
 const MIN_FITTING: f64 = 0.5;
-/// The number of seeds from which on shares are checked.
+/// The number of seeds from which on shares are checked: of fewer a share says little.
 const MIN_SEEDS_FOR_SHARES: usize = 10;
-/// The smallest share of runs whose instance differs from that of the run before.
+/// The smallest share of runs whose instance differs from that of the run before: 8 in 10 draws of practice bring a new one.
 const MIN_NEW: f64 = 0.8;
-/// The largest chance of a guesser to be right at the first try, in the mean over the gates of a lesson.
+/// The largest chance of a guesser to be right at the first try, in the mean over the gates of a lesson: choices of three
+/// options alone, with 0.33, do not suffice.
 const MAX_CHANCE: f64 = 0.3;
 /// The largest score of a learner with a misconception that a question shows.
 const MAX_MISCONCEIVED: f64 = 0.5;
@@ -113,7 +116,7 @@ fn lengths(lesson: &Lesson) -> Vec<LessonError> {
     let mut faults = Vec::new();
 
     for step in &lesson.steps {
-        // Desmos advises as few words for a screen of its activities.
+        // Each part is on the screen without the other.
         for (what, part) in [
             ("text before the question", &step.text),
             ("text after the answer", &step.after),
@@ -212,12 +215,11 @@ fn sight(step: &Step, found: &Findings) -> Option<LessonError> {
 /// Returns the fault of a question that "again" asks as it was before.
 fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     let instances = &found.instances;
-    // With few seeds a share says little.
     if instances.len() < MIN_SEEDS_FOR_SHARES {
         return Vec::new();
     }
 
-    // A question that comes back as it was is answered from memory.
+    // A question that practice asks again unchanged can be answered from memory.
     let pairs = instances.windows(2);
     let new = pairs.filter(|pair| pair[0] != pair[1]).count() as f64;
     let share = new / (instances.len() - 1) as f64;
@@ -242,6 +244,7 @@ fn novelty(gate: &Gate, found: &Findings) -> Vec<LessonError> {
 fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
     let wrong = |message: &str| LessonError::new(gate.line, message);
     let mut faults = Vec::new();
+
     for (index, option) in gate.kind.options().iter().enumerate() {
         if option.sentence.is_none() && found.wrong.contains(&index) {
             let message = "this option can be wrong and has no reason: add \" => SENTENCE\"";
@@ -254,7 +257,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         None if !has_options => faults.push(wrong(
             "a wrong answer that is not foreseen has no reason: add \"otherwise: SENTENCE\"",
         )),
-        // A text that is the same in every run says nothing about this one.
+        // Braces hold values of the run: without them the text is the same in every run and says nothing about this one.
         Some(text) if gate.practice.is_some() && !text.text.contains('{') => {
             faults.push(text.wrong(
                 "this reason says nothing about the run: name a sample, a number or a place of it with {EXPRESSION}",
@@ -263,6 +266,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         _ => {}
     }
 
+    // Where an answer near the number is right, too, the learner has not yet read the number itself.
     let is_inexact = gate.kind.is_inexact();
     match &gate.because {
         None if is_inexact => faults.push(wrong(
@@ -305,7 +309,7 @@ fn reading(step: &Step, gate: &Gate, found: &Findings) -> Vec<LessonError> {
         .enumerate()
         .filter(|(index, option)| {
             let words = content_words(&option.text.text);
-            // An option that names a value of the run cannot be chosen by its words.
+            // An option with a value of the run cannot be chosen by reading, as the text does not have this value.
             let names_value = option.text.text.contains('{');
             found.right.contains(index)
                 && !names_value
@@ -333,7 +337,7 @@ fn second_reading(lesson: &Lesson) -> Vec<LessonError> {
 
 /// Returns the faults of gates that stop at the event of a gate before them: its answer has shown what happens there.
 fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError> {
-    // The beginning and the end of a stage are no events: many things can be asked about the set there.
+    // Only at single events does an answer show what happens. At the start or end of a stage many things can be asked.
     let stops = |step: &Step| {
         step.gate.is_some()
             && matches!(
@@ -350,11 +354,12 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
     let mut faults = Vec::new();
     for (later, (step, findings)) in gates.iter().enumerate() {
         let same = gates[..later].iter().find(|(other, of_other)| {
-            // Cursors are the same events in one run only.
+            // Equal cursors are the same event only in runs of the same parameters.
             let is_one_run = other.scene.parameters == step.scene.parameters;
             let mut cursors = findings.cursors.iter();
             is_one_run && cursors.any(|(run, cursor)| of_other.cursors.get(run) == Some(cursor))
         });
+
         if let Some((other, _)) = same {
             let message = format!(
                 "the question stops at the event of \"{}\", whose answer has shown it; let \"where\" leave it out",
@@ -369,7 +374,7 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
 /// Returns the faults of a lesson that can be guessed, or that shows no misconception.
 fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError> {
     let asked: Vec<&Findings> = found.values().filter(|of| !of.chances.is_empty()).collect();
-    // One question alone is an exercise: a mean and a choice among questions begin with two.
+    // A lesson with one question is an exercise: neither a mean over questions nor a choice of one among them makes sense.
     if asked.len() < 2 {
         return Vec::new();
     }
@@ -387,7 +392,7 @@ fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonErro
         )));
     }
 
-    // In every run: a question that the misconception answers rightly in some run does not show it.
+    // A question shows the misconception only if it scores low in every run, as its answer may be right in some runs.
     let shows = |of: &&Findings| {
         let scores = &of.misconceived;
         !scores.is_empty() && scores.iter().all(|score| *score <= MAX_MISCONCEIVED)

@@ -82,7 +82,7 @@ impl ChoiceGate {
         options: &Options,
         right: usize,
     ) -> Result<Vec<Curve>, LessonError> {
-        // A gate has no curves, or one for each option.
+        // A gate has no curves or one for each option, in the order of the file.
         let shown = options.in_file.iter();
         let drawn: Vec<_> = shown
             .filter_map(|&option| self.curves.get(option))
@@ -90,7 +90,8 @@ impl ChoiceGate {
             .collect::<Result<_, _>>()?;
 
         if let Some(own) = drawn.get(right) {
-            // The curve of the right option must be the one nearest to the spectrum of the samples that are shown.
+            // The right curve is drawn from other samples than those on the screen. It must still be the curve nearest to
+            // their spectrum, or the question would have a wrong key.
             let shown = asking
                 .valid()?
                 .power()

@@ -59,21 +59,23 @@ impl GateKind for CutGate {
         };
 
         let other = axis.other();
-        let (of, across) = (axis as usize, other as usize);
+        // The indices of the two axes in a corner.
+        let (along, across) = (axis as usize, other as usize);
         let leaf = run.parameters.leaf;
-        // A cut leaves a leaf on either side (Algorithm 1).
-        let legal = [low[of] + leaf, high[of] - leaf];
+        // A cut leaves room for a leaf on either side (Algorithm 1).
+        let legal = [low[along] + leaf, high[along] - leaf];
 
-        // A right one, and one for each way to be wrong: too near to an edge, across the other axis, both.
+        // A right one, and one for each way to be wrong: less than a leaf from an edge, across the other axis, both.
         let mut candidates = [
             (axis, 0.5 * (legal[0] + legal[1])),
-            (axis, low[of] + 0.4 * leaf),
+            (axis, low[along] + 0.4 * leaf),
             (other, 0.5 * (low[across] + high[across])),
             (other, low[across] + 0.4 * leaf),
         ]
         .map(|(axis, at)| Line { axis, at });
-        // The right one is the first so far.
+        // The right one stands first so far.
         shuffle(&mut candidates, asking.draws());
+
         Ok(Arc::new(Cut {
             node: [low, high],
             candidates,
@@ -221,7 +223,8 @@ impl Interaction for Cut {
             let (name, axis) = ((view.word)(direction(line.axis)), line.axis.name());
             let at = view.translation.number(format!("{:.1}", line.at));
             let text = format!("{name}, {axis} = {at} r");
-            // The same cut may have been put by a click.
+
+            // A cut of the list that the learner has put by a click counts as chosen, too.
             let is_near = |cut: Line| (cut.at - line.at).abs() < SAME_PLACE;
             let is_same = |cut: Line| cut.axis == line.axis && is_near(cut);
             view.item(

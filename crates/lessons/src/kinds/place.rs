@@ -20,7 +20,8 @@ use crate::translation::Translation;
 const REACH: f64 = 0.5;
 /// A place that is nearer to a known wrong one is that, in r.
 const NEAR_WRONG: f64 = 0.3;
-/// The rings around an answer on which a region of right places is looked for, and the places on each.
+/// The rings around an answer on which a region of right places is looked for, and the places on each: rings are 1/32 r apart,
+/// and places on the largest ring 0.13 r.
 const RINGS: u32 = 16;
 const ON_RING: u32 = 24;
 
@@ -90,7 +91,7 @@ fn is_same([x, y]: [f64; 2], [u, v]: [f64; 2]) -> bool {
 }
 
 impl Place {
-    /// Returns how far a place is from the region of right places, if that is less than `off`.
+    /// Returns about how far a place is from the region of right places, in r, if that is less than `off` and at most [`REACH`].
     fn off_region(
         &self,
         [x, y]: [f64; 2],
@@ -101,12 +102,13 @@ impl Place {
             return Ok(None);
         };
 
-        // On rings around the place, from the inside, so that the first place of the region is about the nearest.
+        // The rings are looked at from the inside, so that the first place of the region that is found is about the nearest.
         for ring in 0..=RINGS {
             let reach = REACH * f64::from(ring) / f64::from(RINGS);
             if reach >= off {
                 break;
             }
+            // The innermost ring is the place itself.
             for step in 0..if ring == 0 { 1 } else { ON_RING } {
                 let (sin, cos) = (TAU * f64::from(step) / f64::from(ON_RING)).sin_cos();
                 let holds = scene.truth(region, |scope| {

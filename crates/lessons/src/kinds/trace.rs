@@ -59,7 +59,7 @@ impl GateKind for TraceGate {
         }
 
         let mut in_file: Vec<usize> = (0..self.options.len()).collect();
-        // Once for all events, so that an option keeps its letter.
+        // The options are shuffled once for all events, so that each keeps its letter.
         shuffle(&mut in_file, asking.draws());
 
         let (mut events, mut right) = (Vec::new(), Vec::new());
@@ -74,9 +74,10 @@ impl GateKind for TraceGate {
                 named: there.samples_in(asking.ask)?,
             });
 
-            // Each event has one right option, or the question could not be graded.
+            // An event with no right option, or with several, could not be graded.
             let holds = right_options(&there, &self.options)?;
             let [index] = holds[..] else {
+                // Lessons count events from 1.
                 let (count, event) = (holds.len(), cursor + 1);
                 let message =
                     format!("{count} options are right at event {event}; exactly one must be");
