@@ -62,7 +62,7 @@ impl Lessons {
         let lesson = learner.lesson();
 
         let is_over = learner.index() + 1 == lesson.steps.len() && !learner.is_open();
-        // The class of a talk has no results, scenes have no questions, and a form shows nothing about its answers.
+        // A lesson that was presented has no results of a learner, and a form tells nothing about its answers.
         if !is_over || open.was_presented || lesson.form.is_some() {
             return None;
         }
@@ -71,6 +71,7 @@ impl Lessons {
             let best = self.results.of_gate(&lesson.name, gate);
             best.is_some_and(|(score, _)| score > FULL_MARKS)
         };
+
         let again: Vec<(String, String)> = lesson
             .gates()
             .filter(|(_, gate)| !is_right(&gate.name))

@@ -16,11 +16,11 @@ use crate::lesson_picture::{PictureStyle, picture, step_at};
 use crate::lessons::OpenLesson;
 use crate::talk::TalkRecord;
 
-/// Width and height of a picture, in points.
+/// Width and height of a picture, in points. On paper it is scaled to the column that [`CSS`] leaves for it.
 const PICTURE: [f64; 2] = [420.0, 330.0];
 /// Width and height of a plot.
 const PLOT: [f64; 2] = [320.0, 90.0];
-/// The highest frequency, in 1/r, and the highest power of a plot.
+/// The highest frequency, in 1/r, and the highest power of a plot. White noise has the power 1.
 const REACH: [f64; 2] = [3.0, 3.0];
 
 /// The task of making a handout. Its outcome is the file, or a sentence with the reason why there is none.
@@ -65,6 +65,7 @@ impl Task for HandoutTask {
 }
 
 impl HandoutTask {
+    /// Returns the handout: a head, and a section for each step.
     fn html(
         &self,
         lesson: &Arc<Lesson>,
@@ -83,7 +84,7 @@ impl HandoutTask {
             escape(translation.of(&lesson.objective)),
         );
 
-        // Steps of one run share its recording.
+        // `step_at` leaves the run of a step here, and uses it again for a step with the same parameters.
         let mut last = None;
         for index in 0..lesson.steps.len() {
             monitor.set_fraction(index as f32 / lesson.steps.len() as f32);
@@ -100,6 +101,7 @@ impl HandoutTask {
         Ok(html)
     }
 
+    /// Writes the section of a step: picture, text, question with its controls, and the answer or space for one.
     fn section(
         &self,
         html: &mut String,
@@ -135,7 +137,7 @@ impl HandoutTask {
         }
         html.push_str("</div>\n</div>\n");
 
-        // The controls are written before the answer is revealed, since they would show it.
+        // The controls are written first: once the answer is revealed they show it.
         if let Some(question) = open.learner.question() {
             ask(html, question.ask(0), &open.controls(&self.language.0));
             if self.answers {
@@ -183,6 +185,7 @@ fn ask(html: &mut String, ask: &str, controls: &[Control]) {
             } => {
                 let _ = writeln!(html, "<p>{}</p>", escape(text));
             }
+            // Other lines say how to use the controls of a window.
             Control::Line { .. } => {}
             Control::List { items } => list(html, items.iter().map(item)),
             Control::Chips { items } => {
@@ -190,7 +193,8 @@ fn ask(html: &mut String, ask: &str, controls: &[Control]) {
                 choices(html, &names.join(" &#160; "));
             }
             Control::Rows { rows } => {
-                // A row without a name chooses a part of what the list has whole.
+                // A row without a name chooses a part of an answer, such as the direction of a cut. The list that comes with it
+                // has the whole answers, which suffice on paper.
                 let named = rows
                     .iter()
                     .filter_map(|row| Some((row.name.as_ref()?, row)));
@@ -238,7 +242,7 @@ fn line(name: &str, row: &Row) -> String {
 fn plot(curves: &[&Curve]) -> String {
     let [width, height] = PLOT;
 
-    // The axis of power points upwards, that of pictures downwards. Higher powers are cut off at the top.
+    // In a picture y points downwards, while power grows upwards. A power beyond the plot is drawn at its top.
     let place = |[x, y]: [f64; 2]| {
         let at = [
             x / REACH[0] * width,
@@ -251,17 +255,19 @@ fn plot(curves: &[&Curve]) -> String {
         format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{style}\"/>")
     };
 
+    // Below the plot there is room for the numbers of the ticks.
     let mut svg = format!(
         "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" role=\"img\">",
         height + 16.0
     );
 
-    // Lines at no power and at that of white noise, 1.
+    // Grey lines at the power 0 and at 1, that of white noise.
     for level in [0.0, 1.0] {
         let ends = [place([0.0, level]), place([REACH[0], level])].join(" ");
         svg.push_str(&line(&ends, "#999"));
     }
 
+    // A tick is written as it is shown, and read for its place.
     for tick in ["0.5", "1", "1.5", "2", "2.5"] {
         let at = tick.parse::<f64>().unwrap_or_default() / REACH[0] * width;
         let _ = write!(

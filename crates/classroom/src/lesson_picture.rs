@@ -66,7 +66,7 @@ pub(crate) fn step_at(
         }
     };
 
-    // The time of the arrival counts for results, and a picture has no results.
+    // The time of an arrival is only used in results, which a picture does not have.
     let now = 0.0;
     let arrival = learner.arrive(&run, now);
     if arrival.map_err(|error| error.to_string())? == Arrival::NoMoment {
@@ -91,7 +91,8 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         return Scene::new(width, height, color(palette.outside));
     };
 
-    // The session ends at the moment, so that nothing later is drawn. It is gone after the picture: any generation serves.
+    // The session ends at the moment, so that nothing later is drawn. A generation tells one session of a window from the next;
+    // this one serves a single picture.
     let generation = 0;
     let session = Session::from_recording(Arc::new(run.until(cursor)), generation);
 
@@ -120,8 +121,9 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     let moment = Moment::at(&session, cursor);
     let mut scene = thumbnail(&session, &MomentView { moment, view });
 
+    // A periodic domain repeats: a place is drawn at its image nearest to the middle of the picture, `turns` domains away.
+    // A bounded one has no other images.
     let is_periodic = session.run().domain.is_periodic();
-    // In a periodic domain the picture shows the image nearest to its middle.
     let place = |at: DVec2| {
         let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
         on_picture(camera.screen_from_domain(frame, at - turns * size))
@@ -142,7 +144,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     scene
 }
 
-/// Returns the box that is to be cut and the marks of a step; `place` gives the place in the picture.
+/// Returns the box that is to be cut, if the question has one, and the marks of a step; `place` gives the place in the picture.
 fn marks(
     open: &OpenLesson,
     palette: &Palette,
@@ -162,7 +164,7 @@ fn marks(
     }
 
     let drawn = open.marks();
-    // All at once, so that labels are placed beside each other and not over each other.
+    // The places of all labels are chosen together, so that no label covers another.
     let labelled: Vec<Labelled> = drawn
         .iter()
         .map(|mark| {
@@ -170,7 +172,7 @@ fn marks(
             Labelled {
                 at: pos2(at.x as f32, at.y as f32),
                 radius: MARK_RADIUS,
-                // Letters of this size are about 7 wide.
+                // A letter of this size is about 7 points wide.
                 size: vec2(7.0 * mark.label.chars().count() as f32, LABEL_SIZE),
             }
         })
@@ -188,7 +190,7 @@ fn marks(
         marks.shapes.push(circle);
 
         if !mark.label.is_empty() {
-            // The letters stand on a line a little above the lower side.
+            // A text is placed by its baseline, which lies a little above the lower side of its box.
             let corner = DVec2::new(label.min.x.into(), f64::from(label.max.y) - 2.0);
             let label = Text::new(corner, mark.label, LABEL_SIZE.into(), ink);
             marks.shapes.push(Shape::Text(label));

@@ -388,7 +388,8 @@ impl OpenLesson {
         let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
 
         let is_done = !self.learner.is_open();
-        let (_, step) = self.learner.tries();
+        // In a trace the question is about one event after the other.
+        let (_, event) = self.learner.tries();
 
         let list = question.interaction.marks(&self.draft, is_done).into_iter();
         let listed = list.map(|listed| {
@@ -400,12 +401,12 @@ impl OpenLesson {
         });
 
         let mut marks: Vec<Mark> = listed.collect();
-        // A place that the question is about has neither a letter nor a number: it is none of the list.
+        // A place that the question is about is not in the list and has no label.
         let places = question.marked.iter();
         marks.extend(places.map(|&at| mark(at.into(), String::new(), MarkKind::Named)));
 
-        // A sample of the list is marked already, with its number.
-        for &sample in question.named(step) {
+        // A sample that the list has marked, with its number as the label, is not marked again.
+        for &sample in question.named(event) {
             if !marks.iter().any(|mark| mark.label == sample.to_string()) {
                 marks.push(mark(position(sample), sample.to_string(), MarkKind::Named));
             }

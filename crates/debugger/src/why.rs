@@ -8,8 +8,8 @@ use crate::kind::EventKind;
 use crate::moves::Direction;
 use crate::recording::Recording;
 
-/// How near a point an examined point must be to belong to its history, in units: r / 8, which is about as exact as people
-/// point at a place.
+/// How near a point an examined point must be to belong to its history, in units. Hardly anyone points at exactly the examined
+/// place, and r / 8 is small beside the distances of samples.
 pub const POINT_REACH: i32 = R / 8;
 
 /// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: a phase,

@@ -25,7 +25,8 @@ const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
-/// How many r a camera may show: fewer than 2 are no whole disk, and no run of a lesson has more than 1,000 on a side.
+/// How many r a camera may show: fewer than 2 are no whole disk, and 1,000 are more than the sides of a square with
+/// [`MAX_SAMPLES`], about 170 r.
 const CAMERA_RADII: [f64; 2] = [2.0, 1_000.0];
 /// The limits of the bound of a mean: far beyond every number of a run, and not infinite.
 const BOUNDS: [f64; 2] = [-1e9, 1e9];

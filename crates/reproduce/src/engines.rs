@@ -128,6 +128,7 @@ impl Engines {
         Self::open(&[1], gpus.collect::<Result<_, _>>()?)
     }
 
+    /// Makes a set with an engine, and returns its points.
     pub fn make(
         &self,
         engine: &Engine,
@@ -137,11 +138,11 @@ impl Engines {
     ) -> Result<Vec<Point>> {
         let observer = &mut |_| control.flow();
         let domain = parameters.validate()?;
-        let by_bands = |engine| by_bands(engine, parameters, pattern, control);
+        let banded = |engine| by_bands(engine, parameters, pattern, control);
 
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
-            // Runs on all threads, of which `threads` is the number.
+            // It always runs on all threads: `threads` only tells how many there are.
             Engine::Combined { .. } => {
                 let pieces = nine(domain, parameters.seed, control)?;
                 combine(domain, &pieces, &CombineOptions::default(), observer)?.points
@@ -151,15 +152,15 @@ impl Engines {
                 engine.finish(observer)?.points()
             }
             Engine::Parallel { threads } => {
+                // `open` has started a pool for each number of threads but that of all, for which the global pool serves.
                 let mut pools = self.pools.iter();
-                // `open` starts a pool for each number of threads other than all; all threads are those of the global pool.
                 let pool = pools.find(|pool| pool.current_num_threads() == *threads);
-                let make = || by_bands(gpu::Engine::Parallel);
+                let make = || banded(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
             }
             Engine::Exact => {
                 let none = || failed("there are no tables for exact tiling");
-                // Tables are made beforehand, so that they are not in the time of a set.
+                // The tables were made before, so that they do not count in the time of a set.
                 let history = self.history.as_ref().ok_or_else(none)?;
                 let make = || exact_points(parameters, history, &mut |_| control.flow());
                 let one = self
@@ -168,7 +169,7 @@ impl Engines {
                     .find(|pool| pool.current_num_threads() == 1);
                 one.map_or_else(make, |pool| pool.install(make))?
             }
-            Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
+            Engine::Gpu { adapter } => banded(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
 
         Ok(points)

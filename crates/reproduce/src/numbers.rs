@@ -45,7 +45,7 @@ pub fn count(value: u64) -> String {
 
 /// Returns a number with so many significant digits, thousands apart.
 pub fn number(value: f64, digits: usize) -> String {
-    // Zero, infinities and NaN have no magnitude.
+    // Zero, infinities and NaN have no magnitude, and are written as they are.
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 {
             "0".to_owned()
@@ -57,7 +57,7 @@ pub fn number(value: f64, digits: usize) -> String {
     let magnitude = value.abs().log10().floor() as i32;
     let digits = digits.max(1) as i32;
 
-    // Very small and very large numbers would be mostly zeros.
+    // Written out, numbers below 0.0001 and from 10^15 on would be mostly zeros.
     if !(-4..15).contains(&magnitude) {
         return format!("{value:.*e}", (digits - 1) as usize);
     }
@@ -70,7 +70,8 @@ pub fn number(value: f64, digits: usize) -> String {
         return format!("{}{point}{rest}", grouped(whole));
     }
 
-    // There are more places before the point than digits asked for: those beyond are zeros.
+    // There are more places before the point than digits asked for: the number is rounded to its leading digits, and zeros
+    // fill the places behind them.
     let unit = 10_f64.powi(-decimals);
     grouped(&format!("{:.0}", (value / unit).round() * unit))
 }

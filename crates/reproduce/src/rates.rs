@@ -96,7 +96,8 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Summary::of(values).map(|summary| summary.quartiles[1])
 }
 
-/// Makes the same set with each engine. Verifies the first one's set, and every other that differs from it.
+/// Makes the same set with each engine, and returns their times in this order. Verifies the first one's set, and every other
+/// that differs from it.
 pub(crate) fn times(
     open: &Engines,
     engines: &[Engine],
@@ -105,6 +106,7 @@ pub(crate) fn times(
     control: &Control<'_>,
 ) -> Result<Vec<EngineTime>> {
     let domain = parameters.validate()?;
+    // The first engine's set, its report, and the seconds that its verification took.
     let mut first: Option<(Vec<Point>, Report, f64)> = None;
     let mut all = Vec::new();
 
@@ -112,7 +114,7 @@ pub(crate) fn times(
         let (made, seconds) = timed(|| open.make(engine, parameters, pattern, control));
         let points = made?;
 
-        // A set that equals the verified one is as good as verified.
+        // A set that equals the verified one has its report. The first set counts as equal to itself.
         let known = first.as_ref().filter(|(verified, ..)| *verified == points);
         let equal = first.is_none() || known.is_some();
 
@@ -199,6 +201,7 @@ pub(crate) fn rows(rounds: &[&[EngineTime]], baseline: Option<&Engine>) -> Vec<E
     keys.iter().filter_map(row).collect()
 }
 
+/// Returns the row of the method `key`; `None` if no round has it together with the baseline.
 fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<EngineRate> {
     let find = |round: &&[EngineTime], key: Key<'_>| {
         let one = round.iter().find(|one| one.key() == key);
@@ -210,16 +213,17 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         .filter_map(|round| find(round, *key))
         .collect();
 
-    // Within one round, so that a disturbance affects both sides.
+    // Both rates are of one round, so that what disturbs the round disturbs both.
     let ratio = |baseline: Key<'_>| {
         let ratio = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
         Summary::of(rounds.iter().filter_map(ratio))
     };
 
+    // The second of the three quartiles is the median.
     let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
-    // The ratio to one thread says something of more threads, and of exact tiling, which runs on one as well.
+    // The ratio to one thread tells what more threads bring, and how exact tiling, which runs on one thread, compares.
     let is_compared = match key.0 {
         Engine::Parallel { threads } => *threads > 1,
         Engine::Exact => true,

@@ -112,7 +112,7 @@ fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Bloc
     let rows: Vec<_> = rows.collect();
 
     let heads = ["claim", "place", "the paper", "here", "verdict"];
-    // Without claims there is no heading either.
+    // Without claims the report has no table, not even its title.
     (!rows.is_empty()).then(|| Block::Table {
         title: title.to_owned(),
         numbers: false,
@@ -129,7 +129,8 @@ fn section(one: &Finished) -> Vec<Block> {
         ("Machine", Span::Plain(one.machine.line())),
         ("Program", Span::Plain(format!("tilescope {}", one.version))),
     ];
-    // Small sets are weaker evidence, which the reader has to know.
+
+    // Small sets are weaker evidence, of which the report has to tell.
     if one.quick {
         facts.push(("Quick", plain("small sets, few of them")));
     }
@@ -150,7 +151,8 @@ fn section(one: &Finished) -> Vec<Block> {
     }));
 
     blocks.extend(one.notes.iter().map(|note| Block::Text(vec![plain(note)])));
-    // Long curves are for data files alone.
+
+    // Tables that are not shown, such as long curves, are in data files alone.
     for table in one.tables.iter().filter(|table| table.shown) {
         let rows = table.rows.iter().map(|row| {
             let cells = row.iter().zip(&table.columns);

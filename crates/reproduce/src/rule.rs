@@ -26,13 +26,13 @@ impl Rule {
         };
 
         let (holds, contradicted) = match self {
-            // The whole interval has to lie within the limits, or outside them.
+            // The claim holds if the whole interval lies within the limits, and is contradicted if all of it lies outside.
             Self::Within([least, most]) => {
                 (low >= least && high <= most, high < least || low > most)
             }
             Self::Above(least) => (low >= least, high < least),
             Self::NotZero(reach) => {
-                // A wide interval around zero denies nothing.
+                // An interval around zero contradicts the claim only if it is narrow: a wide one may hold another value.
                 let zero = (low..=high).contains(&0.0);
                 (!zero, zero && 0.5 * (high - low) <= reach)
             }
@@ -41,7 +41,7 @@ impl Rule {
         match (holds, contradicted) {
             (true, _) => Verdict::Reproduced,
             (_, true) => Verdict::NotReproduced,
-            // The interval holds a limit, or is too wide to deny anything.
+            // A limit lies inside the interval, or the interval is too wide to contradict anything.
             _ => Verdict::NotComparable,
         }
     }

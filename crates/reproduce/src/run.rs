@@ -92,7 +92,7 @@ pub fn reproduce(
     let machine = Machine::this();
     let made_by = made_by(&machine);
 
-    // With `fresh` the parts of earlier runs are deleted before they are read.
+    // With `fresh` the parts of earlier runs are deleted below, so that none of them count as kept.
     let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
     let each = plan(experiments, settings, kept);
     watch.planned(&each);
@@ -114,12 +114,12 @@ pub fn reproduce(
         let parts = Parts::open(folder(&options.out, experiment), stamp, options.fresh)?;
         let study = Study::new(experiment, settings, done, parts, watch);
 
-        // The next experiment counts on from here, also if this one fails.
+        // Units count through all experiments. Those of a failed one are skipped, but counted.
         done += units;
         let outcome = match experiment.carry_out(&study) {
             Ok(outcome) => outcome,
             Err(ReproduceError::Cancelled) => return Err(ReproduceError::Cancelled),
-            // A failure does not keep the other experiments from being carried out.
+            // The other experiments are carried out nevertheless.
             Err(error) => {
                 watch.failed(experiment, &error);
                 summary.failed.push((experiment, error.to_string()));
@@ -127,7 +127,7 @@ pub fn reproduce(
             }
         };
 
-        // After each experiment, so that the folder is complete whenever the run is interrupted.
+        // The report is written after each experiment, so that the folder is complete whenever the run is interrupted.
         let finished = keep(experiment, outcome, options, &machine)?;
         report::write(&options.out)?;
         watch.finished(&finished);
@@ -188,7 +188,7 @@ fn keep(
         notes: outcome.notes,
     };
 
-    // The report reads this file and shows those above, so that it is written last.
+    // This file is written last: the report reads it, and shows the pictures and tables that must then be there.
     let path = data.join(format!("{experiment}.json"));
     let bytes = serde_json::to_vec_pretty(&finished)?;
     write_whole(&path, &bytes)?;

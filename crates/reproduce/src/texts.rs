@@ -159,6 +159,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         shown: !text.hidden,
     };
 
+    // Adds a column with its cell of each row; a missing cell is empty.
     let mut add = |column: Column, cell: &dyn Fn(&Value) -> Option<Value>| {
         table.columns.push(column);
         for (row, object) in table.rows.iter_mut().zip(&objects) {
@@ -175,10 +176,10 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             digits: column.digits,
         };
 
-        // All rows have the same columns, so that the first one tells which.
+        // All rows have the same columns, so that the first one tells which there are. Without rows none are needed.
         let optional = key != column.key || objects.is_empty();
         match objects.first().and_then(|object| object.get(key)) {
-            // A column for each pair of the first row.
+            // The column is repeated for each pair of the first row.
             Some(Value::Array(pairs)) => {
                 for (index, pair) in pairs.iter().enumerate() {
                     let cell = |object: &Value| object[key].get(index).map(|pair| pair[1].clone());
@@ -190,7 +191,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         }
     }
 
-    // The other way round: a cell without a column would be left out without a word.
+    // A cell whose column is not in the file would be left out unnoticed.
     for key in objects
         .iter()
         .filter_map(Value::as_object)
@@ -223,6 +224,7 @@ impl Words {
         {
             out.push_str(before);
             rest = after;
+
             if let Some(part) = inside.strip_prefix('@') {
                 out.push_str(&self.filled(&self.texts[part], values));
                 continue;
@@ -230,7 +232,7 @@ impl Words {
 
             let (name, format) = inside.split_once(':').unwrap_or((inside, ""));
             let value = values.pointer(&format!("/{}", name.replace('.', "/")));
-            // Placeholders are written in the assets, so that tests find one without a value.
+            // A placeholder without a value is a fault of the file of texts, which tests find.
             debug_assert!(
                 value.is_some(),
                 "no value for {{{inside}}} of \"{template}\""

@@ -39,10 +39,11 @@ impl Lessons {
                 .collect()
         };
 
-        // The text after the question tells its answer.
+        // The text after the question tells the answer, so that it is held back while the question is open.
         let after = (!learner.is_open()).then(|| paragraphs(&step.after));
 
         let labels = lesson_labels(&self.language);
+        // All steps, for the list of links; the fields below are about the step that is shown.
         let steps = lesson.steps.iter().map(|step| {
             let gate = step.gate.as_ref();
 
@@ -80,16 +81,18 @@ impl Lessons {
         })
     }
 
+    /// Returns the list of lessons, and the learner's results in numbers.
     fn list_json(&self) -> Value {
         let entries = self.shelf.iter().filter_map(|shipped| {
-            // Tests read all lessons that come with the program, so that none is left out here.
+            // A lesson that cannot be read would be left out; tests read all that come with the program.
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
-            // Lessons are English; without a translation, or in a language without one, they stay so.
+            // German is the one translation that comes with the program. In other languages the texts stay English.
             let german = Translation::read(&shipped.german)
                 .ok()
                 .filter(|_| self.language == "de")
                 .unwrap_or_default();
 
+            // A question counts as done once it has an answer, right or wrong.
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();
             let is_done = |gate: &&&String| self.results.of_gate(&shipped.name, gate).is_some();
             let done = gates.iter().filter(is_done);
@@ -133,7 +136,7 @@ impl Lessons {
         use LessonCommand as L;
 
         match (command, self.learner()) {
-            // Parsed here too, so that the page gets the fault of a lesson that cannot be read.
+            // The lesson is read here only for its fault, which the page then gets as the answer to its request.
             (L::Read(name, text), _) => Lesson::read(name, text)
                 .err()
                 .map(|error| error.to_string()),
@@ -148,6 +151,7 @@ impl Lessons {
             ) => None,
             // The commands above need no lesson; all others are about the one that is open.
             (_, None) => Some(NO_LESSON.to_owned()),
+
             (L::Step(Direction::Forwards), Some(learner)) if !learner.may_go_on() => {
                 Some("the question is open, or this is the last step".to_owned())
             }
@@ -261,14 +265,15 @@ impl Classroom {
             let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
             self.lessons.shows_list = true;
             context.ask(Effect::ShowSomeRun);
-            // A run that begins removes earlier notices.
-            context.tell(text, true);
+            // The notice follows the run, as a run that begins removes earlier notices.
+            let is_error = true;
+            context.tell(text, is_error);
             return;
         }
 
         self.apply(LessonCommand::Open(wanted.name), context);
 
-        // The lesson of the name may be one that cannot be read.
+        // Without an open lesson, the one of this name could not be read, and its fault is shown.
         if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
             self.apply(LessonCommand::Go(step), context);
         }
@@ -294,8 +299,8 @@ impl Classroom {
         match read {
             Ok(lessons) => {
                 self.lessons.shelf = lessons;
+                // A lesson that is open already came from elsewhere, before the words of its language were there.
                 if self.lessons.open.is_some() {
-                    // It was opened before the words of its language were there.
                     let language = self.lessons.language.clone();
                     self.apply(LessonCommand::Language(language), context);
                 }
@@ -306,7 +311,7 @@ impl Classroom {
                 }
             }
             Err(error) => {
-                // Nothing more is awaited, and the window needs something to show.
+                // No lesson will come: the list closes, and the window shows a run instead.
                 self.lessons.close_list();
                 context.ask(Effect::ShowSomeRun);
                 context.tell(format!("The lessons could not be loaded: {error}."), true);

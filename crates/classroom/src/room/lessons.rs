@@ -1,5 +1,6 @@
 //! Lessons: opening them, going from step to step, and giving answers. While a question is open, the window
-//! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. The window refuses commands meanwhile that would make or show another run.
+//! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. Meanwhile the window
+//! refuses commands that would make or show another run.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,7 +28,7 @@ const RESULTS: &str = "tilescope-results";
 /// Why a layer cannot be switched on while a question is open.
 pub const HIDDEN_LAYER: &str =
     "The lesson shows this layer once its question is answered, or not at all.";
-/// The most seeds of practice that are tried for a moment.
+/// The most seeds of practice that are tried for a moment. Lessons are checked: at least half of the seeds have it.
 const MAX_MISSED: u64 = 50;
 
 /// Reads a lesson or a translation, if it is not longer than those may be.
@@ -127,12 +128,12 @@ impl Lessons {
 impl Classroom {
     /// Applies a command to the lessons.
     pub fn apply(&mut self, command: LessonCommand, context: &mut Context) {
-        // Any other command withdraws the question whether to clear the results.
+        // The question whether to clear the results stays only until the next command, whatever that is.
         self.lessons.asks_to_clear &= command == LessonCommand::ClearResults;
 
         match command {
             LessonCommand::ToggleList => {
-                // One thing at a time: the list would leave the tour's card no room.
+                // The list leaves no room for the card of the tour.
                 context.ask(Effect::EndTour);
                 self.lessons.shows_list = !self.lessons.shows_list;
             }
@@ -164,7 +165,7 @@ impl Classroom {
             LessonCommand::File(path) => self.open_lesson_file(&path, context),
             LessonCommand::SaveResults(format) => self.save_results(&format, context),
             LessonCommand::ClearResults => self.clear_results(),
-            // Every other command ends the question whether to clear; this one does nothing else.
+            // The learner does not want to clear the results. The question has ended above, which is all there is to do.
             LessonCommand::KeepResults => {}
             LessonCommand::Name(name) => self.lessons.name_learner(&name),
         }
@@ -233,8 +234,7 @@ impl Classroom {
             _ => 0,
         };
 
-        // Requests are carried out in their order: the window sets its own run aside before the step asks for another
-        // one.
+        // The window carries out requests in order: `Begin` sets its own run aside before the step asks for another one.
         context.ask(Effect::Begin);
 
         self.lessons.shows_list = false;
@@ -245,7 +245,7 @@ impl Classroom {
         }));
 
         self.enter_step(step, context);
-        // A run that begins removes earlier notices.
+        // The fault of the translation is shown last, as a run that begins removes earlier notices.
         tell_fault(fault, context);
     }
 
@@ -306,7 +306,8 @@ impl Classroom {
         lessons.asks_to_clear = !lessons.asks_to_clear;
     }
 
-    /// Writes the results; on a page, downloads them.
+    /// Writes the results, on a page as a download. `wanted` is a format (`csv`, `xapi`, otherwise JSON) or a path, whose ending
+    /// gives the format.
     fn save_results(&mut self, wanted: &str, context: &mut Context) {
         let results = &self.lessons.results;
 
@@ -322,7 +323,7 @@ impl Classroom {
             _ => (results.to_json(), "json"),
         };
 
-        // A word such as `csv` chooses the format alone; a name with an ending is a path.
+        // A word without a point is a format, and the window chooses the path.
         let path = wanted.contains('.').then(|| PathBuf::from(wanted));
 
         context.ask(Effect::Save(NewFile {
@@ -333,15 +334,15 @@ impl Classroom {
         }));
     }
 
-    /// Returns the translation of a lesson into the chosen language: of one that comes with the program its own, of a file the
-    /// file NAME.LANGUAGE.md beside it. Where there is none, or one with a fault, which is returned too, the texts stay as
-    /// they are.
+    /// Returns the translation of a lesson into the chosen language, and its fault if it has one. A lesson that comes with the
+    /// program has its own; that of a lesson in a file is the file NAME.LANGUAGE.md beside it. Without a translation, or with a
+    /// fault, the texts stay as they are.
     fn translation(&self, name: &str, source: &LessonSource) -> (Arc<Translation>, Option<String>) {
         let tag = self.lessons.language.as_str();
-        // Only tags of known languages become names of files.
+        // The tag may be any text: only that of a known language becomes a part of a path below.
         let language = Language::of(tag);
 
-        // German is the one language in which lessons come with the program.
+        // Lessons that come with the program are translated into German alone. Tests read these translations.
         let shipped = self.lessons.shipped(name).filter(|_| tag == "de");
 
         let read = match source {
@@ -439,7 +440,7 @@ impl Classroom {
         (recording.run().parameters == parameters).then(|| Arc::clone(recording))
     }
 
-    /// Shows the step, as its run was made.
+    /// Shows the step, now that its run is made.
     pub fn arrive_at_step(&mut self, run: &Arc<Recording>, context: &mut Context) {
         let now = self.lessons.now;
         let Some(open) = &mut self.lessons.open else {
@@ -456,7 +457,7 @@ impl Classroom {
             Ok(Arrival::NoMoment)
                 if open.learner.practised().is_some() && open.missed < MAX_MISSED =>
             {
-                // In practice any run with the moment will do: the next seeds are tried.
+                // In practice any run with the moment will do: another seed is drawn. `missed` grows, so that the draws differ.
                 open.missed += 1;
                 let draw = open.learner.parameters().seed + open.missed;
                 open.learner.practise(draw);
@@ -466,7 +467,7 @@ impl Classroom {
                 let line = open.learner.step().scene.line;
                 let missing = || LessonError::new(line, "the run has no such moment");
                 open.fault = Some(arrived.err().unwrap_or_else(missing));
-                // The step has no moment, so the start of the run is shown.
+                // A step without its moment shows the start of its run.
                 context.ask(Effect::ShowRun(Arc::clone(run), 0));
             }
         }
@@ -504,6 +505,7 @@ impl Classroom {
         (!is_own).then_some(canvas.destination)
     }
 
+    /// Gives the answer that was put together, if it is complete and a question is open.
     fn answer_question(&mut self, context: &mut Context) {
         let now = self.lessons.now;
         let Some(open) = &mut self.lessons.open else {
@@ -524,9 +526,10 @@ impl Classroom {
 
         match given {
             Ok(feedback) => {
+                // A right answer goes on, in a trace to the next event.
                 let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
                 let score = feedback.score;
-                // A form says nothing about its answers: it would help with the form that follows.
+                // A form tells nothing about its answers, as this would help with the form after the lessons.
                 let shown = Some(feedback).filter(|_| !open.learner.is_taken());
                 (open.lacking, open.feedback) = (None, shown);
 
@@ -534,7 +537,8 @@ impl Classroom {
                 self.note_answer(score, given_up);
 
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
-                    // The next event of a trace needs a new answer; any other answer stays visible.
+                    // A question that is still open is a trace, whose next event needs a new answer. Otherwise the answer stays
+                    // visible.
                     if open.learner.is_open() {
                         open.draft = Draft::default();
                     }

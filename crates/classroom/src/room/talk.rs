@@ -51,7 +51,7 @@ impl Classroom {
         match command {
             TalkCommand::Lesson { from_start } => self.present_lesson(from_start, context),
             TalkCommand::First => {
-                // A lecture has several lessons as its parts: the first step is that of the first one.
+                // The parts of a lecture are lessons: its first step is the first one of the first lesson.
                 if self.talks.open.as_ref().is_some_and(|talk| talk.part > 0) {
                     let at_end = false;
                     self.go_to_part(0, at_end, context);
@@ -69,6 +69,7 @@ impl Classroom {
                 self.end_talk(context);
                 context.ask(Effect::LessonOfScenes);
             }
+            // Addresses of pages are shorter: a longer text is cut.
             TalkCommand::Address(address) => {
                 self.talks.address = address.trim().chars().take(200).collect();
             }
@@ -80,7 +81,7 @@ impl Classroom {
             TalkCommand::Restore(kept) => self.restore_talk(&kept, context),
             TalkCommand::Draw(at) => {
                 if let Some(talk) = &mut self.talks.open {
-                    // The first place after the pen was lifted begins a stroke.
+                    // The first place since the pen was lifted begins a stroke.
                     let (begins, color) = (!talk.is_drawing, talk.color);
                     talk.is_drawing = true;
                     self.talks.record.draw(&key, at, color, begins);
@@ -96,10 +97,11 @@ impl Classroom {
                     self.keep_vote_on_form();
                 }
             }
+            // All other commands change nothing but the talk itself.
             _ => {
                 if let Some(talk) = &mut self.talks.open {
                     talk.apply(&command);
-                    // A talk without a window would go on unseen.
+                    // A talk without the stage and the notes has no window, and would go on unseen.
                     if !(talk.windows.stage || talk.windows.notes) {
                         self.end_talk(context);
                     }
@@ -175,12 +177,13 @@ impl Classroom {
         }
     }
 
+    /// Goes on by a press: to the votes, the answer, the next step, the next part, or the end.
     fn next_in_talk(&mut self, context: &mut Context) {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &mut self.lessons.open) else {
             return;
         };
 
-        // After a blank the first press only shows the canvas again.
+        // While the stage is blank, a press only shows the canvas again.
         if talk.cover == Some(Cover::Blank) {
             talk.cover = None;
             return;
@@ -192,7 +195,7 @@ impl Classroom {
 
         if waits {
             if learner.question().is_none() {
-                // The run is being made.
+                // There is no question yet, as its run is being made: presses are ignored.
                 return;
             }
 
@@ -204,7 +207,7 @@ impl Classroom {
             learner.reveal();
             (open.lacking, open.hint) = (None, None);
             (talk.is_voting, talk.cover) = (false, None);
-            // A form reveals nothing and goes on.
+            // A form does not reveal its answer, so that this press goes on to the next step.
             if !learner.is_taken() {
                 return self.show_moment(context);
             }
@@ -300,8 +303,8 @@ impl Classroom {
         }
     }
 
-    /// Keeps the first vote on the question of a form with the results, so that the gain can be computed of votes too. One of
-    /// this talk that was typed before is replaced, and removed if it was taken back.
+    /// Keeps the first vote on the question of a form with the results, so that the gain of votes can be computed. It replaces
+    /// the one that this talk kept before, which is removed if all votes were taken back.
     fn keep_vote_on_form(&mut self) {
         let (key, now) = (self.talk_key(), self.lessons.now);
         let (Some(talk), Some(learner)) = (&self.talks.open, self.lessons.learner()) else {
@@ -328,6 +331,7 @@ impl Classroom {
             time: now,
         });
 
+        // Votes of earlier talks stay: those of this talk are not older than its beginning.
         let (begun, name) = (talk.begun, lesson.name.clone());
         let votes = &mut self.lessons.results.votes;
         let is_of_talk = |kept: &ClassVote| kept.time >= begun && kept.lesson == name;
@@ -360,6 +364,7 @@ impl Classroom {
         }
     }
 
+    /// Continues the talk of a text that [`Self::kept_of_talk`] gave; on a page, once the lessons are loaded.
     fn restore_talk(&mut self, text: &str, context: &mut Context) {
         let Ok(kept) = serde_json::from_str::<Kept>(text) else {
             let text = "The talk that the notes kept cannot be read.";
@@ -371,7 +376,8 @@ impl Classroom {
             return;
         }
 
-        // A talk that goes on in this window stays; only its votes, drawings and place are taken over.
+        // A talk that is open in this window stays open, and only takes over votes, drawings and place. Otherwise the kept one
+        // begins: a lecture, a lesson of which the text was kept, or one that comes with the program.
         if self.talks.open.is_none() {
             let from_start = false;
             match &kept.lesson {
@@ -391,12 +397,12 @@ impl Classroom {
             return;
         };
 
-        // A record without the time of its beginning counts from now.
+        // Without the time of its beginning, the talk counts from now.
         if kept.begun > 0.0 {
             talk.begun = kept.begun;
         }
 
-        // A record of another version, or one that somebody changed, may name a lesson that the talk lacks.
+        // A text of another version, or one that was changed by hand, may name a part that the talk lacks.
         let part = kept.part.min(talk.parts.len().saturating_sub(1));
         if part != talk.part {
             let at_end = false;
@@ -413,7 +419,7 @@ impl Classroom {
             self.talks.restored = Some(RestoredStep {
                 key: format!("{}/{}", name.unwrap_or_default(), kept.step),
                 is_revealed: kept.is_revealed,
-                // The text comes from a page's store, which anyone can change.
+                // The text comes from the store of a page, which anyone can change: the camera may be nonsense.
                 camera: kept
                     .camera
                     .and_then(|kept| Camera::checked(kept.center, kept.scale)),
@@ -491,6 +497,7 @@ impl Classroom {
         }
     }
 
+    /// Starts to make a handout of the open lesson, with its answers and the speaker's notes if they are wanted.
     fn make_handout(
         &mut self,
         answers: bool,
@@ -502,6 +509,7 @@ impl Classroom {
             return context.tell("Open a lesson first.".to_owned(), false);
         };
 
+        // Only lessons that come with the program have a translation at hand, and it is German.
         let name = open.learner.lesson().name.clone();
         let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
         let shipped = self.lessons.shipped(&name).filter(|_| is_german);
@@ -512,7 +520,7 @@ impl Classroom {
             language: (self.lessons.language.clone(), german),
             answers,
             notes,
-            // The drawings of a talk are printed if they are kept.
+            // The drawings of a talk are printed if the lecturer chose to keep them.
             record: self.saved_record().cloned(),
         };
 

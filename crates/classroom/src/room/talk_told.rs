@@ -7,7 +7,8 @@ use crate::room::{CanvasView, Classroom};
 use crate::talk::{Cover, advised};
 
 impl Classroom {
-    /// Returns the talk for the lecturer's notes, with the camera of the stage, or `null`. It holds notes and answers: only the notes may show it.
+    /// Returns the talk for the lecturer's notes, with the camera of the stage, or `null`. It holds notes and answers: only the
+    /// notes may show it.
     #[must_use]
     pub fn talk_json(&self, canvas: &CanvasView) -> Value {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
@@ -19,6 +20,7 @@ impl Classroom {
         let lesson = learner.lesson();
 
         let question = learner.question();
+        // In a trace the question is about one event after the other.
         let (_, traced) = learner.tries();
         let options = question.map_or(0, |question| question.options().len());
 
@@ -26,7 +28,7 @@ impl Classroom {
         let votes = self.talks.record.votes_on(&key);
 
         let [before, this, all] = talk.planned_secs(learner.index());
-        // After the last step of a lesson the next one of the talk follows.
+        // After the last step of a lesson the talk goes on with the lesson of its next part.
         let later = talk.parts.get(talk.part + 1);
         let next = match (lesson.steps.get(learner.index() + 1), later) {
             (Some(step), _) => Some(learner.words(&step.title)),
@@ -36,7 +38,7 @@ impl Classroom {
 
         let picture = self.talks.next_picture.drawn();
 
-        // A step with a fault has no question that could wait.
+        // A step with a fault shows no question, so that none waits for an answer.
         let waits = learner.is_open() && open.fault.is_none();
 
         json!({

@@ -57,7 +57,7 @@ fn measure(leaf: f64, seed: u64, samples: f64, control: &Control<'_>) -> Result<
     Ok(counts(leaf, &run))
 }
 
-/// Counts what equation 4 is about.
+/// Returns the areas and counts of a set that equation 4 is about, in radii.
 fn counts(leaf: f64, run: &Run) -> LeafShares {
     let mut found = LeafShares {
         leaf,
@@ -72,9 +72,9 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
             [block.rect.width(), block.rect.height()].map(|x| f64::from(x) / f64::from(R));
         found.blocks += 1;
         found.edges += width + height;
-        // A clip is its block with r more on each side, which the proof of theorem 3.1 needs.
+        // A clip reaches r beyond its block on each side, as the proof of theorem 3.1 needs.
         found.clipped += (width + 2.0) * (height + 2.0);
-        // Clips of neighbours reach r into the block.
+        // The clips of neighbours reach r into the block from each side; only the rest belongs to one clip alone.
         found.alone += (width - 2.0) * (height - 2.0);
     }
 
@@ -87,7 +87,7 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
             found.in_conflict += usize::from(in_conflict);
             let lost = matches!(fate, Fate::Eliminated { .. });
             found.eliminated += usize::from(lost);
-            // In the margin of a clip nothing is lost: the place belongs to another block.
+            // A sample eliminated in the margin of its clip is no loss there, as the place belongs to another block.
             found.lost += usize::from(lost && *own);
         }
     }

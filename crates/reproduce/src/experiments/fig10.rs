@@ -38,8 +38,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let results: Vec<SamplerResults> =
         each.map(|one| results(one, study)).collect::<Result<_>>()?;
 
+    // The sets behind the results are not kept: those of the pictures are made anew.
     let control = study.control("the pictures");
-    // Sets are not kept, so that those of the pictures are made anew.
     let corner = |sampler| looks::corner(sampler, settings, &control);
     let corners: Vec<_> = Sampler::ALL
         .into_iter()
@@ -66,6 +66,7 @@ fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
     let settings = study.settings;
     let (name, key) = (sampler.name(), sampler.key());
     let what = format!("spectrum, {name}");
+
     // The spectrum, each plate and each horizon are units: an interrupted run loses one of them at most.
     let spectrum = study.unit(&format!("look-{key}"), &what, |control| {
         let (count, sets) = looks::amounts(settings);

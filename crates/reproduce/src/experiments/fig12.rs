@@ -120,12 +120,12 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> 
     let domain = domain(side)?;
     control.go_on()?;
 
-    // The speed-up is over a single thread, so that nothing in this set may use more.
+    // The speed-up is that over one thread: a pool of one keeps the sampler from using more.
     let one = (rayon::ThreadPoolBuilder::new().num_threads(1).build())
         .map_err(|error| ReproduceError::Engine(error.to_string()))?;
     let (whole, alone) =
         timed(|| one.install(|| reference_sample(domain, seed, &mut control.observer())));
-    // Only its time is compared.
+    // Of this set only the time is compared.
     drop(whole?);
 
     let glued = glue(domain, seed, control)?;
@@ -134,7 +134,7 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> 
     let report = set.judge(control)?;
 
     let rects = nine_rects(&domain);
-    // A sample in the margin around its rectangle is no loss: the place belongs to another set.
+    // A sample eliminated in the margin around its rectangle is no loss there, as the place belongs to another set.
     let lost = combined.eliminated.iter().filter(|lost| lost.own);
     let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
     // Without losses the depth is 0.
@@ -249,10 +249,12 @@ fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
     [("nine", None), ("seams", Some(part))].map(picture).into()
 }
 
+/// Returns the picture of the glued set. With a window it shows this part alone, and the eliminated samples as crosses.
 fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) -> Scene {
     let combined = &glued.combined;
     let user = |p: Point| combined.domain.user_from_lattice(p);
     let points = combined.positions();
+    // A block's index decides its tint, so that blocks stand in the order of `TINTED`.
     let tint = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
     let block = |source: &Source| match *source {
         Source::Tiled { block, .. } => tint(block).map(|at| at as u32),
@@ -280,7 +282,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
     let mut scene = set_scene(&set, &options);
     let style = Style::filled(options.palette.eliminated);
     if let Some(part) = window {
-        // Positions of a picture point down, within the part that is shown.
+        // In a picture y points downwards: places are mirrored within the part that is shown.
         let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
         let positions = points_of(glued).into_iter().map(flip);
         let cross = |at| Shape::marker(Marker::Cross, at, 13.0, style);
@@ -291,12 +293,12 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
     scene
 }
 
-/// Side of a legend's mark, its line and its text.
+/// Side of a legend's mark, height of its line and size of its text, in points. Gaps between them were set by eye.
 const MARK: f64 = 12.0;
 const LINE: f64 = 34.0;
 const TEXT: f64 = 14.0;
 
-/// Adds a line below the picture that says what its marks are.
+/// Adds a line below the picture that says what its marks are. `close` is whether the picture shows a part from near.
 fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
     let at = scene.height + 0.5 * LINE - 8.0;
     let colors = [
@@ -316,11 +318,12 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
 
     let mut group = Group::new("legend");
     let mut x = 20.0 + 0.5 * MARK;
-    // The whole picture has neither crosses nor disks: they would be too small.
+    // A picture of the whole has only the first two: crosses and disks would be too small in it.
     for (name, kind, size, style) in entries.into_iter().take(if close { 4 } else { 2 }) {
         group
             .shapes
             .push(Shape::marker(kind, [x, at], size * MARK, style));
+
         let mut text = Text::new([x + MARK + 4.0, at], name, TEXT, palette.text);
         text.baseline = Baseline::Middle;
         x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;

@@ -81,7 +81,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let mut found: Vec<MethodSpectra> = Vec::new();
     for (group, method) in spectra_units(study.settings) {
         let SetGroup { radius, sets, .. } = group;
-        // A name that no file of other measures has.
+        // The prefix sets these units apart from those of other measures in the same folder.
         let key = format!("groups-{radius}-{}", method.key());
         let what = format!("{sets} sets of radius {radius}, {}", method.name());
         found.push(study.unit(&key, &what, |control| {
@@ -110,9 +110,10 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
-/// The figures show one set of each method, made anew.
+/// Returns the pictures of spectra. Each shows one set of each of its methods, made anew, as sets are not kept.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
+    // A column is two methods, one above the other; a method that was not measured leaves its column out.
     let picture = |group: SetGroup, name: &str, title: &str, columns: Vec<(Method, Method)>| {
         let spectra_of = |method: Method| spectra::find(found, group.radius, method);
         let spectra_of_column = |(one, below)| Some((spectra_of(one)?, spectra_of(below)?));
@@ -132,7 +133,8 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
         )
     });
     let mut pictures: Vec<Picture> = each.collect::<Result<_>>()?;
-    // The control, which this figure needs, stands with the last radius alone.
+
+    // This picture needs the control, which was measured with the last radius alone.
     if let Some(group) = groups.last() {
         let title = "Where regularity shows";
         pictures.push(picture(*group, "regular", title, shown::regular())?);
@@ -143,17 +145,18 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![text("fig13/how", &json!({}))];
 
-    // A domain of a single block was not tiled, so that no verdict rests on it.
+    // Methods whose blocks are as large as the domain tiled nothing, so that no verdict rests on them.
     let is_whole =
         |one: &&MethodSpectra| one.method.leaf().is_some() && !one.method.tiles(one.radius);
     let whole: Vec<String> = (found.iter().filter(is_whole))
         .map(|one| format!("{} at radius {}", one.method.name(), one.radius))
         .collect();
+
     if !whole.is_empty() {
         notes.push(text("fig13/whole", &json!({ "methods": whole.join(", ") })));
     }
 
-    // Sets with one pattern repeat each other as well as themselves, so that no verdict rests on them.
+    // Sets that share one pattern repeat each other, not only themselves, so that no verdict rests on them.
     let shared = (found.iter())
         .filter(|one| matches!(one.method, Method::OnePattern { .. }))
         .map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));
@@ -163,6 +166,7 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
         &json!({ "leaf": ONE_LEAF, "excess": excess }),
     ));
 
+    // The median time of making a pattern of each side, in milliseconds.
     let all_patterns = || rounds.iter().flat_map(|round| &round.patterns);
     let pattern = |side: f64| {
         let seconds = all_patterns().filter(|(of, _)| of.to_bits() == side.to_bits());

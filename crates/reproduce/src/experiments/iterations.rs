@@ -63,7 +63,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 
     let compared = variants::compare(study)?;
     let mut printed: Vec<Summary> = compared.iter().map(|one| one.printed.clone()).collect();
-    // Sets of both sizes count for the claims on the algorithm as printed.
+    // The claims on the algorithm as printed rest on its small and its large sets together.
     printed.extend(variants::large_printed(study)?);
 
     Ok(Outcome {

@@ -71,7 +71,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
-    // Sets are not kept, so that the one with the largest gap is made again to be drawn.
+    // Sets are not kept: the one with the largest gap is made again to be drawn.
     if let Some(worst) = gaps::worst(&found) {
         let (leaf, variant) = (worst.leaf, Variant::Staged);
         let case = SearchCase { leaf, variant };
@@ -160,7 +160,7 @@ fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
         "out": sets.iter().map(|one| one.out_of_sight).sum::<usize>(),
     });
 
-    // A single gap refutes it in any number of samples.
+    // One gap contradicts the claim in sets of any size. That there is none says something only of many samples.
     claim(
         id,
         Verdict::if_known(!holds || samples >= ENOUGH, holds),

@@ -47,12 +47,12 @@ impl TimingPlan {
         let mut opened = None;
 
         let one = |number: u64| {
-            // The rounds have different seeds, and all engines of a round the same.
+            // Each round has a seed of its own, and all engines of a round have the same.
             let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);
             study.unit(&key, &what, |control| {
-                // Opened for the first round that was not kept, and not at all if there is none.
+                // The engines are opened for the first round that was not kept; if all were kept, they never are.
                 let engines = match &mut opened {
                     Some(opened) => opened,
                     none => none.insert(open(control)?),

@@ -55,11 +55,13 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
             SeedCounts::of(&parameters, cells, seed, control)
         })?);
     }
+
     let found = UniformityResults::of(&seeds)?;
     let against = averages::averages(study)?;
 
     let mut claims = claims::claims(&found);
     claims.extend(claims::mean_curves(&against));
+
     let mut pictures = shown::pictures(&found, cells)?;
     pictures.push(shown::mean_curves(&against)?);
     let mut tables = shown::tables(&found);

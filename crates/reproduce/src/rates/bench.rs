@@ -98,12 +98,12 @@ impl Bench {
         let of_plane = sized(self.plane, self.seed)?;
         let control = Control::new(watch, 0, "the pattern".to_owned());
 
-        // The time to make a pattern is reported, so it is generated here and not taken from the kept ones.
+        // The time to make a pattern is reported: it is generated here and not taken from those that the program keeps.
         let generate = || Pattern::generate(&base.pattern, &mut control.observer());
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
 
-        // The pattern of exact tiling has the side that the method chooses, and is among the kept ones for no caller yet.
+        // The pattern of exact tiling has the side that the method chooses. It is not yet kept here, so that it is made, too.
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
         let (history, history_seconds) = timed(tables);
@@ -112,10 +112,11 @@ impl Bench {
         let parallel = |&threads: &usize| Engine::Parallel { threads };
         let mut engines: Vec<Engine> = self.threads.iter().map(parallel).collect();
         if self.sequential {
-            // First of its group, it makes the set that is verified, and that the others are compared with.
+            // The first engine of a group makes the set that is verified and that the others are compared with.
             engines.insert(0, Engine::Sequential);
         }
 
+        // Engines of one group make the same set; that of exact tiling is another one.
         let by_leaf = [&engines[..], &[Engine::Exact]];
         let once: &[&[Engine]] = &[&[Engine::Reference]];
         let made = self.rounds(&open, once, &by_leaf, &base, &pattern, watch)?;
@@ -158,6 +159,7 @@ impl Bench {
             let mut parameters = *base;
             parameters.seed = self.seed.wrapping_add(number);
 
+
             let mut all = Vec::new();
             // Sets from scratch have no leaf size: one of them is enough for a round.
             for group in once {
@@ -175,6 +177,7 @@ impl Bench {
         (0..self.rounds).map(round).collect()
     }
 
+    /// Times a window of the plane in each round, and verifies it.
     fn windows(
         &self,
         parameters: &Parameters,
@@ -197,6 +200,7 @@ impl Bench {
         };
 
         for round in 0..self.rounds as u32 {
+            // The lower corner of the window is drawn in the unit square.
             let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
             let low = [x, y].map(|v| v / f64::from(u32::MAX));
             let window = plane.domain().window(low, low.map(|v| v + side))?;
@@ -206,7 +210,7 @@ impl Bench {
             windows.counts.push(points?.len());
             control.go_on()?;
 
-            // Beyond the timed window, the verdict needs the samples around it.
+            // The verdict also needs the samples around the window, which are not in its time.
             let cut = plane.widened(&window, &mut control.observer())?;
             let is_periodic = false;
             let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());

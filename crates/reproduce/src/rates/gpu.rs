@@ -67,7 +67,7 @@ impl Bench {
         let adapter = gpu.report().name.clone();
         let engines = [Engine::parallel(), Engine::Gpu { adapter }];
 
-        // The first run compiles the passes; its time is reported by itself and its set is not needed.
+        // The first run compiles the passes. Its time is reported by itself, and its set is not needed.
         let leaf = *self.leaves.first().unwrap_or(&base.leaf);
         let first = Parameters { leaf, ..base };
         let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
@@ -85,7 +85,7 @@ impl Bench {
             [stage, report.name.to_owned()]
         })?;
 
-        // A copy that is not timed warms the device up.
+        // The first copy warms the device up and is not timed.
         block_on(gpu.copy(COPIED, 1))?;
         let (copied, seconds) = timed(|| block_on(gpu.copy(COPIED, COPIES)));
         copied?;

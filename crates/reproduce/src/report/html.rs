@@ -23,7 +23,7 @@ dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem 1rem}dd{margin:0
 /// Returns the page; pictures are read from `figures`.
 pub fn page(blocks: &[Block], figures: &Path) -> String {
     let title = escape(TITLE);
-    // The style is within the page, which needs no other file.
+    // The style is a part of the page, so that the page needs no other file.
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
@@ -53,12 +53,14 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 heads,
                 rows,
             } => {
-                // Tables of claims are sections; those of numbers belong to an experiment's section.
+                // A table of claims is a section of its own; one of numbers stands in an experiment's section. Numbers are set
+                // to the right by the class.
                 let (level, class) = if *numbers {
                     (3, " class=\"n\"")
                 } else {
                     (2, "")
                 };
+
                 let head = |head: &String| format!("<th{class}>{}</th>", escape(head));
                 let heads: String = heads.iter().map(head).collect();
                 let cell = |one: &Span| format!("<td{class}>{}</td>", span(one));

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{Block, Span, TITLE};
 
+/// Returns the report; pictures are read from `figures` beside it.
 pub fn page(blocks: &[Block]) -> String {
     let mut out = format!("# {TITLE}\n");
     for block in blocks {
@@ -26,12 +27,13 @@ pub fn page(blocks: &[Block]) -> String {
                 heads,
                 rows,
             } => {
-                // Tables of claims are sections; those of numbers belong to an experiment's section.
+                // A table of claims is a section of its own; one of numbers stands in an experiment's section.
                 let title = if *numbers {
                     title
                 } else {
                     &format!("## {title}")
                 };
+
                 let heads: Vec<String> = heads.iter().map(|head| cell(head)).collect();
                 let rule = "---|".repeat(heads.len());
                 let row = |row: &Vec<Span>| {

@@ -60,6 +60,7 @@ fn bins(samples: &[[f64; 2]], side: usize) -> Vec<Vec<[f64; 2]>> {
     bins
 }
 
+/// Returns the filtered rows of a band.
 fn band_of(
     band: usize,
     bins: &[Vec<[f64; 2]>],
@@ -68,14 +69,14 @@ fn band_of(
 ) -> Filtered {
     let rows = BAND * band..(BAND * (band + 1)).min(side);
     let mut sums = vec![[0.0; 2]; rows.len() * side];
-    // No sample reaches farther than into the next band: REACH is less than BAND.
+    // A sample reaches at most into the next band, as REACH is less than BAND: three bands of samples contribute.
     let near = band.saturating_sub(1)..(band + 2).min(bins.len());
 
     for at in bins[near].iter().flatten() {
         let (across, down) = (touched(at[0]), touched(at[1]));
         let mut value = None;
         for (row, wy) in down.filter(|(row, _)| rows.contains(row)) {
-            // Once for a sample, and not at all if it reaches no row of the band.
+            // The function is evaluated once for a sample, at its first row in the band, and never if it has none there.
             let value = *value.get_or_insert_with(|| function(*at));
             let line = &mut sums[(row - rows.start) * side..][..side];
             for (column, wx) in across.clone().filter(|(column, _)| *column < side) {
@@ -118,7 +119,7 @@ pub fn pixel_means(
 ) -> Filtered {
     let mut pixels = vec![Vec::new(); side * side];
     for at in samples {
-        // A sample on the upper edge belongs to the last pixel.
+        // A sample on the edge behind the last pixel belongs to that pixel.
         let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
         pixels[row * side + column].push(*at);
     }

@@ -97,7 +97,7 @@ impl Horizon {
             .collect();
 
         let image = pixel_means(&placed, |at| self.value(at), side);
-        // The sky has no error and would make it look smaller.
+        // The sky has no error: with it the mean error would look smaller than that of the board.
         let board = self.sky() * side..;
         let pairs = image.values[board.clone()].iter().zip(&exact[board]);
         let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();

@@ -46,7 +46,7 @@ pub fn spectrum(
     control: &Control<'_>,
 ) -> Result<MeanSpectrum> {
     let region = Region::UNIT_SQUARE;
-    // One window for all sets, so that their periodograms can be averaged.
+    // Periodograms can be averaged only if they have one window of frequencies.
     let (sets, window) = (sampler.sets(wanted), window(count));
     let mut periodograms = MeanPeriodogram::default();
 
@@ -63,7 +63,7 @@ pub fn spectrum(
     let nothing = || ReproduceError::Engine("a sampler without a set has no spectrum".to_owned());
     let mean = periodograms.mean().ok_or_else(nothing)?;
     let spectrum = Spectrum::of(&mean)?;
-    // The zero frequency may have no value; a picture has it white.
+    // At the frequency zero there may be no value: as the power 0 it is white in a picture.
     let finite = |power: &f64| if power.is_finite() { *power } else { 0.0 };
 
     Ok(MeanSpectrum {

@@ -50,6 +50,7 @@ pub fn pictures(
     let errors = plate_tiles(all, ERROR, "fig10/parts")?;
     let nyquist = json!({ "nyquist": NYQUIST });
 
+    // Frequencies grow to the right and upwards: tiles show the part with the lowest ones.
     let lower = true;
     Ok(vec![
         comparison(all, corners)?,
@@ -60,8 +61,8 @@ pub fn pictures(
     ])
 }
 
-/// A square image; the part that a tile of `side` pixels shows, with pixels as large as a whole number: its left part, and the lower
-/// or the upper one.
+/// Returns the part of a square image that a tile of `side` pixels shows: the left part of its lower or upper rows, each pixel as
+/// large as a whole number of the tile's.
 fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
     let columns = image.len().isqrt();
     let pixel = (side / columns as f64).round().max(1.0);
@@ -75,7 +76,7 @@ fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
 
 /// Samples, spectrum, zone plate and horizon of each sampler, as in the paper.
 fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Picture> {
-    // All spectra have one axis, that of the first.
+    // All spectra have the axis of the first, so that they can be compared.
     let reach = (all.first()).map_or(Spectrum::MAX_NU, |one| one.spectrum.reach);
     let (mut samples, mut spectra, mut plates, mut boards) = (vec![], vec![], vec![], vec![]);
 

@@ -156,7 +156,9 @@ pub fn errors(
     })
 }
 
+/// Returns the errors of an image as numbers: in all, below and above the Nyquist frequency, and by local frequency.
 fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
+    // Frequencies grow along both axes, so that the corner has the highest.
     let highest = EDGE * std::f64::consts::SQRT_2;
     let mut classes = vec![Squares::default(); (highest / CLASS).ceil() as usize];
     let [mut below, mut above, mut all, mut signal] = [Squares::default(); 4];
@@ -176,7 +178,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         add(&mut signal, *exact);
     }
 
-    // A few pixels at the corner say nothing about their frequency.
+    // Classes of few pixels, such as that at the corner, say nothing about their frequency.
     let full = classes
         .iter()
         .enumerate()

@@ -75,7 +75,7 @@ impl Sampler {
         control.go_on()?;
 
         let seed = settings.seed_of(index);
-        // The cells of a square are a square number, so that there are only about `count` of them.
+        // Samplers by cells make the square number of samples that is about `count`.
         let along = (count as f64).sqrt().round().max(1.0) as u32;
 
         match self {
@@ -89,7 +89,7 @@ impl Sampler {
                 Ok(cells.map(|cell| in_cell(cell, [0.5; 2], along)).collect())
             }
             Self::Reference => {
-                // The density of maximal sets gives the radius for a number of samples.
+                // Maximal sets have this many samples per r^2, which gives the radius for a number of samples.
                 let radius = (MAXIMAL_DENSITY / count as f64).sqrt();
                 let domain = Domain::from_size([1.0; 2], radius, Boundary::Periodic)?;
                 verified(Set::reference(domain, seed, control)?, "reference", control)

@@ -41,10 +41,12 @@ fn plates(all: &[SamplerResults]) -> Table {
 
 fn horizons(all: &[SamplerResults]) -> Table {
     let rendered = || all.iter().filter(|one| !one.horizons.is_empty());
-    // The columns are those of the sampler with the most images; the others leave some cells empty.
+    // The table has a column for each number of samples per pixel. The sampler with the most images has all of them; others
+    // leave some cells empty.
     let longest = rendered().max_by_key(|one| one.horizons.len());
-    // Quick runs have too few numbers of samples for exponents.
+    // The column of exponents is left out in quick runs, which have too few numbers of samples for them.
     let exponents = rendered().any(|one| one.slope().is_some());
+
     table("fig10/horizons", rendered(), |one| {
         let rmse = longest
             .iter()
@@ -59,6 +61,7 @@ fn horizons(all: &[SamplerResults]) -> Table {
                 (per_pixel, errors.map(|errors| errors.mean))
             });
 
+        // Images are in the order of the samples per pixel, so that the first is the sparsest.
         let mut row = json!({
             "sampler": one.sampler.name(), "empty_percent_sparsest": 100.0 * one.horizons[0][0].empty,
             "rmse_{n}_per_pixel": rmse.collect::<Vec<_>>(),

@@ -69,7 +69,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let shares_of = |procedure: Procedure| {
         let seconds = |one: &StageTimes| {
             let found = one.seconds.iter().find(|(of, _)| *of == procedure);
-            // A round without an iteration spent no time on it.
+            // A round that needed fewer iterations spent no time on this one.
             found.map_or(0.0, |(_, seconds)| *seconds)
         };
         let shares = times.iter().map(|one| seconds(one) / whole(one));
@@ -83,7 +83,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
         printed: first.printed,
         procedures: procedures.into_iter().filter_map(shares_of).collect(),
         whole: Summary::of(times.iter().map(|one| whole(one)))?,
-        // The algorithm as printed has no parallel time.
+        // The algorithm as printed is not timed in parallel, which leaves nothing to sum up.
         parallel: Summary::of(times.iter().filter_map(|one| one.parallel)),
         count: first.summary.count,
     })

@@ -19,8 +19,9 @@ pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture> {
     bar_picture("fig11/procedures", &plan.values(), groups)
 }
 
+/// Returns the bars of a leaf size: one for each procedure.
 fn group(row: &LeafTimes) -> BarGroup {
-    // Iterations that most rounds lack are in the table.
+    // An iteration with the median time 0 is one that most rounds lack: only the table has it.
     let most = row
         .procedures
         .iter()
@@ -56,6 +57,7 @@ fn group(row: &LeafTimes) -> BarGroup {
     }
 }
 
+/// Returns the table of the times and shares of each leaf size.
 pub fn stages(rows: &[LeafTimes]) -> Table {
     type Row<'a> = (String, String, &'a Summary, Option<f64>);
     let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
@@ -64,7 +66,7 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
             .map(|(of, seconds, part)| (row.name(), of.name(), seconds, share(part)));
 
         let whole = (row.name(), "all".to_owned(), &row.whole, Some(100.0));
-        // It carries all stages out region by region, so that it has one time and no share.
+        // The parallel engine carries out all stages region by region, so that it has one time and no shares.
         let name = "parallel engine, all stages on all threads";
         let parallel = row
             .parallel

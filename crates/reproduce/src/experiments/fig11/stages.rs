@@ -93,7 +93,7 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
 
             let printed = Parameters {
                 variant: Variant::AsPrinted,
-                // As printed, each sample takes about twenty times as long.
+                // A larger radius gives the smaller number of samples.
                 radius: radius_estimate(base, fewer)?,
                 ..*base
             };
@@ -142,8 +142,8 @@ fn verified(
 
     loop {
         let began = Instant::now();
+        // The last step first looks for gaps in vain. The observer notes when it goes over to finishing.
         let mut finishing = None;
-        // The last step looks for gaps in vain before it finishes.
         let mut observer = |progress: Progress| -> ControlFlow<()> {
             if progress.stage == Stage::Finish {
                 finishing.get_or_insert_with(Instant::now);
@@ -157,7 +157,7 @@ fn verified(
         let ended = Instant::now();
         let before = finishing.unwrap_or(ended);
 
-        // What prepares a stage is done at the end of the step before, and counts for that one.
+        // A step ends with preparing the next one, which counts for the stage of the step.
         let of = procedure(stage, printed);
         if of == Procedure::Finish {
             seconds.push((Procedure::Check, (before - began).as_secs_f64()));
@@ -169,7 +169,7 @@ fn verified(
 
     let run = engine.run();
     let points = run.points();
-    // Verified only now, so that it counts for no stage.
+    // The set is verified after all stages, so that this counts for none of them.
     let name = format!("leaf {} r", parameters.leaf);
     Set::of(&run.domain, &points).verified(&name, control)?;
 

@@ -51,7 +51,7 @@ pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
 
         let chance = difference(&a.curves, &b.curves)?;
         let [to_a, to_b] = [a, b].map(|group| difference(&one.curves, &group.curves));
-        // Of two groups neither is better: the mean of both squares.
+        // Neither of the two reference groups is better, so that the squares of both differences are averaged.
         let square = 0.5 * (to_a?.powi(2) + to_b?.powi(2));
 
         Some(Against {
@@ -59,11 +59,11 @@ pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
             method: one.method,
             difference: square.sqrt(),
             chance,
-            // What chance and the method add is independent of each other, so that squares are subtracted.
+            // Chance and the method add independently of each other, so that their squares add up to the whole.
             left: (square - chance.powi(2)).max(0.0).sqrt(),
             excess: one.excess - 0.5 * (a.excess + b.excess),
             apart: (a.excess - b.excess).abs(),
-            // That of a difference from the mean of both groups.
+            // Independent errors add in squares: that of the method, and that of the mean of both groups.
             reach: one
                 .excess_reach
                 .hypot(0.5 * a.excess_reach.hypot(b.excess_reach)),

@@ -243,6 +243,7 @@ fn leaves(each: &[Against]) -> Vec<f64> {
 /// Returns values by leaf and by radius; of sets of one block, that they are.
 fn by_leaf(each: &[Against], measure: &Measure) -> String {
     let value = |one: &Against| {
+        // A peak is a multiple and never negative, unlike an anisotropy in decibels.
         if !one.tiled() {
             "one block".to_owned()
         } else if measure.unit == PEAK.unit {
@@ -255,7 +256,7 @@ fn by_leaf(each: &[Against], measure: &Measure) -> String {
     let texts: Vec<String> = (leaves(each).into_iter())
         .map(|leaf| {
             let of_leaf = || each.iter().filter(|one| one.method.leaf() == Some(leaf));
-            // Values of several radii would all read the same.
+            // Without a tiling at any radius, the words stand once and not for each radius.
             if !of_leaf().any(Against::tiled) {
                 return format!("leaf {leaf} r one block: nothing was tiled");
             }

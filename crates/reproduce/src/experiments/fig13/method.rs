@@ -42,6 +42,7 @@ impl Method {
         self.words()[1].clone()
     }
 
+    /// Returns the name for readers and the one in files.
     fn words(self) -> [String; 2] {
         let words = |name: &str, key: &str| [name.to_owned(), key.to_owned()];
 
@@ -49,7 +50,7 @@ impl Method {
             Self::Reference => words("reference", "reference"),
             Self::Again => words("reference, other seeds", "again"),
             Self::Kdrt { leaf, side } => {
-                // The default pattern goes without saying where the blocks fit it.
+                // The name tells the pattern only if it is not the default one, or if blocks do not fit into it.
                 let default = self.fits() && side <= PATTERN;
                 let pattern = if default {
                     String::new()
@@ -132,7 +133,8 @@ impl SetGroup {
 
     /// Returns the set of a method by its number.
     pub fn set(&self, method: Method, number: u64, control: &Control<'_>) -> Result<Set> {
-        // The sets of a group have consecutive seeds; groups whose own seeds are consecutive lie a thousand apart.
+        // The sets of a group have consecutive seeds. Groups with consecutive seeds of their own share none, as each has room
+        // for a thousand.
         let seed = self.seed.wrapping_mul(1000).wrapping_add(number);
         let base = Parameters {
             radius: self.radius,
@@ -140,6 +142,7 @@ impl SetGroup {
         };
         let domain = base.validate()?;
 
+        // A set by KDRT, from a pattern of this side and seed.
         let tiled = |leaf, side, of_pattern| {
             let mut parameters = Parameters { leaf, seed, ..base };
             (parameters.pattern.side, parameters.pattern.seed) = (side, of_pattern);
@@ -150,7 +153,7 @@ impl SetGroup {
             Method::Reference => Set::reference(domain, seed, control),
             Method::Again => Set::reference(domain, seed.wrapping_add(APART), control),
             Method::Kdrt { leaf, side } => tiled(leaf, side, seed),
-            // The seed of the group, so that all sets have one pattern.
+            // The pattern has the seed of the group, so that all its sets share it.
             Method::OnePattern { leaf } => tiled(leaf, PATTERN, self.seed),
             Method::Exact { leaf } => {
                 let run = exact(&Parameters { leaf, seed, ..base }, control)?;

@@ -54,6 +54,7 @@ fn warm(control: &Control<'_>) -> Result<Engines> {
     Ok(open)
 }
 
+/// Makes and times the sets of a round.
 fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<RateRound> {
     let (mut all, mut patterns) = (Vec::new(), Vec::new());
 
@@ -65,7 +66,7 @@ fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<Rat
     };
 
     let of_base = pattern(base.leaf)?;
-    // Each by itself, since they make different sets: each set is verified.
+    // The references make different sets. As groups of one engine each, every set is verified.
     for engine in references() {
         all.extend(times(open, &[engine], base, &of_base, control)?);
     }
@@ -80,7 +81,7 @@ fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<Rat
         one.check()?;
     }
 
-    // Each side once, with its shortest time, which comes first in this order.
+    // Of each side the shortest time stays: within a side the order is by time, and the first entry is kept.
     patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     patterns.dedup_by_key(|(side, _)| side.to_bits());
 

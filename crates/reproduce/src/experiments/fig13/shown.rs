@@ -62,11 +62,12 @@ pub fn spectra(
     columns: &[MethodColumn<'_>],
     sets: &[Set],
 ) -> Result<Picture> {
-    // The caption takes its numbers from the reference.
+    // The caption takes its numbers from the first column, the reference.
     let Some((reference, _)) = columns.first() else {
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
     };
+
     // All columns have one axis, so that they can be compared.
     let range = decibels(columns);
     let row = |panel: &dyn Fn(&MethodSpectra, &MethodSpectra) -> Panel| -> Vec<Panel> {
@@ -83,7 +84,7 @@ pub fn spectra(
     ];
 
     let (grid, [count, _]) = (&reference.picture, reference.count);
-    // In their own column the reference sets are drawn over a second group of them.
+    // In the column of the reference sets, these are drawn over a second group of reference sets: the caption says so.
     let over = reference.method == Method::Reference;
     let values = json!({
         "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
@@ -118,6 +119,7 @@ fn cells(columns: usize, plots: usize) -> usize {
     fit.min(columns) - usize::from(fit < columns && fit.is_multiple_of(2))
 }
 
+/// Returns the mean periodogram of a method, in one of so many plots beside each other.
 fn image(one: &MethodSpectra, plots: usize) -> Panel {
     let grid = &one.picture;
     let shown = cells(grid.columns, plots);
@@ -139,7 +141,7 @@ fn image(one: &MethodSpectra, plots: usize) -> Panel {
         x: axis("kx / \u{221a}N").with_ticks(whole_ticks(reach)),
         y: axis("ky / \u{221a}N").with_ticks(whole_ticks(reach)),
         columns: shown,
-        // The zero frequency was kept as 0 if it had no value.
+        // Results keep a zero frequency without a value as 0.
         absent: (values[middle] == 0.0).then_some(middle),
         values,
         clamp: [0.0, BLACK],

@@ -92,7 +92,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         let name = format!("{}, radius {}, set {number}", method.name(), group.radius);
         reports.push(set.verified(&name, control)?);
 
-        // One window for all sets, whatever their own numbers of samples, so that their periodograms can be averaged.
+        // Periodograms can be averaged only if all have one window: that of the group, not of the set's own number of samples.
         let window = Spectrum::window(group.samples(), set.region);
         let periodogram = Periodogram::of(&set.points, set.region, &window, &go_on)?;
         alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
@@ -123,7 +123,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         count: [counts.mean, counts.deviation],
         min_distance: least / group.radius,
         covering_radius: largest(reports.iter().map(|one| one.covering_radius)) / group.radius,
-        // A frequency of 0 says that none has little power: then there is none to tell.
+        // The frequency 0 stands for a spectrum without a range of low power, which has no such number.
         nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
         oscillation: smooth.oscillation(),
         excess: spectrum.profile.anisotropy_excess_db(),

@@ -133,7 +133,7 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
             value: mean,
             whisker: Some(whisker),
             text: format!("{} ({least} to {most})", drawn_mean(mean)),
-            // `groups` sets it.
+            // `groups` sets the colour.
             color: 0,
         }
     };
@@ -170,12 +170,12 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
             value: sets as f64,
             whisker: None,
             text: format!("{sets} of {} sets", all.len()),
-            // `groups` sets it.
+            // `groups` sets the colour.
             color: 0,
         }
     };
 
-    // One range for all cases, so that their bars can be compared.
+    // All cases have bars for the same numbers of iterations, so that they can be compared.
     let range = least.unwrap_or(0)..=most_iterations(found);
     let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     bar_picture("iterations/needed", &json!({}), groups)

@@ -115,17 +115,17 @@ impl GapCounts {
 
     /// Counts the holes, and the centres that are out of sight.
     fn take_apart(&mut self, set: &Set, report: &Report, control: &Control<'_>) -> Result<()> {
-        let limit = (1.0 + report.covering_tolerance) * set.radius;
+        // The verifier's tolerance decides here, too: a hole whose deepest place is not beyond it is no gap to the verifier.
+        let covered = (1.0 + report.covering_tolerance) * set.radius;
         let parts = Tessellation::of(&set.points, set.region, set.radius)?;
-        // The verifier's tolerance decides here, too: a shallower hole is no gap to it.
-        for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > limit) {
+        for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > covered) {
             self.holes += 1;
             self.area += hole.area / set.radius.powi(2);
         }
 
         let mut seen = Vec::new();
         for (index, gap) in report.worst_gaps.iter().enumerate() {
-            // There may be a hundred thousand centres to look at.
+            // There may be a hundred thousand centres: the caller can stop the work between them.
             if index % ASK == 0 {
                 control.go_on()?;
             }
@@ -134,7 +134,8 @@ impl GapCounts {
             let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
             let witness = Witness::of(gap, set, samples);
             self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
-            // The verifier lists the largest first; one of each hole is kept.
+
+            // The verifier lists the largest circles first: the first one in a hole is the largest of the hole.
             if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
                 self.worst.push(witness);
@@ -203,6 +204,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
                 name: (*name).to_owned(),
                 value: a_million(holes as f64, samples),
                 whisker: Some(ends),
+                // Fonts of pictures lack some of the characters of reports.
                 text: drawn(&text("search/bar", &values)),
                 color: kind,
             }

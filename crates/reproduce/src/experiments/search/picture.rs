@@ -37,9 +37,10 @@ pub fn witnesses(set: &Set, worst: &[Witness]) -> Result<Vec<Picture>> {
     worst.iter().take(SHOWN).enumerate().map(picture).collect()
 }
 
+/// Returns the picture of a witness: the samples around it, the uncovered area, and the three sites with what they see.
 fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     let radius = set.radius;
-    // The neighbourhood alone, in the middle of a small domain of its own.
+    // Only the neighbourhood is drawn, in the middle of a small domain of its own, whose border lies beyond all samples.
     let middle = [2.0 * AROUND * radius; 2];
     let (points, size) = (around(set, witness.center, middle), middle.map(|x| 2.0 * x));
 
@@ -63,11 +64,13 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     };
     let mut scene = set_scene(&picture, &options);
 
+    // The gap is that at the witness's centre.
     let is_periodic = false;
     let region = Region::new(size, is_periodic);
     let parts = Tessellation::of(&points, region, radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
-    // Positions of a picture point down; its middle stays where it is.
+
+    // In a picture y points downwards: places are mirrored about its middle.
     let flip = |at: DVec2| DVec2::new(at.x, 2.0 * middle[1] - at.y);
     let triangles: Vec<_> = gap
         .unwrap_or_default()
@@ -112,6 +115,7 @@ fn polygon(corners: &[DVec2], style: Style) -> Shape {
 /// Returns the three sites, what each of them sees, and how far apart they are.
 fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) -> Vec<Shape> {
     let sites = witness.sites.map(|[x, y]| middle + DVec2::new(x, -y));
+    // Each site and the circle of what it sees have a colour.
     let colored = sites
         .into_iter()
         .zip([palette.conflict, palette.detector, palette.inserted]);
@@ -124,13 +128,13 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
     }));
 
     for (k, length) in witness.sides().iter().enumerate() {
-        // Side k joins the two other sites, as `Witness::sides` has it.
+        // Side k joins the two sites other than site k, as `Witness::sides` orders them.
         let corners = [1, 2, 3].map(|next| sites[(k + next) % 3]);
         let what = format!("{} r", number(length / radius, 4));
         shapes.extend(side(corners, &what, radius, palette));
     }
 
-    // Over the lines that end there.
+    // The dots of the sites come last, over the ends of the lines.
     let dot =
         |(site, color): (DVec2, _)| Shape::marker(Marker::Dot, site, 15.0, Style::filled(color));
     shapes.extend(colored.map(dot));

@@ -168,6 +168,7 @@ struct MeasuredOnce {
     pairs: Vec<f64>,
 }
 
+/// Makes and measures the sets of a way.
 fn measure(
     plan: AveragePlan,
     way: AveragedWay,
@@ -179,7 +180,8 @@ fn measure(
     let mut counts = Vec::new();
 
     for first in (0..plan.sets).step_by(AT_ONCE) {
-        // On all threads, and added in the sequence of the seeds, so that the means do not depend on threads.
+        // Sets are measured on all threads, but added in the sequence of their seeds: sums of floats depend on the order, and
+        // must not depend on threads.
         let seeds = (first..plan.sets.min(first + AT_ONCE)).into_par_iter();
         let some = seeds.map(|index| once(plan, way, settings.seed_of(index as u64), control));
         for one in some.collect::<Result<Vec<MeasuredOnce>>>()? {
@@ -201,7 +203,7 @@ fn measure(
         excess: powers.anisotropy_excess_db(),
         excess_reach: powers.anisotropy_excess_reach_db(),
         powers,
-        // There are several sets, so that they have a spread.
+        // Plans have several sets, so that there always are standard errors.
         pairs: [
             pairs.means().to_vec(),
             pairs.standard_errors().unwrap_or_default(),
@@ -220,7 +222,8 @@ fn once(
     let base = seeded(square(plan.samples, LEAF), seed);
     let domain = base.validate()?;
 
-    // Reference sets share no draw with each other, nor with those that are tiled.
+    // A high bit sets the seeds of each kind of reference sets apart, from each other and from those of the tiled sets: no
+    // two kinds share a draw.
     let scratch = |apart: u32| Set::reference(domain, seed ^ (1 << apart), control);
     let set = match way {
         AveragedWay::Reference => scratch(40)?,
@@ -232,11 +235,12 @@ fn once(
             Set::of_run(&exact_of(&own, control)?)
         }
     };
+
     let [name, _] = way.words();
     set.verified(&format!("{name}, seed {seed}"), control)?;
 
     let (points, region, go_on) = (&set.points, set.region, control.analysis());
-    // One window for all, whatever their own numbers of samples, so that their periodograms can be averaged.
+    // Periodograms can be averaged only if all have one window: that of the plan, not of the set's own number of samples.
     let window = Spectrum::window(plan.samples, region);
     Ok(MeasuredOnce {
         count: points.len(),

@@ -64,15 +64,15 @@ impl SeedCounts {
             sequential(&parameters, control)
         };
 
-        // Insertion alone differs between the first two, so that both have the same gaps.
+        // The first two differ in insertion alone, so that they have the same gaps.
         let circumcentre = run(Insertion::Circumcentre, base.order)?;
         let uniform = run(Insertion::Uniform, base.order)?;
         let random = run(Insertion::Circumcentre, Order::Random)?;
-        // Blocks follow from the seed alone, so that these are the same as those of the runs above.
+        // Blocks follow from the seed alone: exact tiling has those of the runs above.
         let exact = exact(&base, control)?;
 
         let domain = circumcentre.domain;
-        // A seed of its own: the reference set shares no draw with the runs.
+        // A high bit sets the reference set's seed apart, so that it shares no draw with the runs.
         let own = seed ^ (1 << 40);
         let reference = reference_sample(domain, own, &mut control.observer())?;
 
@@ -88,6 +88,7 @@ impl SeedCounts {
             rects,
         };
 
+        // Samples are ranked in the gaps that elimination leaves.
         let survivors = survivors(&circumcentre);
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
 

@@ -69,7 +69,8 @@ impl<'a> Gaps<'a> {
         ranked
     }
 
-    /// Returns how many of the uniform places are nearer to a sample than `place` is.
+    /// Returns how many of [`PLACES`] uniform places of a gap are nearer to a sample than `place`, which lies in that gap and was
+    /// filled after the `earlier` samples; `None` if it lies in no gap, or if too little of the gap is left.
     fn rank(
         &self,
         place: [f64; 2],
@@ -77,12 +78,13 @@ impl<'a> Gaps<'a> {
         draws: &mut impl FnMut() -> f64,
     ) -> Option<usize> {
         let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0.into()) <= gap.reach;
-        // The distance rules most gaps out before their triangles are looked at.
+        // The distance is cheap and rules most gaps out, so that few gaps have their triangles looked at.
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
 
-        // An earlier sample farther away does not reach the gap.
-        let limit = gap.reach + 2.0 * self.radius;
-        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= limit;
+        // Earlier samples more than 2 r from every place of the gap are left out: they cover none of these places, to which
+        // survivors are nearer.
+        let farthest = gap.reach + 2.0 * self.radius;
+        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= farthest;
         let earlier: Vec<[f64; 2]> = earlier.iter().filter(around).copied().collect();
 
         let own = self.clearance(gap, &earlier, place);

@@ -118,8 +118,9 @@ impl UniformityResults {
 }
 
 impl SamplerUniformity {
+    /// Returns the tests of the sets that were made in one way, by its index in [`NAMES`].
     fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
-        // Cells and ranks have equal shares, and distances those of the area.
+        // Each cell and each class of ranks should have the same share; a class of distances that of its area.
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
         let counts_of = |seed: &SeedCounts| seed.sets[way].clone();
 
@@ -128,7 +129,7 @@ impl SamplerUniformity {
             uniformity(seeds, &|seed| counts(counts_of(seed)), shares)
         };
 
-        // Only runs whose gaps were looked at have ranks.
+        // Sets without gaps, and those whose gaps were not looked at, have no ranks.
         let ranked = seeds
             .iter()
             .any(|seed| seed.sets[way].ranks.iter().sum::<u64>() > 0);
@@ -139,6 +140,7 @@ impl SamplerUniformity {
         Ok(Self {
             name: NAMES[way],
             sets: seeds.len() as u64,
+            // The first way is the reference sampler.
             density: count(way) / count(0),
             cells: test(&|set| set.cells, &|seed| even(seed.sets[way].cells.len()))?,
             blocks: test(&|set| set.blocks, &|seed| seed.block_shares.clone())?,
@@ -274,11 +276,13 @@ impl PairedBias {
         Self::from_pairs(&seeds.iter().map(pair).collect::<Vec<_>>())
     }
 
-    /// Of the differences and of the excesses of circumcentres, by seed.
+    /// Returns the bias of pairs, one for each seed: the difference of circumcentres from uniform insertion, and their excess
+    /// over the reference sampler.
     fn from_pairs(pairs: &[(f64, f64)]) -> Self {
         let sets = pairs.len() as f64;
         let quantile = student_quantile(MISSED, sets - 1.0);
 
+        // The mean of a value over the pairs, and its standard deviation.
         let estimate = |value: &dyn Fn(&(f64, f64)) -> f64| {
             let mean = pairs.iter().map(value).sum::<f64>() / sets;
             let square: f64 = pairs.iter().map(|pair| (value(pair) - mean).powi(2)).sum();
@@ -296,7 +300,8 @@ impl PairedBias {
         let (difference, spread) = estimate(&|pair| pair.0);
         let (excess, _) = estimate(&|pair| pair.1);
 
-        // A ratio of means varies as the differences less the ratio times the excesses.
+        // To first order, the error of a ratio of means is that of the mean of (difference - ratio * excess), over the mean
+        // excess.
         let ratio = difference / excess;
         let (_, left) = estimate(&|pair| pair.0 - ratio * pair.1);
 

@@ -15,13 +15,14 @@ use crate::numbers::signed;
 use crate::outcome::{Picture, Table};
 use crate::texts::{chart, table};
 
-/// Largest distance from a border that charts show, in radii.
+/// Classes whose middle is farther from a border than this, in radii, are not drawn.
 const FAR: f64 = 10.0;
 
 /// Sets with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
 pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
+    // The number of a curve decides its look: each way to make sets has the same one in all charts.
     let [reference, _, circumcentre, uniform, random, exact] = &found.all;
     let five = [
         (1, reference),
@@ -54,6 +55,7 @@ fn middle(class: usize) -> Option<f64> {
     Some(0.5 * (EDGES[class] + end)).filter(|x| *x < FAR)
 }
 
+/// Returns the chart of densities by distance from a border, in percent above the reference sampler's.
 fn density(
     id: &str,
     subjects: &[Subject<'_>],
@@ -62,7 +64,7 @@ fn density(
     let series = |&(number, subject): &Subject<'_>| {
         let (mut points, mut band) = (Vec::new(), Vec::new());
         for (class, deviation) in pick(subject).deviations.iter().enumerate() {
-            // The last class has no end, and so no middle to be drawn at.
+            // The last class has no end, and so no middle at which it could be drawn.
             if let Some(x) = middle(class) {
                 let off = subject.against(deviation);
                 points.push([x, 100.0 * off.relative]);
@@ -76,13 +78,14 @@ fn density(
     };
 
     let mut chart = chart(id, subjects.iter().map(series).collect());
+    // The bias lies within a few r of a border.
     chart.x.range = Some([0.0, 7.0]);
     chart
 }
 
 fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
-        // Sets without inserted samples have no curve.
+        // Without inserted samples there are no ranks to draw.
         let ranks = &subject.inside.as_ref()?.deviations;
         let place = |class: usize| (class as f64 + 0.5) / ranks.len() as f64;
 
@@ -134,7 +137,7 @@ pub fn mean_curves(against: &[AgainstReference]) -> Result<Picture> {
             let of = pick(one);
             let [name, _] = one.way.words();
             let (number, band) = match one.way {
-                // The band of chance about zero serves all, as their numbers of sets are the same.
+                // One band of chance, about zero, serves all curves, as they are of the same number of sets.
                 AveragedWay::Reference | AveragedWay::Again => (1, of.bands.clone()),
                 AveragedWay::Kdrt => (0, None),
                 AveragedWay::Exact => (4, None),
@@ -270,7 +273,7 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
     let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
 
-    // The moved set, whose bias is known, comes last.
+    // The control, whose bias is known, comes last.
     for one in [reference].into_iter().chain(others).chain([moved]) {
         // Rows of the grid go upwards, those of a bitmap downwards.
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
@@ -285,6 +288,7 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
     }
 
     let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
+    // The scale has 64 steps, 0 for -END to 63 for END.
     let deviation = |step: i32| END * (f64::from(step) / 31.5 - 1.0);
     let [low, high] = [-END, END].map(|end| format!("{} %", signed(100.0 * end, 2)));
     rows[0].push(Panel::Scale(ColorScale {
