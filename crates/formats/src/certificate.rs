@@ -241,14 +241,14 @@ impl Certificate {
             return Err(fault(reason));
         }
 
-        // Fields of a newer version would be reported as unknown, so that the version is read first, by itself.
+        // The version is read first, by itself: otherwise fields of a newer version would be reported as unknown.
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
         let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         stated.check_version(name)?;
 
-        // Only a certificate inside the file that it is about cannot state that file's digest.
+        // A certificate beside a file states the file's digest. Only one inside its file cannot.
         if stated.digest.is_none() {
             return Err(fault(
                 "`digest` is null, which it may be only inside a JSON file".to_owned(),
@@ -376,12 +376,12 @@ impl Certificate {
                  thinned set"
                     .to_owned()
             }
-            // Only subdivision measures a factor.
+            // The factor of a prefix is measured by subdivision, which judges varying radii and shapes alone.
             _ if self.prefix.is_some() && !self.is_varying() => {
                 "it has the part `prefix`, which is judged only where the radius varies or there is a shape"
                     .to_owned()
             }
-            // Passed over, the part would be lost from the next certificate of these points.
+            // If the part were passed over, the next certificate of these points would lack it.
             (_, Some(part)) => parts::beyond_judging(part),
             _ => return Ok(()),
         };

@@ -247,7 +247,8 @@ pub fn check_bytes(
         Certificate::from_bytes(bytes, &name)
     });
     let beside = beside.transpose()?;
-    // Before the points, which may have a z that is read as the certificate says.
+
+    // The points of a thinned set may have a z, at which `decode` would fail: the certificate is looked at first.
     if beside
         .as_ref()
         .is_some_and(|stated| stated.thinned.is_some())
@@ -264,7 +265,7 @@ pub fn check_bytes(
         refuse_degrees(&read, judged.region, judged.origin)?;
     }
 
-    // The digest is of the positions as they are in the file.
+    // The digest is of the positions as they are in the file; the judges get those in the domain.
     let mut set = read.set;
     let positions_digest = positions_digest(&set.points);
     for point in &mut set.points {
@@ -273,13 +274,12 @@ pub fn check_bytes(
 
     let report = judged.report(&set.points, detection.format, control)?;
 
-    // Of another region or radius the certificate's levels claim nothing.
+    // The certificate's levels claim something about its own region and radius only.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
     let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
-    // A claim about more points than there are has no verdict; the count is a difference by itself.
+    // A claim about more points than the file has cannot be judged. That the count is wrong is a difference by itself.
     claims.retain(|claim| claim.count <= set.len());
     let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
-
     let levels = levels.iter().map(CertifiedLevel::of).collect();
 
     // The file is hashed only if there is a digest to compare.
@@ -312,6 +312,8 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
+    /// Returns what the points of a file are judged in: the domain that the caller gives if the radius varies or there is a
+    /// shape, then the caller's region, radius and origin, then those of the certificate, then those of the format.
     pub fn new(
         format: Format,
         precision: Precision,
@@ -321,6 +323,7 @@ impl Judged {
         if certificate.is_some_and(|stated| stated.thinned.is_some()) {
             return Err(CheckError::Thinned);
         }
+
         let varying = overrides.varying.clone();
         if varying.is_none() && certificate.is_some_and(Certificate::is_varying) {
             return Err(CheckError::NoField);
@@ -347,7 +350,7 @@ impl Judged {
             region,
             radius,
             origin,
-            // Not from the certificate, which could hide any gap by stating a large tolerance.
+            // The tolerance is not that of the certificate, which could hide any gap by stating a large one.
             options: VerifyOptions {
                 judges: overrides.judges,
                 ..VerifyOptions::default()
@@ -463,13 +466,14 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     contents(&mut list, stated, found);
 
     let mapping = Mapping::new(found.format, Some(stated.region), found.precision);
-    // Points are chosen in the units of their file, to the bit.
+    // The points of a thinned set are points of its source to the bit, in the units of the file.
     let is_thinned = stated.thinned.is_some();
     let scale = if is_thinned { 1.0 } else { mapping.scale() };
     list.exact("scale", &stated.scale, &scale);
     parameters(&mut list, stated);
 
-    // A certificate could hide any gap by stating a large tolerance, so that only the judges' own is true.
+    // A certificate could hide any gap by stating a large tolerance: only that of the judges is accepted. A thinned set is judged
+    // exactly.
     let tolerance = if is_thinned {
         0.0
     } else {
@@ -512,6 +516,7 @@ fn contents(list: &mut Differences, stated: &Certificate, found: &Contents) {
     list.exact("count", &stated.count, &found.count);
 }
 
+/// Returns the statements of a certificate that are not true of a file and of the judges' report on it.
 fn differences(
     stated: &Certificate,
     judged: &Judged,
@@ -525,7 +530,7 @@ fn differences(
     let region = judged.region;
     list.exact("region", &stated.region.to_string(), &region.to_string());
 
-    // Adding 0 turns -0 into 0: the same place would otherwise have two texts.
+    // Adding 0 turns -0 into 0. Otherwise the same place would have two texts.
     let [origin, used] = [stated.origin.unwrap_or_default(), judged.origin]
         .map(|[x, y]| format!("{} {}", x + 0.0, y + 0.0));
 
@@ -581,6 +586,7 @@ fn compare_levels(
         let covering = level.covering.unwrap_or(f64::INFINITY);
         covering <= MAX_COVERING * level.distance
     };
+    // The last level has to be the whole set, at its radius.
     let is_whole = last.count == stated.count && last.distance >= stated.radius.least();
     list.unless(
         is_whole && found.iter().all(covers),
@@ -620,6 +626,7 @@ fn parameters(list: &mut Differences, stated: &Certificate) {
     }
 }
 
+/// Compares the stated measures with those of the judges.
 fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     let measured = [
         ("min_distance", stated.min_distance, report.min_distance),
@@ -641,7 +648,7 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     let factor = stated.prefix.map(|prefix| prefix.factor);
     list.measure("prefix.factor", factor, report.covering_factor);
 
-    // Older certificates have no such upper limit.
+    // Judges count conflicts up to a limit, above which older certificates went on counting.
     let counted = stated.conflicts.min(MAX_CONFLICTS);
     list.exact("conflicts", &counted, &report.conflicts);
     list.exact("gaps", &stated.gaps, &report.gaps);

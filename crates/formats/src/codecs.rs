@@ -223,7 +223,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let asks_radii = hint.varying && !cfg!(target_arch = "wasm32");
     let radii = asks_radii.then(|| radii::read(bytes, format));
 
-    // With the certificate goes the provenance: nothing else says of which run it is.
+    // Provenance is left out with the certificate, which alone says of which run it is.
     if hint.certificate == CertificateUse::LeftOut {
         (raw.set.provenance, raw.certificate) = (None, None);
     }

@@ -42,7 +42,7 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
         }
 
         let folder = file.parent().unwrap_or(Path::new(""));
-        // The links of a process to its open files, such as /dev/stdout, do not lead to a place in a folder.
+        // A process has links to its open files, such as /dev/stdout, which do not lead to a place in a folder.
         let of_process = || folder.canonicalize().is_ok_and(|f| f.starts_with("/proc"));
         let refused = |kind| Err(not_a_file(path, kind));
 

@@ -85,11 +85,12 @@ impl fmt::Display for Detection {
 pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     let bytes = &*as_utf8(bytes);
     let named = Format::from_path(path);
-    // Raw numbers may begin with any bytes.
+    // A file of raw numbers may begin with any bytes, those of a Parquet file among them.
     if bytes.starts_with(PARQUET_MAGIC) && named != Some(Format::PsaRps) {
         return Err(FormatError::Parquet);
     }
 
+    // A mark in the bytes decides, then the name, except among tables of text, whose look decides.
     let marked = by_mark(bytes);
     let found = match (named, marked) {
         // Most programs call GeoJSON .json; and its type need not come first in an object, so that the name alone may tell.
@@ -98,7 +99,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
         (Some(named), Some(marked)) => (marked, Evidence::ContentAgainst(named)),
         (Some(named), None) if !is_table(named) => (named, Evidence::Extension),
-        // Where the text shows no format, the codec that the name stands for names the fault.
+        // A text that looks like no format is left to the codec of its name, which reports the fault.
         (Some(named), None) => match text_format(bytes, path).unwrap_or(named) {
             found if found == named => (named, Evidence::Extension),
             found => (found, Evidence::ContentAgainst(named)),
@@ -142,7 +143,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
         });
     }
 
-    // A raw f32 file may begin with any byte, so for JSON and SVG more of the text is checked.
+    // A raw f32 file may begin with any byte: for JSON and SVG the first two characters that are not blank have to fit.
     let text = without_bom(bytes).trim_ascii_start();
     let second = text.get(1..).unwrap_or_default().trim_ascii_start().first();
     match (text.first()?, second?) {
@@ -228,17 +229,19 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
         let is_remark = is_remark(line);
         if is_remark && let Some(names) = names::in_remark(line) {
-            // The last names in a remark before the rows may be theirs, as when they are read.
+            // The last remark with names before the rows may name their columns, as when the table is read.
             remarks = names;
         }
         !line.is_empty() && !is_remark
     });
+
     let first = rows.next()?;
     let second = rows.next().unwrap_or_default();
+    // The iterator fills `remarks`, which are read below.
     drop(rows);
 
     let text = std::str::from_utf8(first).ok()?;
-    // Text has no control characters, but binary data have, and may pass for a line otherwise.
+    // Binary data may pass for a line of text, but hardly without control characters, which text lacks.
     if text.contains(|c: char| c.is_control() && !c.is_whitespace()) {
         return None;
     }
@@ -248,6 +251,7 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
         Separator::Blank => words(first).collect(),
         separator => first.split(|&b| b == separator.byte()).collect(),
     };
+
     let strings = |fields: &[&[u8]]| -> Vec<String> {
         let text = |field: &&[u8]| String::from_utf8_lossy(unquoted(field)).into_owned();
         fields.iter().map(text).collect()
@@ -264,11 +268,13 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     if separator == Separator::Semicolon {
         return Some(TextShape::Table);
     }
-    // Names in a remark count if they are not those of the first columns, which are taken without them, too.
+
+    // Without names x and y are the first columns: names in a remark make a difference only if they say otherwise.
     let in_order = |names: &[String]| names::named(names).is_ok_and(|found| found.places == [0, 1]);
     if remarks.len() == fields.len() && !in_order(&remarks) {
         return Some(TextShape::Table);
     }
+
     Some(match (fields.len(), words(second).count()) {
         // A number alone, before rows of several, is their count.
         (1, columns @ 2..) => TextShape::Counted(columns),

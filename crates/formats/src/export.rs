@@ -273,7 +273,7 @@ pub(crate) fn export_through(
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
 
-    // Shuffled, the first points would no longer be those of the first levels.
+    // The points of the first level come first, which shuffling would undo.
     if let (Some(seed), false) = (context.shuffle_seed, context.levels.is_empty()) {
         return Err(ExportError::ShuffledLevels { seed });
     }
@@ -281,7 +281,7 @@ pub(crate) fn export_through(
     let set = ordered(set, context);
     let columns = context.columns(&set.points);
     let encoded = encode_certified(&set, &target, None, &columns)?;
-    // Readers skip these columns, so that the bytes are compared.
+    // Levels and radii are not decoded: that they were stored shows only by the bytes.
     let expected = (!columns.is_empty()).then(|| bytes_digest(&encoded));
     let mut data = store(encoded)?;
     if expected.is_some_and(|expected| expected != bytes_digest(&data)) {
@@ -300,7 +300,7 @@ pub(crate) fn export_through(
     let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
 
     let digest = positions_digest(&decoded.set.points);
-    // The decoded set would be in memory beside the one that is encoded next.
+    // The decoded set is dropped before more bytes are encoded, so that both are not in memory at once.
     drop(decoded);
 
     let mut certificate = certificate(name, &target, context, &report, rounding, digest);
@@ -476,6 +476,7 @@ pub(crate) fn statement(
     }
 }
 
+/// Returns the certificate of a file, with the version that its parts need, but without levels and the file's digest.
 pub(crate) fn certificate(
     name: &str,
     target: &Target,
@@ -493,7 +494,7 @@ pub(crate) fn certificate(
         parameters: context.parameters.clone(),
 
         region: report.region,
-        // Positions that are stored as they are need no part, and keep the version that older programs read.
+        // An origin at 0 is left out: without this part the certificate keeps the version that older programs read.
         origin: Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
         depth: None,
         shape: varying.and_then(|varying| varying.shape.clone()),
@@ -512,7 +513,7 @@ pub(crate) fn certificate(
         valid: report.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),
-        // Beyond every factor that is measured a set is no beginning, and not valid as a whole either.
+        // A set whose factor is beyond all that are measured is no prefix of a larger one, and not valid as a whole either.
         prefix: (context.made.zip(report.covering_factor)).map(|(made, factor)| CertifiedPrefix {
             made,
             kept: report.count as u64,
@@ -533,6 +534,7 @@ pub(crate) fn certificate(
     .with_version()
 }
 
+/// Returns what the user has to know of a written file: conflicts, gaps, and provenance that it could not hold.
 pub(crate) fn warnings(
     has_provenance: bool,
     format: Format,
@@ -548,7 +550,8 @@ pub(crate) fn warnings(
         });
     }
 
-    // Of nested levels that were cut to a count of samples, no maximal set is claimed.
+    // Nested levels that were cut to a number of samples do not claim to be maximal: their gaps are no cause for a warning,
+    // unless rounding made them.
     let last = certificate.levels.last();
     let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius.least()));
     let made_gaps = rounding.is_some_and(|r| r.made_gaps);

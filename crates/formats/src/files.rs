@@ -107,11 +107,11 @@ pub fn export(
 ) -> Result<Exported, ExportError> {
     let name = file_name(path)?;
     let data = Temporary::of(path)?;
-    // Found out now, rather than after the set has been written and judged.
+    // A certificate that cannot be written is found out now, before the set is written and judged.
     data.place.takes_certificate()?;
     let mut store = |bytes: Vec<u8>| {
         data.write(&bytes).map_err(|e| io_error(path, e))?;
-        // Otherwise a large set would be in memory once more while it is read back.
+        // A large set would otherwise be in memory twice while it is read back.
         drop(bytes);
         Ok(read_file(&data.path)?)
     };
@@ -307,12 +307,12 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
         path: path.display().to_string(),
         bytes: length,
     };
-    // A plain allocation that fails ends the process, and the length is whatever the file system says.
+    // The length is a claim of the file system. A plain allocation of so many bytes would end the process if it failed.
     bytes
         .try_reserve_exact(length as usize)
         .map_err(no_memory)?;
 
-    // The file may grow while it is read: one byte more than the limit shows it.
+    // The file may grow while it is read: a byte beyond the limit shows that it is too large.
     let mut limited = input.take(limit + 1);
     limited.read_to_end(&mut bytes).map_err(failed)?;
 

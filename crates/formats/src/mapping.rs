@@ -187,13 +187,15 @@ pub(crate) fn check_origin(
     if DVec2::from(origin) == DVec2::ZERO {
         return Ok(());
     }
+
+    // Files of the unit torus have no place for an origin.
     if format.is_unit_torus() {
         return Err(FormatError::OriginOfTorus { format });
     }
 
     let precision = format.precision(precision);
     let corners = [origin, (DVec2::from(origin) + extent(region)).into()];
-    // `max` passes over NaN.
+    // `max` below would pass over NaN.
     let is_finite = corners.as_flattened().iter().all(|at| at.is_finite());
     // Floating-point numbers lie farthest apart at the coordinate that is farthest from 0.
     let farthest = (corners.as_flattened().iter()).fold(0.0_f64, |far, at| far.max(at.abs()));

@@ -45,6 +45,8 @@ pub fn read_bytes(
     certificate: Option<(&str, &[u8])>,
 ) -> Result<ReadSet, FormatError> {
     let mut read = decode(bytes, hint)?;
+
+    // A certificate beside the file replaces one inside.
     let mut name = "inside the file";
     let beside = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
     if let Some((of, bytes)) = beside {
@@ -55,10 +57,11 @@ pub fn read_bytes(
     if hint.certificate == CertificateUse::Checked
         && let Some(stated) = &read.certificate
     {
-        // A caller that takes the radius for one number would be wrong about such a set.
+        // A caller that knows of one radius only would be wrong about a set whose radius varies.
         if !hint.varying {
             stated.refuse_varying(name)?;
         }
+
         let found = Contents {
             format: read.detection.format,
             precision: read.precision,
@@ -79,7 +82,7 @@ pub fn read_bytes(
     let origin = (hint.origin)
         .or(stated.and_then(|stated| stated.origin))
         .unwrap_or_default();
-    // Whether positions are degrees shows only beside a domain.
+    // Positions may be degrees if they do not lie in the domain, so that without a domain nothing can be said.
     if let Some(region) = region {
         refuse_degrees(&read, region, origin)?;
     }

@@ -137,13 +137,13 @@ pub(crate) fn numbers<'a, const N: usize>(
     let place = FilePlace::Line(line);
     let mut values = [0.0; N];
     for (found, value) in values.iter_mut().enumerate() {
-        let columns = FormatError::Columns {
+        let too_few = FormatError::Columns {
             format,
             place,
             found,
             expected: N,
         };
-        *value = number(fields.next().ok_or(columns)?, format, place)?;
+        *value = number(fields.next().ok_or(too_few)?, format, place)?;
     }
 
     let extra = if exact { fields.count() } else { 0 };

@@ -40,7 +40,8 @@ impl ThinnedFacts<'_> {
         let (report, read) = (self.report, self.read);
         let count = read.set.len() as u64;
 
-        // Measures of maximal sets alone stay null: they would say something of places without points.
+        // Measures that only maximal sets have stay null, as they are about places without points, too. `with_version` raises
+        // the version for the part of thinned sets.
         let stated = Certificate {
             format_version: 1,
             program: "tilescope".to_owned(),
@@ -48,11 +49,12 @@ impl ThinnedFacts<'_> {
             method: "thinned".to_owned(),
             parameters: self.parameters.clone(),
             region: self.region,
+            // An origin at 0 is not stated.
             origin: Some(self.origin).filter(|&[x, y]| x != 0.0 || y != 0.0),
             depth: None,
             shape: None,
             radius: self.radius.clone(),
-            // Points, and no places, are to be near a kept one, and that is decided exactly.
+            // Each point given, and not each place, is to be near a kept one, which is decided exactly.
             covering_tolerance: 0.0,
             count,
             min_distance: None,
@@ -123,23 +125,24 @@ pub fn implied_kept(
     let bits = |point: &[f64; 2]| point.map(f64::to_bits);
     let mut sorted: Vec<([u64; 2], usize)> = thinned.iter().map(bits).zip(0..).collect();
     sorted.sort_unstable();
-    // Two copies are nearer than any radius.
+    // A thinned set has no point twice, as copies are nearer to each other than any radius.
     if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         return Err(pair[1].1);
     }
 
-    // Of copies only the first by rank can have been kept: it is near all others.
+    // Of copies among the points given, only the one of the least rank can have been kept, as it is near all others.
     let rank = |index: usize| ranks.map_or(index as u32, |ranks| ranks[index]);
     let mut found: Vec<Option<usize>> = vec![None; sorted.len()];
     for (index, point) in given.iter().enumerate() {
         if let Ok(at) = sorted.binary_search_by_key(&bits(point), |&(bits, _)| bits) {
-            let earlier = found[at].is_none_or(|other| rank(index) < rank(other));
-            if earlier {
+            let is_first = found[at].is_none_or(|other| rank(index) < rank(other));
+            if is_first {
                 found[at] = Some(index);
             }
         }
     }
 
+    // The error is the index in the file of a point that is not among those given.
     let mut kept = vec![false; given.len()];
     for (found, (_, place)) in found.iter().zip(&sorted) {
         kept[found.ok_or(*place)?] = true;

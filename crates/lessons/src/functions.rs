@@ -281,7 +281,6 @@ impl Now {
                 .map_err(|error| wrong(error.message))?;
         }
 
-
         let domain = parameters
             .validate()
             .map_err(|error| wrong(error.to_string()))?;

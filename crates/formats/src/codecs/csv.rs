@@ -15,7 +15,7 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
         return out;
     }
 
-    // The head ends its line, before whose end further columns are named.
+    // Further columns are named before the end of the head's line, which is taken off and put behind them.
     out.pop();
     let names = [
         ("level", columns.levels.len()),
@@ -25,9 +25,10 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
         push(&mut out, format_args!(",{name}"));
     }
     out.push(b'\n');
+
     for (index, point) in points.iter().enumerate() {
         push_line(&mut out, point, ",");
-        // The line ends after the further columns.
+        // Here, too, the end of the line goes behind the further columns.
         out.pop();
         if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!(",{level}"));

@@ -135,7 +135,7 @@ fn unsupported(kind: &str, place: &str) -> FormatError {
     }
 }
 
-/// Adds the points of an object, in the order of the file.
+/// Adds the points of an object, in the order of the file: those of its features, of its geometry, and its own.
 fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError> {
     for feature in &content.features {
         add(feature, points)?;
@@ -150,6 +150,7 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
         place,
         reason: reason.to_owned(),
     };
+
     let mut numbers = Vec::new();
     for element in &content.coordinates {
         match element {

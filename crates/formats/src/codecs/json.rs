@@ -61,7 +61,7 @@ fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), Forma
     } else {
         match serde_json::from_slice(bytes) {
             Ok(document) => document,
-            // Other JSON is parsed again as GeoJSON, so that this program's own documents are parsed only once.
+            // JSON is tried as GeoJSON only after it turned out to be no document of this program, which is parsed only once.
             Err(_) if geojson::is(bytes) => return Ok((geojson::read(bytes)?, None)),
             Err(error) => return Err(error.into()),
         }
@@ -117,12 +117,13 @@ impl<'de> Visitor<'de> for PositionVisitor {
     }
 }
 
+/// Writes a document: the certificate, the points and the provenance.
 pub(super) fn write(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
     certificate: Option<&Certificate>,
 ) -> Result<Vec<u8>, FormatError> {
-    // A row has up to 44 bytes if its numbers are below 1 and have 17 digits.
+    // A row has at most 44 bytes if its numbers are from 0 to 1, with up to 17 digits: then nothing is copied to make room.
     let mut out = Vec::with_capacity(points.len() * 44);
 
     out.extend_from_slice(b"{\n");

@@ -26,13 +26,14 @@ pub struct KeptRows {
 ///
 /// As [`decode`](super::decode), and [`FormatError::NotChosen`] for formats that cannot keep what belongs to a point.
 pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRows, FormatError> {
-    // As it was decoded, since flags go with the points that were read.
+    // The same bytes and format as in `decode`, as the flags are those of the points that it returned.
     let bytes = &*as_utf8(bytes);
     let format = detected(bytes, hint)?.format;
     let mut left_out = Vec::new();
     let bytes = match format {
         Format::Csv | Format::Xyz => table::keep(bytes, format, hint.columns, kept),
         Format::PsaText => Ok(psa::keep_text(bytes, kept)),
+        // A row is two f32.
         Format::PsaRps => Ok(rows(bytes, 8, kept)),
         Format::UtkText => Ok(utk::keep_text(bytes, hint.set, kept)),
         Format::UtkBinary => utk::keep_binary(bytes, hint.set, kept),
@@ -140,6 +141,7 @@ fn keep_geo(object: &mut Value, flags: &mut impl Iterator<Item = bool>) -> bool 
     is_left
 }
 
+/// Returns the numbers of a property of `GeoJSON` features, one for each point.
 fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
     let document: Value = serde_json::from_slice(without_bom(bytes))?;
     let format = Format::Json;
@@ -153,14 +155,14 @@ fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
     let mut values = Vec::new();
     for feature in features {
         let place = FilePlace::Point(values.len() as u64);
-        // Other types than numbers have no order that everybody would expect.
+        // Values of other types than numbers have no order that is the same for everybody.
         let property = &feature["properties"][name];
         let value = property.as_f64().ok_or_else(|| FormatError::Row {
             format,
             place,
             reason: format!("the property {name} is {property}, by which points cannot be ordered"),
         })?;
-        // All points of a feature share its properties.
+        // All points of a feature have its properties. Coordinates are those of one point, or an array for each of several.
         let coordinates = feature["geometry"][COORDINATES].as_array();
         let points = coordinates.map_or(0, |all| {
             let are_several = all.first().is_some_and(Value::is_array);

@@ -51,9 +51,10 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
         });
     }
 
+    // The version has two bytes, of which the first counts. From version 2 on the header may be longer than 2^16 bytes, so that
+    // its length has four bytes and not two.
     let mut cursor = Cursor::new(bytes, NPY_MAGIC.len(), FORMAT);
     let version = cursor.take(2)?[0];
-    // From version 2 on the header may be longer than 2^16 bytes, so that its length has four bytes.
     let length = match version {
         1 => u64::from(u16::from_le_bytes(binary::array(cursor.take(2)?))),
         2 | 3 => u64::from(cursor.u32()?),
@@ -71,13 +72,13 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
     Ok((header, cursor.offset()))
 }
 
-/// Points of data that are not rows of two coordinates: of columns, or of rows with a z.
+/// Returns the points of data that are not simply rows of two coordinates: all x stand before all y, or rows have a z.
 fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2]>, FormatError> {
     let (size, columns) = (header.precision.bytes(), header.columns);
-    // The cursor has compared the count with the bytes that are there.
+    // That the bytes are as many as the header states was checked when they were taken.
     let count = data.len() / (size * columns);
 
-    // In Fortran order a column is contiguous, in C order a row.
+    // How many values further the next row and the next column are: in Fortran order a column is contiguous, in C order a row.
     let (next_row, next_column) = if header.fortran {
         (1, count)
     } else {
@@ -99,12 +100,14 @@ fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2
     (0..count).map(point).collect()
 }
 
+/// Reads the header's dictionary, which stands at `place`.
 fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
     let fault = |reason: String| FormatError::Header {
         format: FORMAT,
         place,
         reason,
     };
+
     let dictionary =
         std::str::from_utf8(text).map_err(|_| fault(format!("\"{}\" is not text", quote(text))))?;
     let value = |key: &str| {
@@ -113,7 +116,7 @@ fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
 
     let (precision, endian) = descr(value("descr")?)?;
     let order = value("fortran_order")?;
-    // The value is followed by the rest of the dictionary.
+    // `value` returns the rest of the dictionary from the value on.
     let fortran = order.starts_with("True");
     if !fortran && !order.starts_with("False") {
         let order = quote(order.as_bytes());
@@ -223,6 +226,7 @@ pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> 
     Ok(out)
 }
 
+/// Returns the head of a file with this header, in version 1.0.
 fn head_of(header: &NpyHeader) -> Vec<u8> {
     let order = match header.endian {
         Endian::Little => '<',
@@ -234,9 +238,9 @@ fn head_of(header: &NpyHeader) -> Vec<u8> {
     let mut dictionary = format!(
         "{{'descr': '{order}f{size}', 'fortran_order': {fortran}, 'shape': ({count}, {columns}), }}"
     );
-    // The version and the length of the dictionary stand between the magic number and the dictionary, two bytes each.
+
+    // Two bytes of version and two of length stand between the magic number and the dictionary, which ends with a line end.
     let prefix = NPY_MAGIC.len() + 4;
-    // The line end counts, too.
     while !(prefix + dictionary.len() + 1).is_multiple_of(ALIGNMENT) {
         dictionary.push(' ');
     }
@@ -244,7 +248,7 @@ fn head_of(header: &NpyHeader) -> Vec<u8> {
     let mut out = Vec::with_capacity(2 * ALIGNMENT);
     out.extend_from_slice(NPY_MAGIC);
     out.extend_from_slice(&[1, 0]);
-    // The head has 128 bytes, so that two bytes hold the length.
+    // The head has 128 bytes, so that two bytes suffice for the length. The line end counts in it.
     out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());
     push(&mut out, format_args!("{dictionary}\n"));
     out

@@ -29,7 +29,7 @@ struct PlyColumns {
 }
 
 impl PlyColumns {
-    /// Finds the columns of the vertices. Of `any_z`, z is not read.
+    /// Finds the columns of the vertices; `line` is named in errors. With `any_z` a z may be any number and is not read.
     fn find(vertex: &Element, format: Format, line: u64, any_z: bool) -> Result<Self, FormatError> {
         let axis = |name: &str| {
             vertex.column(name).ok_or_else(|| FormatError::Header {
@@ -56,7 +56,8 @@ impl PlyColumns {
         })
     }
 
-    /// Reads a row, whose columns `value` returns.
+    /// Adds the point of a row to the set, with its provenance if there are columns for it. `value` returns the row's number in
+    /// a column.
     fn take(
         &self,
         set: &mut PointSet,
@@ -126,6 +127,7 @@ pub(super) fn read(bytes: &[u8], format: Format, any_z: bool) -> Result<Raw, For
     Ok(raw)
 }
 
+/// Reads the vertices of a text file.
 fn read_ascii(
     bytes: &[u8],
     header: &PlyHeader,
@@ -134,7 +136,8 @@ fn read_ascii(
     const FORMAT: Format = Format::PlyAscii;
     let vertex = &header.vertex;
 
-    // Counts are claims of the header: their sum may exceed any number. Then all rows are skipped, and the count below refuses.
+    // Counts are claims of the header, and their sum may be too large for a number. Then all rows are skipped, and the count of
+    // vertices below turns out wrong.
     let skipped = header
         .before
         .iter()
@@ -145,7 +148,7 @@ fn read_ascii(
         .filter(|(_, row)| !row.is_empty())
         .skip(usize::try_from(skipped).unwrap_or(usize::MAX));
 
-    // Nothing is reserved for the stated count, which may be false.
+    // No room is reserved for the stated number of vertices, which may be false.
     let mut set = columns.new_set();
     let mut fields: Vec<&[u8]> = Vec::new();
     while (set.len() as u64) < vertex.count {
@@ -184,6 +187,7 @@ fn read_ascii(
     Ok(set)
 }
 
+/// Reads the vertices of a binary file.
 fn read_binary(
     bytes: &[u8],
     header: &PlyHeader,
@@ -193,12 +197,13 @@ fn read_binary(
     const FORMAT: Format = Format::PlyBinary;
     let vertex = &header.vertex;
     let mut cursor = Cursor::new(bytes, header.data_offset, FORMAT);
-    // Lists, whose rows differ in width, were refused with the header.
+    // Rows of elements before the vertices are skipped by their width. Rows with lists, which have none, were refused with the
+    // header.
     for element in &header.before {
         cursor.records(element.count, element.width as u64)?;
     }
     let data = cursor.records(vertex.count, vertex.width as u64)?;
-    // Elements that follow may have lists: only without any is the end of the file known.
+    // Elements behind the vertices may have lists of any length. Without such elements the file ends with the vertices.
     if !header.followed {
         cursor.finish()?;
     }
@@ -271,12 +276,14 @@ pub(super) struct PlyHead {
 pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
     let header = parse(bytes, FORMAT)?;
+    // A stream reads z, which must be 0. The header's last line is the one before the data.
     let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1, false)?;
     let Encoding::Binary(endian) = header.encoding else {
         return Ok(None);
     };
 
-    // These are claims of the header, too. A place beyond the largest number is beyond the end of any file.
+    // Counts are claims of the header: a product or a sum that is too large for a number stays the largest number, which is
+    // beyond the end of any file.
     let skipped = (header.before.iter()).fold(0, |sum: u64, element| {
         sum.saturating_add(element.count.saturating_mul(element.width as u64))
     });
@@ -294,8 +301,8 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     }))
 }
 
-/// Returns the file with only those of its vertices that are kept, to the byte, and names the parts left out: elements with numbers of
-/// vertices, which would be those of others.
+/// Returns the file with only those of its vertices that are kept, to the byte, and the names of the elements left out: those
+/// that refer to vertices by number, as the numbers would now be those of other vertices.
 pub(super) fn keep(
     bytes: &[u8],
     format: Format,
@@ -306,7 +313,7 @@ pub(super) fn keep(
     let mut out = Vec::with_capacity(bytes.len() / 2);
     keep_header(&bytes[..header.data_offset], &elements, kept, &mut out);
 
-    // In the order of the header, as the rows follow each other.
+    // Elements have their rows in the order in which the header lists them.
     let mut rest = &bytes[header.data_offset..];
     for element in &elements {
         let length = element.length(rest, header.encoding)?;
@@ -318,7 +325,7 @@ pub(super) fn keep(
             Encoding::Ascii => keep_lines(rest, length, stays, &mut out),
             Encoding::Binary(_) => {
                 let (rows, after) = rest.split_at(length);
-                // Only rows of vertices, which have no lists, are chosen from.
+                // Vertices have no lists, so that they are rows of one width. All rows of another element stay or go together.
                 let width = if element.is_vertex() {
                     header.vertex.width.max(1)
                 } else {
@@ -398,7 +405,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
             ),
         }
     })?;
-    // Other values than coordinates may be NaN or infinite, but nothing can be ordered by them.
+    // A property other than a coordinate may be NaN or infinite in a sound file, but nothing can be ordered by that.
     let finite = |value: f64, place| {
         let reason = format!("{wanted} is {value}, which is no finite number");
         let fault = FormatError::Row {
@@ -412,7 +419,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     let data = bytes.get(header.data_offset..).unwrap_or_default();
     match header.encoding {
         Encoding::Ascii => {
-            // Rows of text are lines; blank ones are none.
+            // In text a row is a line that is not blank. Rows of earlier elements are skipped.
             let before = header.before.iter().map(|element| element.count);
             let before = before.fold(0, u64::saturating_add);
             let rows = (lines(data).filter(|(_, row)| !row.is_empty()))
@@ -440,7 +447,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     }
 }
 
-/// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
+/// A header whose length does not depend on `count`: the fewer digits the count has, the more dots end a comment.
 fn header(
     encoding: &str,
     count: u64,
@@ -482,7 +489,7 @@ pub(super) fn write_ascii(
     let mut out = header("ascii", count, "double", provenance.is_some(), columns);
 
     for (index, [x, y]) in points.iter().enumerate() {
-        // Readers of point clouds expect a z.
+        // Programs that read point clouds expect a z.
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
             for word in <[u32; 3]>::from(*from) {
@@ -534,7 +541,7 @@ pub(super) fn push_rows(
     columns: &Columns,
     precision: Precision,
 ) {
-    // Three words of provenance and one of the level have 16 bytes.
+    // Three words of provenance and one of the level take 16 bytes; radii, which few sets have, may make the buffer grow.
     out.reserve(points.len() * (3 * precision.bytes() + 16));
 
     for (index, &[x, y]) in points.iter().enumerate() {

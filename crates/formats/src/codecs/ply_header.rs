@@ -137,7 +137,7 @@ pub(super) fn parse(bytes: &[u8], format: Format) -> Result<PlyHeader, FormatErr
     let mut offset = 0;
     for row in bytes.split_inclusive(|&b| b == b'\n') {
         parser.line += 1;
-        // The line end is counted, as the data begin right behind that of the last line.
+        // A line counts with its end, as the data begin right behind the end of the header's last line.
         offset += row.len();
         let row = row.trim_ascii();
 
@@ -225,15 +225,18 @@ impl Parser {
         Ok(())
     }
 
+    /// Returns the header, whose data begin at `data_offset`, once its last line is read.
     fn finish(mut self, data_offset: usize) -> Result<PlyHeader, FormatError> {
         let Some(encoding) = self.encoding else {
             return Err(self.fault("no line \"format\"".to_owned()));
         };
+
         let Some(at) = self.elements.iter().position(|e| e.name == b"vertex") else {
             return Err(self.fault("no element \"vertex\"".to_owned()));
         };
 
-        // Binary rows up to the vertices are skipped by their width, which rows with lists lack. In text a row is a line.
+        // Rows with lists have no fixed width. Vertices may have no lists, and in a binary file, where earlier rows are skipped
+        // by their width, elements before them neither. In text a row is a line.
         let binary = encoding != Encoding::Ascii;
         let listed = |(index, e): (usize, &Element)| e.has_list && (index == at || binary);
         if self.elements.iter().take(at + 1).enumerate().any(listed) {
@@ -246,7 +249,7 @@ impl Parser {
 
         let followed = self.elements.len() > at + 1;
         let vertex = self.elements.swap_remove(at);
-        // The element that `swap_remove` moved here follows the vertices, as do those behind it.
+        // Only elements before the vertices are needed. The one that `swap_remove` moved into their place came behind them.
         self.elements.truncate(at);
 
         Ok(PlyHeader {

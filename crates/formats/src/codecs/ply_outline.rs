@@ -37,17 +37,18 @@ impl OutlinedElement {
         self.name == b"vertex"
     }
 
-    /// Returns how many of some bytes are its rows, or, in text, how many lines.
+    /// Returns how many of the bytes, which begin with its rows, are its rows; in text, how many lines.
     pub fn length(&self, bytes: &[u8], encoding: Encoding) -> Result<usize, FormatError> {
         let Encoding::Binary(endian) = encoding else {
             return Ok(usize::try_from(self.count).unwrap_or(usize::MAX));
         };
+
         let mut cursor = Cursor::new(bytes, 0, Format::PlyBinary);
         let width = |stored: &Stored| match stored {
             Stored::Scalar(scalar) => Some(scalar.bytes() as u64),
             Stored::List { .. } => None,
         };
-        // Rows without lists have one width.
+        // Rows without lists all have the same width, so that they are not gone through.
         if let Some(width) = self.stored.iter().map(width).sum::<Option<u64>>() {
             cursor.records(self.count, width)?;
             return Ok(cursor.offset() as usize);
@@ -59,7 +60,7 @@ impl OutlinedElement {
                     Stored::Scalar(scalar) => cursor.take(scalar.bytes() as u64)?,
                     Stored::List { count, item } => {
                         let items = count.value(cursor.take(count.bytes() as u64)?, endian);
-                        // A negative number of items becomes none.
+                        // The cast makes 0 of a negative number.
                         cursor.records(items as u64, item.bytes() as u64)?
                     }
                 };
@@ -75,7 +76,7 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
     for (row, line) in header.split_inclusive(|&b| b == b'\n').zip(1..) {
         let at = begin..begin + row.len();
         begin = at.end;
-        // The names of types in lists were not looked at before.
+        // Reading points does not look at the types of lists, so that an unknown one shows only here.
         let scalar = |name: &[u8]| {
             Scalar::from_name(name).ok_or_else(|| FormatError::Header {
                 format,
@@ -99,7 +100,6 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
                 });
                 continue;
             }
-            // Before the scalars, whose pattern has fewer words.
             [b"property", b"list", count, item, name] => {
                 let (count, item) = (scalar(count)?, scalar(item)?);
                 (Stored::List { count, item }, name)
@@ -107,7 +107,8 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
             [b"property", of, name] => (Stored::Scalar(scalar(of)?), name),
             _ => continue,
         };
-        // A property before any element was refused.
+
+        // There is an element, as a header with a property before any was refused.
         if let Some(element) = elements.last_mut() {
             element.stored.push(stored);
             element.lines.push(at);

@@ -17,20 +17,20 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     };
     let stated = count(first, FORMAT, place)?;
 
-    // A point takes four bytes at least, so a false count cannot make this large.
+    // Two digits, each with a blank or a line end, make a point take at least four bytes: a false count reserves no more.
     let mut points = Vec::with_capacity(stated.min(bytes.len() as u64 / 4) as usize);
 
-    let mut last = None;
-    // Numbers follow each other over the ends of lines: a point may go on in the next one.
+    // The x of a point whose y is still to come. A point may go on in the next line, as psa reads number by number.
+    let mut lone_x = None;
     for (place, token) in tokens {
         let value = number(token, FORMAT, place)?;
-        match last.take() {
+        match lone_x.take() {
             Some(x) => points.push([x, value]),
-            None => last = Some(value),
+            None => lone_x = Some(value),
         }
     }
 
-    // psa itself would read too few points, or garbage.
+    // From a file with a false count psa itself would read too few points, or garbage.
     let found = points.len() as u64;
     if found != stated {
         return Err(FormatError::Count {
@@ -40,7 +40,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
         });
     }
 
-    if let Some(x) = last {
+    if let Some(x) = lone_x {
         return Err(FormatError::Header {
             format: FORMAT,
             place,

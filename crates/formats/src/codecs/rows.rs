@@ -68,7 +68,7 @@ impl Layout {
         format: Format,
         columns: Option<[&str; 2]>,
     ) -> Result<Option<Self>, FormatError> {
-        // With chosen columns a file of another format is decoded as a table, or refused, in memory.
+        // Columns can be chosen in tables only: a file of another format is then decoded as a table in memory, or refused.
         if columns.is_some() && format != Format::Csv {
             return Ok(None);
         }
@@ -79,7 +79,7 @@ impl Layout {
         };
 
         Ok(match format {
-            // UTF-16 is converted as a whole, before it is split into lines.
+            // UTF-16, of which `as_utf8` makes a copy, is converted as a whole, and then split into lines.
             Format::Csv if matches!(as_utf8(start), Cow::Owned(_)) => None,
             Format::Csv => {
                 let kind = RowKind::Text(Box::new(TextTable::new(format, columns)));

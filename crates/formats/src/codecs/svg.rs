@@ -40,14 +40,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         place: FilePlace::Offset(error.valid_up_to() as u64),
         reason: "the text is not UTF-8".to_owned(),
     })?;
-    // A few entities can stand for any amount of text, and drawing programs write none that matter here.
+
+    // A few entities can stand for any amount of text. Drawing programs write none that matter here.
     if let Some((before, _)) = text.split_once("<!ENTITY") {
         let line = before.matches('\n').count() + 1;
         let what = format!("the declaration of an entity (line {line})");
         return Err(unsupported(what, "plain SVG without entities can"));
     }
 
-    // Older drawing programs write a document type. What could do harm in it, entities, was refused.
+    // Older drawing programs write a document type. Only entities in it could do harm, and were refused above.
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()
@@ -63,7 +64,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
 
     refuse_sheets(&document)?;
     let points = circles(&document)?;
-    // A drawing of nothing is an empty set, as another format's file without points is.
+    // A drawing without any element is an empty set, which the caller refuses as for all formats. One of other elements is no
+    // point set.
     let draws = document.root_element().first_element_child().is_some();
     if points.is_empty() && draws {
         let what = "a drawing without circles".to_owned();
@@ -92,9 +94,9 @@ fn malformed(error: &roxmltree::Error) -> FormatError {
 /// Returns the centres of the circles that are drawn, in the order of the document.
 fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
     let mut points = Vec::new();
-    // The outermost element of those around the next circle that draws its content elsewhere.
+    // The outermost element around the current node that draws its content elsewhere, if there is one.
     let mut mover: Option<Node<'_, '_>> = None;
-    // The group that turns the circles so far, if one does.
+    // The group around the last circle, if it is one in which y points up.
     let mut turned: Option<Node<'_, '_>> = None;
     let root = document.root_element();
     let mut next = Some(root);
@@ -104,7 +106,7 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
         let name = node.tag_name().name();
         // Elements of other namespaces are notes of the program that wrote the file.
         if enters && node.tag_name().namespace() == root.tag_name().namespace() {
-            // Within the mover it stays the same; behind it a new one may come.
+            // Inside the mover no other one counts; behind its end the next may begin.
             let is_behind = mover.is_none_or(|mover| node.range().start >= mover.range().end);
             if is_behind {
                 mover = Some(node).filter(|node| moves(*node, root));
@@ -112,16 +114,18 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
 
             if name == "circle" {
                 let index = points.len() as u64;
+                // A circle right inside a group where y points up is read as it stands there.
                 let upward = mover.filter(|&mover| {
                     let is_inside = node.parent_element() == Some(mover);
                     is_inside && turns_upward(mover, root) && !moves(node, root)
                 });
-                // Where only some are turned, their units are not those of the others.
+                // Circles of which only some are turned have no common units.
                 let are_alike = index == 0 || upward.is_some() == turned.is_some();
                 let mixed = upward.or(turned).filter(|_| !are_alike);
                 if let Some(mover) = mover.filter(|_| upward.is_none()).or(mixed) {
                     return Err(moved(mover, index));
                 }
+
                 turned = upward;
                 points.push(circle(node, index)?);
             } else if OTHER_MARKS.contains(&name) {
@@ -130,7 +134,8 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
             }
         }
 
-        // Elements may be nested to any depth, so that no recursion follows them.
+        // Elements may be nested to any depth, for which recursion could lack the stack. The next node is the first one inside,
+        // or else the next behind this one or behind the nearest ancestor that has one.
         let inside = node.first_child().filter(|_| enters);
         next = inside.or_else(|| node.ancestors().find_map(|node| node.next_sibling()));
     }
@@ -262,12 +267,13 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
         Some(region) => [region.width, region.height],
         None => bounds(points),
     };
-    // The sum makes 0 of -0.
+    // Adding 0 turns -0 into 0.
     let [x, y] = target.origin.map(|at| at + 0.0);
-    // Without a radius: dots of about a tenth of the mean spacing.
+    // Without a sampling radius, the radius of a dot is a tenth of the mean spacing.
     let spacing = (width * height / points.len() as f64).sqrt();
     let disk = target.radius.map_or(spacing / 10.0, |radius| radius / 2.0);
 
+    // A circle takes about 64 bytes.
     let mut out = Vec::with_capacity(points.len() * 64);
     push(
         &mut out,
@@ -291,6 +297,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
         }
     }
 
+    // In a picture of dots each dot has a radius that follows from its sample's own.
     for (index, [x, y]) in points.iter().enumerate() {
         let own = columns.radii.get(index).copied();
         let dot = columns.drawing.as_ref().zip(own);

@@ -36,6 +36,8 @@ pub(super) fn keep(
     let mut table = TextTable::new(format, columns);
     let mut rest = without_bom(bytes);
     let mut out = bytes[..bytes.len() - rest.len()].to_vec();
+
+    // The lines before the first row are read as when points are read, and copied.
     while !rest.is_empty() {
         let was_stated = table.stated.is_some();
         let after = table.take_head(rest)?;
@@ -43,7 +45,7 @@ pub(super) fn keep(
             break;
         }
 
-        // The line that stated the number of points states that of those kept.
+        // The line that states the number of points now states that of the kept ones.
         let line = &rest[..rest.len() - after.len()];
         if table.stated.is_some() && !was_stated {
             let (text, _) = split_line(line);
@@ -56,7 +58,7 @@ pub(super) fn keep(
         rest = after;
     }
 
-    // The same lines are rows here as when points are read; all others stay where they are.
+    // The lines that are rows when points are read are rows here, too; remarks and blank lines stay.
     let mut kept = kept.iter();
     while !rest.is_empty() {
         let (row, after) = split_line(rest);
@@ -92,6 +94,7 @@ pub(super) fn column(
             place,
             reason,
         })?;
+
     while !rest.is_empty() {
         let row;
         (row, rest) = split_line(rest);
@@ -175,7 +178,7 @@ impl TextTable {
         let Some(rows) = &mut self.rows else {
             return Ok(());
         };
-        // Without quotation marks, which most tables lack, no row has to be searched for them.
+        // Most tables have no quotation marks. One search through all rows spares a search in each.
         let quotes = rest.contains(&b'"');
         while !rest.is_empty() {
             let row;
@@ -220,7 +223,7 @@ impl TextTable {
                 let line = self.line + 1;
                 self.remark = Header { names, line };
             }
-        // In a later line the same words would be a row.
+        // Only the first line can state the separator: in a later line the same text would be a row.
         } else if self.line == 0
             && let Some(stated) = Separator::stated(line)
         {
@@ -234,7 +237,7 @@ impl TextTable {
         } else if is_row(line) {
             let separator = self.separator.unwrap_or_else(|| Separator::of(line));
             let fields = self.fields(line, separator, place)?;
-            // A header is recognised before a count of points, as a number alone is no name.
+            // The first row of text may be a header, and then a number alone the count of points. Everything else is a row.
             if self.header.names.is_empty() && is_header(&fields) {
                 let names = fields.iter().map(|field| names::name(field)).collect();
                 let line = self.line + 1;
@@ -244,7 +247,7 @@ impl TextTable {
                 self.stated = Some(count);
             } else {
                 self.rows = Some(self.rows_like(&fields, separator, place)?);
-                // The row itself is returned, to be read like those that follow it.
+                // The text from this row on is returned, so that the row is read like those that follow it.
                 return Ok(text);
             }
         }
@@ -313,7 +316,7 @@ impl TextTable {
     ) -> Result<TableRows, FormatError> {
         let format = self.format;
         let found = fields.len();
-        // A remark with another number of names is about something else.
+        // Names in a remark count if there is no header and a name for each field; otherwise the remark is about something else.
         let is_of_remark = self.header.names.is_empty() && self.remark.names.len() == found;
         let Header { names, line } = if is_of_remark {
             &self.remark
@@ -329,7 +332,7 @@ impl TextTable {
             places: [0, 1],
             z: None,
             count: found.max(names.len()),
-            // A field that lacks among blanks would make its neighbour take its place.
+            // Between blanks a missing field is not seen, so that its neighbour would take its place.
             exact: separator == Separator::Blank || names.is_empty(),
             quoted: QuotedRow::new(separator),
         };
@@ -387,7 +390,7 @@ impl TableRows {
     fn value(&mut self, row: &[u8], column: usize, place: FilePlace) -> Result<f64, FormatError> {
         let format = self.format;
         let by = self.separator.byte();
-        // The same fields as those of the coordinates.
+        // The row is divided into fields as when its coordinates are read.
         let field = if row.contains(&b'"') {
             if !self.quoted.take(row) {
                 return Err(open_quote(format, place));
@@ -399,7 +402,7 @@ impl TableRows {
             row.split(|&b| b == by).nth(column)
         };
 
-        // NaN is a number to Rust, but has no place in an order.
+        // `parse` also accepts NaN and infinities, which have no place in an order.
         let field = field.unwrap_or_default().trim_ascii();
         let value = std::str::from_utf8(field)
             .ok()
@@ -420,6 +423,7 @@ impl TableRows {
             })
     }
 
+    /// Returns the point of a row with these fields.
     fn point_of<'a>(
         &self,
         fields: impl Iterator<Item = &'a [u8]>,
@@ -427,7 +431,7 @@ impl TableRows {
     ) -> Result<[f64; 2], FormatError> {
         let [at_x, at_y] = self.places;
         let (mut x, mut y, mut z) = (None, None, None);
-        // Some programs end each row with a separator: empty fields at the end do not count.
+        // How many fields there are up to the last that is not empty: some programs end each row with a separator.
         let mut filled = 0;
         for (column, field) in fields.enumerate() {
             let field = field.trim_ascii();
@@ -438,6 +442,7 @@ impl TableRows {
             } else if Some(column) == self.z {
                 z = Some(field);
             }
+
             if !field.is_empty() {
                 filled = column + 1;
             }
@@ -446,6 +451,7 @@ impl TableRows {
         if filled > self.count || (self.exact && filled < self.count) {
             return Err(self.miscounted(filled, self.count, place));
         }
+
         let (Some(x), Some(y)) = (x, y) else {
             return Err(self.miscounted(filled, at_x.max(at_y) + 1, place));
         };

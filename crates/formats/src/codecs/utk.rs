@@ -21,13 +21,13 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
     let mut sets = vec![Vec::new()];
     // A row of more than two numbers is refused.
     let exact = true;
-    // Remarks of other programs separate no sets.
+    // A line that begins with # separates two sets; remarks that begin with another sign are passed over.
     let is_other_remark = |row: &[u8]| is_remark(row) && row[0] != b'#';
     for (line, row) in lines(bytes).filter(|(_, row)| !row.is_empty() && !is_other_remark(row)) {
         let last = sets.last_mut();
         match last {
             Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, exact)?),
-            // Like UTK, ignore empty sets (leading comments, doubled separators).
+            // Like UTK, ignores empty sets: separators at the beginning, or several in a row.
             Some(set) if set.is_empty() => {}
             _ => sets.push(Vec::new()),
         }
@@ -121,7 +121,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
     }
 
     let mut cursor = Cursor::new(bytes, UTK_MAGIC.len(), FORMAT);
-    // Of the metadata only the type counts.
+    // The first of four bytes of metadata is the number type. The others do not matter here.
     let precision = precision_of(cursor.take(4)?[0])?;
     let (sets, count, dimension) = (cursor.u32()?, cursor.u32()?, cursor.u32()?);
 

@@ -9,7 +9,7 @@ use super::check_own;
 use crate::error::{FormatError, io_error};
 use crate::read::with_suffix;
 
-/// The pause between two tries.
+/// The pause between two tries: short beside the time that a file takes to be written.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// A lock, released when the process ends in any way.
@@ -29,7 +29,7 @@ impl Lock {
         loop {
             check_own(&path)?;
             let mut options = OpenOptions::new();
-            // A file with content is somebody else's, so that none is truncated.
+            // The lock file has no content. One with content belongs to somebody else, and is not emptied.
             let options = options.write(true).create(true).truncate(false);
             let opened = options.open(&path).map_err(|e| io_error(file, e))?;
             match opened.try_lock() {
@@ -41,11 +41,12 @@ impl Lock {
                     thread::sleep(PAUSE);
                     continue;
                 }
-                // Some file systems have no locks. That is safe, since the file is read back and compared.
+                // Some file systems have no locks. To go on without one is safe, as the written file is read back and compared.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
 
-            // The previous writer removes its lock file, perhaps after it was opened here.
+            // The previous writer removes its lock file, perhaps after it was opened here: a lock on a file without a name keeps
+            // nobody else out, and is taken again.
             if is_own(&opened, &path).map_err(|e| io_error(file, e))? {
                 return Ok(Self { path, opened });
             }

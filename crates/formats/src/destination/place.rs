@@ -96,6 +96,7 @@ impl Place {
     ///
     /// [`FormatError::Io`]; the old file and its certificate are then as they were.
     pub fn put(&self, new: &Path, certificate: Option<&[u8]>) -> Result<(), FormatError> {
+        // The new certificate is written first, under a temporary name.
         let stated = hidden(&self.certificate, "new");
         if let Some(bytes) = certificate {
             write_new(&stated, &self.certificate, bytes)?;
@@ -104,9 +105,10 @@ impl Place {
         let mut aside = Vec::new();
         let stated = certificate.map(|_| &*stated);
         let placed = self.exchange(new, stated, &mut aside);
-        // If the old file is there again, so is its certificate; without one it is lost rather than false.
+        // If the old file is in its place, the certificates that were moved aside come back. Otherwise they are removed, as they
+        // would be false about the new file.
         let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
-        // The file that was moved last comes back first.
+        // They are undone in the reverse order.
         for (name, hidden) in aside.into_iter().rev() {
             let _ = if is_old {
                 fs::rename(hidden, name)
@@ -141,7 +143,8 @@ impl Place {
         // Until the new file is renamed, the old one is in its place.
         let is_old = true;
         for old in [Some(&self.certificate), self.beside_link.as_ref()] {
-            // A certificate is a file: other things of its name stay, and so does one that cannot be looked up.
+            // Only a file can be a certificate: a folder or a device of this name stays, and so does anything that cannot be
+            // looked up.
             let Some(old) = old.filter(|old| old.is_file()) else {
                 continue;
             };
@@ -151,11 +154,12 @@ impl Place {
         }
 
         if !aside.is_empty() {
-            // Otherwise a power cut could keep the renaming below and lose that above.
+            // Without this a power cut could lose the renaming above but keep the one below: the new file would then have the
+            // old certificate.
             sync_folder(&self.certificate).map_err(failed(&self.certificate, is_old))?;
         }
 
-        // A second name for the old file lets its replacement be undone. File systems without hard links cannot do this.
+        // A second name for the old file lets its replacement be undone. On file systems without hard links it cannot be undone.
         let old = hidden(&self.file, "old");
         let existed = self.file.exists();
         let kept = existed && stated.is_some() && step(|| fs::hard_link(&self.file, &old)).is_ok();

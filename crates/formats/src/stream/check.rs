@@ -43,7 +43,8 @@ pub(super) fn check_from(
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
     let length =
         (Input::open(path).and_then(|input| input.length())).map_err(|e| io_error(path, e))?;
-    // Subdivision needs all samples at once.
+    // Small files are read whole. So is a file of which one set is chosen, and one for subdivision, which needs all samples at
+    // once.
     if length <= whole || overrides.set.is_some() || overrides.varying.is_some() {
         return in_memory();
     }
@@ -60,7 +61,8 @@ pub(super) fn check_from(
         reader
     };
 
-    // Shuffled points and levels are not in the order of rows: a stream would fail on them after it has read a part.
+    // Shuffled points, and those of levels, are not in the order of rows, and a stream would fail after it has read a part of
+    // them. They are read whole at once, if memory allows.
     let is_not_in_rows =
         |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
     if reader.certificate().is_some_and(is_not_in_rows)
@@ -88,6 +90,7 @@ pub(super) fn check_from(
     }
 }
 
+/// Verifies a file piece by piece and compares it with its certificate.
 fn in_pieces(
     mut reader: StreamReader,
     overrides: &Overrides,
@@ -100,7 +103,7 @@ fn in_pieces(
         .expecting(reader.expected());
     let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
 
-    // The digest is of positions as they are in the file, the verdict of those in the domain.
+    // The digest is of the positions as they are in the file; the verifier gets those in the domain.
     while let Some(mut points) = reader.next_stored()? {
         if let Some(hasher) = &mut positions {
             add_positions(hasher, &points);
@@ -120,7 +123,7 @@ fn in_pieces(
         count: report.count as u64,
     };
 
-    // Sets of levels are not in the order of rows, so they are read whole.
+    // No set of levels comes this far, as its points are not in the order of rows.
     let levels = Vec::new();
     Ok(Check::new(
         detection,

@@ -99,7 +99,7 @@ impl StreamExport {
         context: &ExportContext,
         options: StreamOptions,
     ) -> Result<Self, ExportError> {
-        // Faults of the context are found before an older export of that name is discarded.
+        // Faults of the context show here, before an older export of that name is discarded.
         let target = stream_target(path, context)?;
         let judges = options
             .verify
@@ -120,6 +120,7 @@ impl StreamExport {
         Ok(export)
     }
 
+    /// Returns an export with these files, without points and judges.
     fn new(
         path: &Path,
         context: &ExportContext,
@@ -215,6 +216,7 @@ impl StreamExport {
     pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
         let target = stream_target(path, context)?;
         let (place, lock) = locked(path)?;
+
         let file = &place.file;
         let checkpoint = Checkpoint::read(file)?;
         checkpoint.suits(file, &target, context)?;
@@ -239,7 +241,7 @@ impl StreamExport {
             partial,
         };
         let mut export = Self::new(path, context, target, options, files)?;
-        // If anything fails from here on, the files can still be resumed.
+        // From here on a failure leaves the files in place, so that they can still be resumed.
         (export.kept, export.judges) = (true, judges);
         (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
         export.take_over(&checkpoint)?;
@@ -290,6 +292,7 @@ impl StreamExport {
         Ok(start)
     }
 
+    /// Takes points, with the head before the first.
     fn take(
         &mut self,
         points: &[[f64; 2]],
@@ -305,15 +308,15 @@ impl StreamExport {
             self.partial.begin(head)?;
         }
 
+        // The head says whether the rows have provenance: either all have it or none.
         let found = provenance.map_or(0, <[_]>::len);
-        // Rows have provenance in all of the file or nowhere, as its head says.
         let expected = if self.provenance { points.len() } else { 0 };
         if found != expected {
             let points = points.len();
             return Err(FormatError::Provenance { found, points }.into());
         }
 
-        // Fails if the head cannot count so many points.
+        // The head of this number is not written here. It is made because it fails if the format cannot count so many points.
         self.head(self.count + points.len() as u64)?;
 
         for (index, piece) in points.chunks(PIECE).enumerate() {
@@ -330,6 +333,7 @@ impl StreamExport {
         head(format, self.target.precision, count, carried)
     }
 
+    /// Encodes points, judges them as they are decoded, and writes them once they fill a block.
     fn take_piece(
         &mut self,
         points: &[[f64; 2]],
@@ -344,7 +348,7 @@ impl StreamExport {
         let precision = self.target.precision;
         push_rows(&mut self.partial.rows, &stored, carried, format, precision);
 
-        // Points are judged as they are decoded from the encoded bytes.
+        // The rows just encoded are decoded, compared with what was encoded, and judged.
         if let (Some(judges), Some(rows)) = (&mut self.judges, &mut self.rows) {
             let decoded = rows.read(&self.partial.rows[start..])?;
             compare(
@@ -362,8 +366,9 @@ impl StreamExport {
         Ok(self.partial.flush(all)?)
     }
 
+    /// Writes a checkpoint with the caller's token.
     fn save(&mut self, token: &Value) -> Result<(), ExportError> {
-        // The rows that a checkpoint counts must be durable before it is.
+        // A checkpoint that is durable must not count rows that are not: they are synchronised first.
         self.partial.sync()?;
 
         let old = self.state.take();
@@ -395,7 +400,7 @@ impl StreamExport {
 
         checkpoint.write(&self.file)?;
         self.kept = true;
-        // Until now the document of the checkpoint named the old state.
+        // The old state is removed only now that the checkpoint names the new one.
         if let Some(old) = old {
             old.remove(&self.file);
         }

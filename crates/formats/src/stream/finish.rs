@@ -42,6 +42,7 @@ impl StreamExport {
         Ok(streamed)
     }
 
+    /// Writes the final head, judges, reads back, and gives the files their names.
     fn complete(&mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
         let (format, count) = (self.target.format, self.count);
 
@@ -52,8 +53,8 @@ impl StreamExport {
         let head = self.head(count)?;
         self.partial.complete(head)?;
         let certificate = self.certify(control)?;
-        // A file is renamed only after it was read back and compared with the bytes that were written. Only a certificate
-        // states its digest.
+        // The file gets its name only after it was read back and compared with the bytes that were written. Its digest is for the
+        // certificate, and not needed without one.
         let digest = self.read_back(certificate.is_some(), control)?;
         let bytes = self.partial.bytes();
 

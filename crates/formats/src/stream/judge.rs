@@ -90,7 +90,8 @@ impl Judges {
             .map(|(&a, &b)| mapping.shift(a, b));
         self.largest_shift = shifts.fold(self.largest_shift, f64::max);
 
-        // So far storing has moved no position, so that the verifier of the stored ones has seen the original ones, too.
+        // Before these points storing has moved no position, so that the verifier of the stored positions has so far seen the
+        // original ones, too: a copy of it goes on with these.
         if self.largest_shift > 0.0 && self.original.is_none() {
             self.original = Some(self.stored.clone());
         }
@@ -100,7 +101,8 @@ impl Judges {
         judged.map_err(|source| unjudged(&self.target, source))?;
 
         if let Some(original) = &mut self.original {
-            // Other errors matter only if the stored set is invalid, and are reported then.
+            // The original positions matter only if the stored set is invalid: other errors than a cancellation are reported
+            // then, by `finish`.
             if let Err(source @ VerifyError::Cancelled) = original.push(points, &|_| last.repeat())
             {
                 return Err(unjudged(&self.target, source));
@@ -122,7 +124,7 @@ impl Judges {
             .finish(&|progress| last.report(progress))
             .map_err(failed)?;
 
-        // As for whole sets, the original positions matter only where the stored ones are not valid.
+        // Where the stored set is valid, storing has made neither conflicts nor gaps, whatever the original had.
         let (mut made_conflicts, mut made_gaps) = (false, false);
         if let (false, Some(original)) = (report.valid(), self.original) {
             let before = original.finish(&|_| last.repeat()).map_err(failed)?;

@@ -83,13 +83,14 @@ impl Partial {
         let start =
             self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
 
+        // Bytes that `each` leaves unused, such as the beginning of a row, stay before those of the next block.
         let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
         while left > 0 {
             let before = pending.len();
             pending.resize(before + left.min(BLOCK as u64) as usize, 0);
             self.checked(|this| this.writer.file()?.read_exact(&mut pending[before..]))?;
             left -= (pending.len() - before) as u64;
-            // The digest is of all rows, those before the interruption among them.
+            // The digest is of all rows, also of those before the interruption.
             self.checked(|this| Ok(this.writer.digest()?.update(&pending[before..]).count()))?;
 
             let used = each(&pending)?;
@@ -173,13 +174,14 @@ impl Partial {
             found,
         };
 
+        // The head is compared byte by byte, the rows by their digest.
         if head != self.head {
             let found = "another head".to_owned();
             return Err(differs("a head of", format!("{} bytes", head.len()), found));
         }
 
         let (mut all, mut rows) = (blake3::Hasher::new(), blake3::Hasher::new());
-        // The digest of the file begins with its head, that of the rows does not.
+        // The head is in the digest of the file, but not in that of the rows.
         all.update(&head);
         let mut block = vec![0; BLOCK];
 
@@ -188,6 +190,8 @@ impl Partial {
             if count == 0 {
                 break;
             }
+
+            // The two digests are computed at the same time.
             let block = &block[..count];
             let hash_all = || is_digested.then(|| all.update(block).count());
             rayon::join(|| rows.update(block).count(), hash_all);

@@ -62,8 +62,8 @@ impl StreamReader {
         })
     }
 
-    /// Opens a file, of which `columns` are read if it is a text table. The inner error is the format of a file that cannot
-    /// be read in pieces.
+    /// Opens a file, of which `columns` are read if it is a text table. With `digested` its bytes are digested as they are read.
+    /// The inner error is the format of a file that cannot be read in pieces.
     pub(super) fn try_open(
         path: &Path,
         format: Option<Format>,
@@ -73,6 +73,8 @@ impl StreamReader {
         let failed = |e| io_error(path, e);
         let mut file = Input::open(path).map_err(failed)?;
         let length = file.length().map_err(failed)?;
+
+        // The first block has the head, which tells the layout of the rows.
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);
@@ -83,7 +85,7 @@ impl StreamReader {
             return Ok(Err(format));
         };
 
-        // A false count is found out before any row is read.
+        // A number of rows that the file's length contradicts is refused before any row is read.
         let count = checked_count(&layout, length, format)?;
         let width = layout.rows.width().map(|width| width as u64);
         let mut reader = Self {
@@ -155,7 +157,7 @@ impl StreamReader {
                 self.rows.whole(&self.pending)
             };
 
-            // A line may go on in the next block, though not without end.
+            // A line may go on in the next block, but not through any number of them.
             if used == 0 && !ended {
                 self.check_line()?;
                 continue;
@@ -164,7 +166,7 @@ impl StreamReader {
             let set = self.rows.read(&self.pending[..used])?;
             self.pending.drain(..used);
             self.read += set.len() as u64;
-            // Blocks may consist of remarks and a header.
+            // A block of text may have no points, as of remarks alone: then the next one is read.
             if !set.is_empty() {
                 return Ok(Some(set.points));
             }
@@ -242,7 +244,7 @@ impl StreamReader {
 
         let mut here = start.len() as u64;
         self.pending = start;
-        // Only bytes of rows are counted there, and `fill` counts what it reads.
+        // `left` is the number of bytes of rows. `fill` would take those that are skipped from it, so that it is set aside.
         let left = self.left.take();
 
         while here < offset {
@@ -255,6 +257,7 @@ impl StreamReader {
             }
         }
 
+        // What was read beyond the offset is the beginning of the rows.
         let beyond = (here - offset) as usize;
         self.pending.drain(..self.pending.len() - beyond);
         // The rows may end within the bytes already read.
@@ -283,7 +286,7 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
     let (offset, available) = (layout.offset, length.saturating_sub(layout.offset));
     // Without a stated count all bytes up to the end are rows.
     let count = layout.count.unwrap_or(available / width);
-    // A count is a claim of the head, so that the product may overflow.
+    // A count is a claim of the head, and its product with the width may be too large for a number.
     let needed = count.saturating_mul(width);
 
     if needed > available {

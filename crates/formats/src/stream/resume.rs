@@ -105,7 +105,7 @@ impl Checkpoint {
         target: &Target,
         context: &ExportContext,
     ) -> Result<(), ExportError> {
-        // Numbers have the same shortest text only if they are the same.
+        // The shortest texts of two numbers are the same only if the numbers are.
         let texts = |a: &dyn ToString, b: &dyn ToString| [a.to_string(), b.to_string()];
 
         for (what, [stated, found]) in [
@@ -234,8 +234,8 @@ impl StateFile {
         let mut bytes = judges.stored.save().map_err(failed)?;
         let stored_length = bytes.len() as u64;
         if let Some(original) = &judges.original {
-            // Errors of the original positions are reported only if they matter, but a checkpoint needs positions
-            // without errors.
+            // A verifier with an error cannot be saved. While points are taken, errors of the original positions may be passed
+            // over; here they are not.
             bytes.extend(original.save().map_err(failed)?);
         }
 
@@ -250,6 +250,7 @@ impl StateFile {
         Ok(state)
     }
 
+    /// Gives the judges the state that was saved.
     pub fn restore(
         &self,
         path: &Path,
@@ -260,7 +261,8 @@ impl StateFile {
         if !name.exists() {
             return Err(fault(&name, "it is not there"));
         }
-        // The verdict depends on each byte of the state.
+
+        // The verdict depends on each byte of the state: a damaged one is refused.
         let bytes = read_file(&name)?;
         if bytes_digest(&bytes) != self.digest || self.stored_length > bytes.len() as u64 {
             return Err(fault(&name, "it is not what the checkpoint names"));

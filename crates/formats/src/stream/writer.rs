@@ -121,6 +121,7 @@ fn append_all(
     digest: &mut blake3::Hasher,
 ) -> io::Result<()> {
     thread::scope(|scope| {
+        // One request for the device may wait. With the next one this thread waits, too, so that no more is left in memory.
         let (due, syncs) = sync_channel(1);
         let syncing = Builder::new()
             .name("waiting for the device".to_owned())
@@ -132,15 +133,16 @@ fn append_all(
             file.write_all(&block)?;
             digest.update(&block);
             block.clear();
-            // After the last block no receiver is left.
+            // The block goes back to be filled again. Behind the last one nobody receives it any more.
             let _ = emptied.send(block);
+
             if index % BLOCKS_PER_SYNC == BLOCKS_PER_SYNC - 1 && due.send(()).is_err() {
-                // The other thread ended because of an error, which is returned below.
+                // The other thread has ended with an error, which is returned below.
                 break;
             }
         }
 
-        // The other thread ends when the channel does.
+        // Without a sender the other thread ends.
         drop(due);
         let synced = syncing.join();
         synced.map_err(|_| io::Error::other("the thread that waits for the device has failed"))?

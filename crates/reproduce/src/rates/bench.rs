@@ -159,7 +159,6 @@ impl Bench {
             let mut parameters = *base;
             parameters.seed = self.seed.wrapping_add(number);
 
-
             let mut all = Vec::new();
             // Sets from scratch have no leaf size: one of them is enough for a round.
             for group in once {
