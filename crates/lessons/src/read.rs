@@ -477,7 +477,7 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     let kind = (row.read)(&fields)?;
 
     let said = |field: &Field| field.text().paragraph();
-    // Without the field, the seeds are as many as the check of lessons asks by default.
+    // Without the field there are 40 seeds, the number that the check of lessons asks by default.
     let practice = match fields.get("practice") {
         None => Some(1..=40),
         Some(field) if field.value == "none" => None,

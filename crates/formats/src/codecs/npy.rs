@@ -75,7 +75,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
 /// Returns the points of data that are not simply rows of two coordinates: all x stand before all y, or rows have a z.
 fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2]>, FormatError> {
     let (size, columns) = (header.precision.bytes(), header.columns);
-    // That the bytes are as many as the header states was checked when they were taken.
+    // The number of bytes was compared with the header when they were taken.
     let count = data.len() / (size * columns);
 
     // How many values further the next row and the next column are: in Fortran order a column is contiguous, in C order a row.

@@ -45,8 +45,8 @@ impl Lock {
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
 
-            // The previous writer removes its lock file, perhaps after it was opened here: a lock on a file without a name keeps
-            // nobody else out, and is taken again.
+            // The previous writer removes its lock file, perhaps after it was opened here. A lock on a file without a name keeps
+            // no other writer out: the lock is taken anew.
             if is_own(&opened, &path).map_err(|e| io_error(file, e))? {
                 return Ok(Self { path, opened });
             }

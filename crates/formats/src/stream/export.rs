@@ -348,7 +348,7 @@ impl StreamExport {
         let precision = self.target.precision;
         push_rows(&mut self.partial.rows, &stored, carried, format, precision);
 
-        // The rows just encoded are decoded, compared with what was encoded, and judged.
+        // The rows just encoded are decoded, compared with the points, and judged.
         if let (Some(judges), Some(rows)) = (&mut self.judges, &mut self.rows) {
             let decoded = rows.read(&self.partial.rows[start..])?;
             compare(

@@ -257,7 +257,7 @@ impl StreamReader {
             }
         }
 
-        // What was read beyond the offset is the beginning of the rows.
+        // The bytes beyond the offset are the beginning of the rows.
         let beyond = (here - offset) as usize;
         self.pending.drain(..self.pending.len() - beyond);
         // The rows may end within the bytes already read.

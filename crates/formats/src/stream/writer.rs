@@ -133,7 +133,7 @@ fn append_all(
             file.write_all(&block)?;
             digest.update(&block);
             block.clear();
-            // The block goes back to be filled again. Behind the last one nobody receives it any more.
+            // The block goes back to be filled again. At the end there is no receiver any more, which is no error.
             let _ = emptied.send(block);
 
             if index % BLOCKS_PER_SYNC == BLOCKS_PER_SYNC - 1 && due.send(()).is_err() {
