@@ -133,7 +133,15 @@ impl Context {
         self.effects.push(effect);
     }
 
-    pub(crate) fn tell(&mut self, text: String, is_error: bool) {
+    /// Asks for a notice to the learner.
+    pub(crate) fn tell(&mut self, text: String) {
+        let is_error = false;
+        self.ask(Effect::Tell { text, is_error });
+    }
+
+    /// Asks for a notice that something went wrong.
+    pub(crate) fn tell_error(&mut self, text: String) {
+        let is_error = true;
         self.ask(Effect::Tell { text, is_error });
     }
 }

@@ -237,6 +237,7 @@ impl Query {
 }
 
 impl Term {
+    /// Returns whether an event of this index matches. `context` is the context after the event.
     fn holds(self, recording: &Recording, index: usize, event: &Event, context: &Context) -> bool {
         match self {
             Self::Found(target) => matches_target(recording, index, event, target),
@@ -382,6 +383,7 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 }
 
 impl Word<'_> {
+    /// Returns the term of the comparison; the error names the part of the word that is wrong.
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
             // Names and samples can only be equal or not, which `same` returns; numbers and distances have an order, too.

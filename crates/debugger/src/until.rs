@@ -22,6 +22,7 @@ struct Counts {
 }
 
 impl Counts {
+    /// Counts an event, the next one of the run.
     fn add(&mut self, run_event: RunEvent) {
         match run_event {
             RunEvent::Split { .. } => self.splits += 1,

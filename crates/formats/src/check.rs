@@ -241,12 +241,12 @@ pub fn check_bytes(
     overrides: &Overrides,
     control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
-    let beside = certificate.filter(|_| !overrides.without_certificate);
-    let beside = beside.map(|bytes| {
+    let bytes_beside = certificate.filter(|_| !overrides.without_certificate);
+    let read_beside = bytes_beside.map(|bytes| {
         let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
         Certificate::from_bytes(bytes, &name)
     });
-    let beside = beside.transpose()?;
+    let beside = read_beside.transpose()?;
 
     // The points of a thinned set may have a z, at which `decode` would fail: the certificate is looked at first.
     if beside
@@ -275,12 +275,12 @@ pub fn check_bytes(
     let report = judged.report(&set.points, detection.format, control)?;
 
     // The certificate's levels claim something about its own region and radius only.
-    let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
-    let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
+    let claiming = certificate.as_ref().filter(|stated| judged.is_as(stated));
+    let mut claims = claiming.map_or_else(Vec::new, Certificate::claims);
     // A claim about more points than the file has cannot be judged. That the count is wrong is a difference by itself.
     claims.retain(|claim| claim.count <= set.len());
-    let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
-    let levels = levels.iter().map(CertifiedLevel::of).collect();
+    let prefixes = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
+    let levels = prefixes.iter().map(CertifiedLevel::of).collect();
 
     // The file is hashed only if there is a digest to compare.
     let stated = certificate

@@ -324,6 +324,7 @@ pub(crate) fn encode_certified(
     check_provenance(set)?;
     check_target(target)?;
 
+    // These are all points of the file, so that the first is point 0.
     let points = target.stored(&set.points, 0)?;
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();

@@ -429,7 +429,7 @@ fn rounding(
         .iter()
         .zip(stored)
         .map(|(&a, &b)| mapping.shift(a, b));
-    // Around the torus, so that a coordinate that became 0 at the far border has moved little.
+    // A shift is measured around the torus: a coordinate that became 0 at the far border has moved little.
     let largest_shift = shifts.fold(0.0, f64::max);
     if largest_shift == 0.0 {
         return Ok(None);

@@ -34,7 +34,7 @@ pub struct ThinnedFacts<'a> {
 }
 
 impl ThinnedFacts<'_> {
-    /// Returns the certificate.
+    /// Returns the certificate that states these facts.
     #[must_use]
     pub fn certificate(&self) -> Certificate {
         let (report, read) = (self.report, self.read);

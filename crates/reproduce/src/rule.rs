@@ -19,7 +19,7 @@ impl Rule {
         Self::Within([center - limit, center + limit])
     }
 
-    /// Returns the verdict of an interval; `None` if no interval was measured.
+    /// Returns the verdict that follows from an interval, which is `None` if nothing was measured.
     pub fn verdict(self, interval: Option<[f64; 2]>) -> Verdict {
         let Some([low, high]) = interval else {
             return Verdict::NotComparable;

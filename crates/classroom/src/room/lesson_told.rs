@@ -266,8 +266,7 @@ impl Classroom {
             self.lessons.shows_list = true;
             context.ask(Effect::ShowSomeRun);
             // The notice follows the run, as a run that begins removes earlier notices.
-            let is_error = true;
-            context.tell(text, is_error);
+            context.tell_error(text);
             return;
         }
 
@@ -314,7 +313,7 @@ impl Classroom {
                 // No lesson will come: the list closes, and the window shows a run instead.
                 self.lessons.close_list();
                 context.ask(Effect::ShowSomeRun);
-                context.tell(format!("The lessons could not be loaded: {error}."), true);
+                context.tell_error(format!("The lessons could not be loaded: {error}."));
             }
         }
     }

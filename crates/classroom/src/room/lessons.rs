@@ -57,7 +57,7 @@ fn translation_of_file(path: &Path) -> Option<Result<Translation, String>> {
 /// Shows the fault of a translation, if it has one.
 fn tell_fault(fault: Option<String>, context: &mut Context) {
     if let Some(fault) = fault {
-        context.tell(fault, true);
+        context.tell_error(fault);
     }
 }
 
@@ -145,7 +145,7 @@ impl Classroom {
             LessonCommand::Step(direction) => self.step_lesson(direction, context),
             LessonCommand::Go(name) => match self.lessons.step_named(&name) {
                 Some(index) => self.enter_step(index, context),
-                None => context.tell(format!("The lesson has no step \"{name}\"."), true),
+                None => context.tell_error(format!("The lesson has no step \"{name}\".")),
             },
             LessonCommand::Draft(command) => self.lessons.change_draft(command),
             LessonCommand::Answer => self.answer_question(context),
@@ -183,7 +183,7 @@ impl Classroom {
                     ..WantedLesson::default()
                 });
             }
-            None => context.tell(format!("There is no lesson \"{name}\"."), true),
+            None => context.tell_error(format!("There is no lesson \"{name}\".")),
         }
     }
 
@@ -219,7 +219,7 @@ impl Classroom {
         let lesson = match Lesson::read(name, text) {
             Ok(lesson) => lesson,
             Err(error) => {
-                return context.tell(format!("The lesson {name} cannot be read: {error}"), true);
+                return context.tell_error(format!("The lesson {name} cannot be read: {error}"));
             }
         };
 
@@ -264,7 +264,7 @@ impl Classroom {
                 let source = LessonSource::File(path.to_owned());
                 self.open_lesson(&name.unwrap_or_default(), &text, source, context);
             }
-            Err(error) => context.tell(format!("{}: {error}.", path.display()), true),
+            Err(error) => context.tell_error(format!("{}: {error}.", path.display())),
         }
 
         // Also after an error, so that its notice is shown once for each change.

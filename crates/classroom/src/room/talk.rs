@@ -30,7 +30,7 @@ fn take_handout(file: HandoutFile, made: Result<String, String>, context: &mut C
             path,
             bytes: text.into_bytes(),
         })),
-        Err(why) => context.tell(format!("There is no handout. {why}"), true),
+        Err(why) => context.tell_error(format!("There is no handout. {why}")),
     }
 }
 
@@ -112,7 +112,7 @@ impl Classroom {
 
     fn present_lesson(&mut self, from_start: bool, context: &mut Context) {
         let Some(open) = &self.lessons.open else {
-            return context.tell("Open a lesson first.".to_owned(), false);
+            return context.tell("Open a lesson first.".to_owned());
         };
         let part = TalkPart::of(open.learner.lesson(), None);
         self.begin_talk(vec![part], context);
@@ -157,7 +157,7 @@ impl Classroom {
                 }
                 self.begin_talk(vec![TalkPart::of(&lesson, None)], context);
             }
-            Err(why) => context.tell(format!("The scenes cannot be presented. {why}"), true),
+            Err(why) => context.tell_error(format!("The scenes cannot be presented. {why}")),
         }
     }
 
@@ -368,7 +368,7 @@ impl Classroom {
     fn restore_talk(&mut self, text: &str, context: &mut Context) {
         let Ok(kept) = serde_json::from_str::<Kept>(text) else {
             let text = "The talk that the notes kept cannot be read.";
-            return context.tell(text.to_owned(), true);
+            return context.tell_error(text.to_owned());
         };
 
         if self.lessons.shelf.is_empty() {
@@ -506,7 +506,7 @@ impl Classroom {
         context: &mut Context,
     ) {
         let Some(open) = &self.lessons.open else {
-            return context.tell("Open a lesson first.".to_owned(), false);
+            return context.tell("Open a lesson first.".to_owned());
         };
 
         // Only lessons that come with the program have a translation at hand, and it is German.

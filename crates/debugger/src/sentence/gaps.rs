@@ -64,6 +64,7 @@ impl Words<'_> {
         format!("the candidate at {at} is passed over: {inserted}{apart} covers it")
     }
 
+    /// Returns the sentence of a candidate that a detector examines, with its verdict.
     pub(super) fn candidate(
         &self,
         detector: u32,
@@ -96,6 +97,7 @@ impl Words<'_> {
         format!("{what}, {away} away, {outcome}")
     }
 
+    /// Returns the sentence of an inserted sample, with the samples whose gap it fills, as far as they were recorded.
     pub(super) fn insertion(&self, sample: u32, iteration: u32) -> String {
         let name = self.sample(sample);
         let sites = match self.0.run().samples.origins.get(sample as usize) {
@@ -104,7 +106,7 @@ impl Words<'_> {
         };
 
         let numbers: Vec<String> = sites.ids().iter().map(|&id| grouped(id.into())).collect();
-        // "1, 2 and 3": the last one is joined by a word.
+        // The last number is joined by a word, as in "1, 2 and 3".
         let samples = match numbers.split_last() {
             Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
             _ => numbers.concat(),

@@ -39,7 +39,8 @@ impl PlyColumns {
             })
         };
 
-        // Only the type that this program writes counts: another program's "block" may be anything.
+        // Only columns of the type that this program writes count: another program's "block" may be anything. Provenance is read
+        // if all three are there.
         let own = |name| {
             let column = vertex.column(name)?;
             (vertex.properties[column].scalar == Scalar::U32).then_some(column)
@@ -480,6 +481,7 @@ fn header(
     out
 }
 
+/// Writes a text file, a vertex a line, with its columns in the order of the header.
 pub(super) fn write_ascii(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
@@ -534,6 +536,7 @@ pub(super) fn binary_head(
     header(encoding, count, coordinate, provenance, columns)
 }
 
+/// Appends binary rows, with their columns in the order of the header.
 pub(super) fn push_rows(
     out: &mut Vec<u8>,
     points: &[[f64; 2]],

@@ -8,6 +8,7 @@ use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::text::{data_lines, number, push, push_line, words};
 
+/// Reads a text with the number of points and then their coordinates.
 pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::PsaText;
     let mut tokens = data_lines(bytes)

@@ -33,6 +33,7 @@ const MOVING: [&str; 7] = [
     "cy",
 ];
 
+/// Reads the centres of the circles of a drawing.
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let bytes = without_bom(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| FormatError::Malformed {
@@ -262,6 +263,7 @@ fn circle(node: Node<'_, '_>, index: u64) -> Result<[f64; 2], FormatError> {
     Ok([axis("cx")?, axis("cy")?])
 }
 
+/// Writes a circle for each point, in the order of the points.
 pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> Vec<u8> {
     let [width, height] = match target.region {
         Some(region) => [region.width, region.height],

@@ -16,6 +16,7 @@ const TYPE_DOUBLE: u8 = 5;
 /// Magic, metadata, number of sets, number of points, dimension.
 pub(super) const HEADER_BYTES: u64 = 20;
 
+/// Reads the chosen set of a text with one or more sets.
 pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkText;
     let mut sets = vec![Vec::new()];

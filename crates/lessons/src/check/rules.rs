@@ -116,7 +116,6 @@ fn lengths(lesson: &Lesson) -> Vec<LessonError> {
     let mut faults = Vec::new();
 
     for step in &lesson.steps {
-        // Each part is on the screen without the other.
         for (what, part) in [
             ("text before the question", &step.text),
             ("text after the answer", &step.after),

@@ -36,6 +36,7 @@ struct Line {
 }
 
 impl GateKind for CutGate {
+    /// Asks for a cut of the node that is split next, as the coming event says.
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let recording = asking.scene.recording();
         let event = recording.event(asking.scene.cursor());
@@ -203,6 +204,7 @@ impl Interaction for Cut {
         ])
     }
 
+    /// Returns a hint, the two directions to choose from, and the list of cuts.
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
         let words = [CutAxis::X, CutAxis::Y].map(|axis| RowWord {
             id: format!("axis-{}", axis.name()),

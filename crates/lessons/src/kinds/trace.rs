@@ -48,6 +48,7 @@ impl GateKind for TraceGate {
         true
     }
 
+    /// Asks for each of the coming events in turn, with the same options.
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let (_, mut coming) = asking.scene.coming(&self.events)?;
         coming.truncate(self.steps);

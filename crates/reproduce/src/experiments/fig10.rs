@@ -32,6 +32,7 @@ pub fn units(settings: &Settings) -> usize {
         .sum()
 }
 
+/// Carries out the experiment for each sampler, and draws one set of each.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let each = Sampler::ALL.into_iter();

@@ -116,6 +116,7 @@ fn glue(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Glued> {
     })
 }
 
+/// Makes a domain of this side at once and by gluing nine sets, and returns the times and losses.
 fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> {
     let domain = domain(side)?;
     control.go_on()?;
@@ -220,6 +221,8 @@ fn layouts(found: &[LayoutResult]) -> Table {
     })
 }
 
+/// Size of the cross of an eliminated sample, in points: a little larger than the dots beside it.
+const CROSS: f64 = 13.0;
 /// Sides of the part that is shown large, in radii.
 const PART: f64 = 36.0;
 
@@ -285,7 +288,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         // In a picture y points downwards: places are mirrored within the part that is shown.
         let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
         let positions = points_of(glued).into_iter().map(flip);
-        let cross = |at| Shape::marker(Marker::Cross, at, 13.0, style);
+        let cross = |at| Shape::marker(Marker::Cross, at, CROSS, style);
         above_samples(&mut scene, "eliminated", positions.map(cross).collect());
     }
 

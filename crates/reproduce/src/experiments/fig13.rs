@@ -77,6 +77,7 @@ pub fn units(settings: &Settings) -> usize {
     spectra_units(settings).len() + plan(settings).rounds as usize
 }
 
+/// Measures the spectra of all methods, times all engines, and compares the methods with the reference sampler.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let mut found: Vec<MethodSpectra> = Vec::new();
     for (group, method) in spectra_units(study.settings) {
@@ -142,6 +143,7 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
     Ok(pictures)
 }
 
+/// Returns the notes: how it was measured, which results are no evidence, and how long patterns take to be made.
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![text("fig13/how", &json!({}))];
 

@@ -46,6 +46,7 @@ pub fn units(settings: &Settings) -> usize {
     cases().len() * SETS + variants::units(settings)
 }
 
+/// Counts the iterations of the sets of all cases, and compares runs by stages with the algorithm as printed.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found = Vec::new();

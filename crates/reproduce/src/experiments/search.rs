@@ -55,6 +55,7 @@ pub fn units(settings: &Settings) -> usize {
     cases(settings).len()
 }
 
+/// Counts the gaps of the sets of all cases, and draws the largest ones.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found: Vec<GapStatistics> = Vec::new();

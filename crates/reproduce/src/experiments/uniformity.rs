@@ -39,6 +39,7 @@ pub fn units(settings: &Settings) -> usize {
     amounts(settings).0 + AveragedWay::ALL.len()
 }
 
+/// Counts the samples of many sets by place, and compares the mean curves of each way to make sets.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (batches, samples, cells) = amounts(study.settings);
     let parameters = square(samples, LEAF);

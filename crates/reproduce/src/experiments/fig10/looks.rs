@@ -70,6 +70,7 @@ pub fn spectrum(
         sets,
         count: mean.samples.round() as usize,
         low: low(&spectrum),
+        // In a square the picture reaches equally far along both axes.
         reach: spectrum.picture_reach[0],
         power: spectrum.power(),
         picture: spectrum.picture.power.iter().map(finite).collect(),

@@ -194,6 +194,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         classes: full
             .map(|(class, squares)| [middle(class), root(*squares)])
             .collect(),
+        // The caller fills in the facts about the set.
         ..PlateErrors::default()
     }
 }

@@ -39,6 +39,7 @@ fn plates(all: &[SamplerResults]) -> Table {
     })
 }
 
+/// Returns the table of the horizons' mean errors by samples per pixel, a row for each sampler.
 fn horizons(all: &[SamplerResults]) -> Table {
     let rendered = || all.iter().filter(|one| !one.horizons.is_empty());
     // The table has a column for each number of samples per pixel. The sampler with the most images has all of them; others

@@ -22,11 +22,11 @@ pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture> {
 /// Returns the bars of a leaf size: one for each procedure.
 fn group(row: &LeafTimes) -> BarGroup {
     // An iteration with the median time 0 is one that most rounds lack: only the table has it.
-    let most = row
+    let shown = row
         .procedures
         .iter()
         .filter(|(_, seconds, _)| seconds.quartiles[1] > 0.0);
-    let each = most.map(|(procedure, seconds, share)| {
+    let each = shown.map(|(procedure, seconds, share)| {
         let median = 100.0 * share.quartiles[1];
         Bar {
             name: procedure.name(),
@@ -37,6 +37,7 @@ fn group(row: &LeafTimes) -> BarGroup {
                 number(median, 2),
                 number(1e3 * seconds.quartiles[1], 3)
             ),
+            // Elimination and the first insertion, which the paper is about, have a colour of their own.
             color: usize::from(!procedure.is_first()),
         }
     });

@@ -79,6 +79,7 @@ pub struct StageRound {
     pub passes: Vec<(String, PassTimes)>,
 }
 
+/// Carries out the rounds: in each the stages for every leaf size, the algorithm as printed, and the passes of every GPU.
 pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
     let fewer = plan.samples / FEWER;
     plan.run(

@@ -86,6 +86,7 @@ pub fn spectra(
     let (grid, [count, _]) = (&reference.picture, reference.count);
     // In the column of the reference sets, these are drawn over a second group of reference sets: the caption says so.
     let over = reference.method == Method::Reference;
+    // The last number of the caption's is how many frequencies a cell of the periodogram is wide.
     let values = json!({
         "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
         "shown": SHOWN, "black": BLACK,

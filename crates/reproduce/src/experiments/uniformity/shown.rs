@@ -21,6 +21,7 @@ const FAR: f64 = 10.0;
 /// Sets with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
+/// Returns the charts by distance from borders and within gaps, and the maps.
 pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
     // The number of a curve decides its look: each way to make sets has the same one in all charts.
     let [reference, _, circumcentre, uniform, random, exact] = &found.all;
@@ -83,6 +84,7 @@ fn density(
     chart
 }
 
+/// Returns the chart of inserted samples by rank in their gap, relative to a uniform distribution.
 fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
         // Without inserted samples there are no ranks to draw.
