@@ -281,6 +281,7 @@ impl Evaluator {
         let followed = self
             .followed
             .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
+        // A panic in another evaluation does not keep this one from the numbers.
         let mut followed = followed.lock().unwrap_or_else(PoisonError::into_inner);
 
         let name = number.name;
@@ -388,7 +389,7 @@ fn sample(id: u32) -> Option<i64> {
 /// Registers the functions that [`Evaluator`] lists. A number that is no sample's id gives `()` instead of an error, as a
 /// condition is evaluated for all samples of a run.
 fn register(engine: &mut Engine, recording: &Arc<Recording>) {
-    // `NONE` is no sample's id either.
+    // A number that cannot be an id becomes `NONE`, which no sample has.
     let id = |s: i64| u32::try_from(s).unwrap_or(NONE);
 
     let run = Arc::clone(recording);

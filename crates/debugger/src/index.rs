@@ -147,6 +147,7 @@ impl BySample {
             total += std::mem::replace(start, total);
         }
 
+        // Each event goes to the next free place of each of its samples, which the sample's start is until the end.
         let mut events = vec![0; total as usize];
         for (index, event) in (0..).zip(tape.iter()) {
             each_sample(event, |id| {

@@ -263,7 +263,8 @@ pub fn export_bytes(
 /// Stores bytes and returns them as read back.
 pub(crate) type Store<'a> = dyn FnMut(Vec<u8>) -> Result<Vec<u8>, ExportError> + 'a;
 
-/// The pipeline; `store` may be called twice, and its last call has the final data.
+/// Encodes a set, stores it, reads it back, judges and certifies it. `store` may be called twice; its last call has the final
+/// data.
 pub(crate) fn export_through(
     store: &mut Store<'_>,
     name: &str,
@@ -487,6 +488,7 @@ pub(crate) fn certificate(
 ) -> Certificate {
     let varying = context.varying.as_ref();
     Certificate {
+        // `with_version` below raises it if there are parts.
         format_version: 1,
         program: context.program.clone(),
         program_version: context.program_version.clone(),

@@ -13,7 +13,7 @@ use crate::digest::{bytes_digest, positions_digest};
 /// What a certificate of a thinned set is made from.
 #[derive(Clone, Debug)]
 pub struct ThinnedFacts<'a> {
-    /// The file's name.
+    /// The name of the file, for the certificate.
     pub name: &'a str,
     /// The bytes of the file.
     pub data: &'a [u8],

@@ -685,7 +685,8 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
     }
 }
 
-/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures.
+/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r; a place on the
+/// edge of a disk is covered.
 fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
     functions! { engine, now;
         "samples": |now| now.set().map(|set| set.points.len() as i64);
@@ -708,6 +709,7 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "clear_deepest": |now| now.clear_deepest();
 
         "border": |now, x: f64, y: f64| now.border([x, y]);
+        // The second argument says whether places near an edge are meant, or those farther away.
         "density_near": |now, d: f64| now.density(d, true);
         "density_far": |now, d: f64| now.density(d, false);
         "deepest_near": |now, x: f64, y: f64| now.deepest_near(x, y);

@@ -220,7 +220,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Begins a step.
+    /// Begins a step with a title, and with the scene of the step before it.
     fn step(&mut self, title: &str, line: usize) -> Result<(), LessonError> {
         if self.steps.len() == MAX_STEPS {
             let message = format!("a lesson has at most {MAX_STEPS} steps");

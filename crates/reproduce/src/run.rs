@@ -153,7 +153,7 @@ fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
     format!("{experiment} quick {quick} seed {seed} many {many} {made_by}")
 }
 
-/// Writes what an experiment found.
+/// Writes the results of an experiment, and returns them as the report reads them.
 fn keep(
     experiment: Experiment,
     outcome: Outcome,

@@ -231,9 +231,9 @@ impl Pair<'_> {
         };
 
         let (a, b) = (sorted(self.a), sorted(self.b));
-        a.iter().zip(&b).find_map(|(x, y)| {
+        a.iter().zip(&b).find_map(|(one, other)| {
             // Sites that one of the engines did not record are not compared.
-            let (of_a, of_b) = (sites(self.a, x)?, sites(self.b, y)?);
+            let (of_a, of_b) = (sites(self.a, one)?, sites(self.b, other)?);
 
             let text = |sites: &[Key]| {
                 // A key has the row first, which is y.
@@ -244,7 +244,7 @@ impl Pair<'_> {
                 )
             };
             let differs = of_a != of_b;
-            differs.then(|| differ(stage, Some(x.point), text(&of_a), text(&of_b)))
+            differs.then(|| differ(stage, Some(one.point), text(&of_a), text(&of_b)))
         })
     }
 

@@ -159,7 +159,8 @@ impl Place {
             sync_folder(&self.certificate).map_err(failed(&self.certificate, is_old))?;
         }
 
-        // A second name for the old file lets its replacement be undone. On file systems without hard links it cannot be undone.
+        // If the new certificate cannot be renamed, the new file is taken back: the old one keeps a second name for that, except
+        // on file systems without hard links. Without a certificate nothing can fail after the file.
         let old = hidden(&self.file, "old");
         let existed = self.file.exists();
         let kept = existed && stated.is_some() && step(|| fs::hard_link(&self.file, &old)).is_ok();

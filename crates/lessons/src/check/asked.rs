@@ -49,8 +49,7 @@ pub(super) fn ask(
     }
 
     // Times matter only for results, which these learners do not have.
-    let time = 0.0;
-    if learner.arrive(recording, time)? != Arrival::Here {
+    if learner.arrive(recording, 0.0)? != Arrival::Here {
         let missing = LessonError::new(step.scene.line, "the run has no such moment");
         return if practised { Ok(None) } else { Err(missing) };
     }

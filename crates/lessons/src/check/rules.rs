@@ -378,6 +378,7 @@ fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonErro
         return Vec::new();
     }
 
+    // A fault of the whole lesson stands at its first question.
     let line = lesson.gates().next().map_or(1, |(_, gate)| gate.line);
     let mut faults = Vec::new();
 

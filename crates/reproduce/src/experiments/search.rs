@@ -72,7 +72,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
-    // Sets are not kept: the one with the largest gap is made again to be drawn.
+    // Sets are not kept: the one by stages with the largest gap is made again to be drawn.
     if let Some(worst) = gaps::worst(&found) {
         let (leaf, variant) = (worst.leaf, Variant::Staged);
         let case = SearchCase { leaf, variant };

@@ -38,26 +38,33 @@ pub fn pictures(
     corners: &[Vec<[f64; 2]>],
     settings: &Settings,
 ) -> Result<Vec<Picture>> {
-    let plate = all.first().and_then(|one| one.plates.first());
+    // All plates have one size. Without any, one pixel stands for the exact image.
+    let first = all.first().and_then(|one| one.plates.first());
     let plate = Plate {
-        side: plate.map_or(1, |one| one.side),
+        side: first.map_or(1, |one| one.side),
     };
-
     let exact = plate.exact();
-    let sharp = json!({ "side": plate.side, "edge": EDGE });
+
+    // The values of the captions.
+    let of_plates = json!({ "side": plate.side, "edge": EDGE });
+    let of_errors = json!({ "error": ERROR_SHOWN });
+    let of_curves = json!({ "nyquist": NYQUIST });
     let plates = plate_tiles(all, IMAGE, "fig10/errors")?;
-    let wrong = json!({ "error": ERROR_SHOWN });
     let errors = plate_tiles(all, ERROR, "fig10/parts")?;
-    let nyquist = json!({ "nyquist": NYQUIST });
 
     // Frequencies grow to the right and upwards: tiles show the part with the lowest ones.
     let lower = true;
     Ok(vec![
         comparison(all, corners)?,
-        sheet("fig10/zone-plate", &sharp, (&exact, lower), plates)?,
-        sheet("fig10/zone-plate-error", &wrong, (&exact, lower), errors)?,
+        sheet("fig10/zone-plate", &of_plates, (&exact, lower), plates)?,
+        sheet(
+            "fig10/zone-plate-error",
+            &of_errors,
+            (&exact, lower),
+            errors,
+        )?,
         horizons(all, horizon::amounts(settings).0)?,
-        picture("fig10/curves", &nyquist, curves::panels(all))?,
+        picture("fig10/curves", &of_curves, curves::panels(all))?,
     ])
 }
 

@@ -289,6 +289,7 @@ impl PairedBias {
             (mean, (square / (sets - 1.0)).sqrt())
         };
 
+        // An offset with the interval that holds it with 99 % confidence.
         let off = |relative: f64, deviation: f64| {
             let reach = quantile * deviation / sets.sqrt();
             DensityOffset {
