@@ -685,8 +685,8 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
     }
 }
 
-/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r; a place on the
-/// edge of a disk is covered.
+/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r, and a place
+/// on the edge of a disk is covered.
 fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
     functions! { engine, now;
         "samples": |now| now.set().map(|set| set.points.len() as i64);

@@ -25,6 +25,10 @@ const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
+/// How many minutes a lesson may say that it takes: up to two hours, as a lecture.
+const MINUTES: [f64; 2] = [1.0, 120.0];
+/// The minutes of a lesson that does not say how many it takes: those of most lessons.
+const USUAL_MINUTES: f64 = 10.0;
 /// How many r a camera may show: fewer than 2 are no whole disk, and 1,000 are more than the sides of a square with
 /// [`MAX_SAMPLES`], about 170 r.
 const CAMERA_RADII: [f64; 2] = [2.0, 1_000.0];
@@ -61,15 +65,16 @@ impl Lesson {
             return Err(LessonError::new(reader.at.max(1), message));
         }
 
-        let minutes = front.optional("minutes", |field| field.number([1.0, 120.0]))?;
+        let minutes = front.optional("minutes", |field| field.number(MINUTES))?;
         let form = |field: &Field| TestForm::named(&field.value, field.line);
 
         let mut lesson = Self {
             name: name.to_owned(),
             title: front.need("title")?.value.clone(),
             objective: front.need("objective")?.value.clone(),
-            minutes: minutes.unwrap_or(10.0) as u32,
+            minutes: minutes.unwrap_or(USUAL_MINUTES) as u32,
             form: front.optional("form", form)?,
+            // 16 of 64 digits suffice to tell the versions of a lesson apart.
             hash: blake3::hash(text.as_bytes()).to_hex()[..16].to_owned(),
             steps,
         };

@@ -326,7 +326,8 @@ pub(super) fn keep(
             Encoding::Ascii => keep_lines(rest, length, stays, &mut out),
             Encoding::Binary(_) => {
                 let (rows, after) = rest.split_at(length);
-                // Vertices have no lists, so that they are rows of one width. All rows of another element stay or go together.
+                // Vertices have no lists, so that they are rows of one width. All rows of another element stay or go together,
+                // as one chunk. Chunks need a width, even if there are no rows.
                 let width = if element.is_vertex() {
                     header.vertex.width.max(1)
                 } else {

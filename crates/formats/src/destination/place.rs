@@ -97,13 +97,13 @@ impl Place {
     /// [`FormatError::Io`]; the old file and its certificate are then as they were.
     pub fn put(&self, new: &Path, certificate: Option<&[u8]>) -> Result<(), FormatError> {
         // The new certificate is written first, under a temporary name.
-        let stated = hidden(&self.certificate, "new");
+        let stated_path = hidden(&self.certificate, "new");
         if let Some(bytes) = certificate {
-            write_new(&stated, &self.certificate, bytes)?;
+            write_new(&stated_path, &self.certificate, bytes)?;
         }
 
         let mut aside = Vec::new();
-        let stated = certificate.map(|_| &*stated);
+        let stated = certificate.map(|_| &*stated_path);
         let placed = self.exchange(new, stated, &mut aside);
         // If the old file is in its place, the certificates that were moved aside come back. Otherwise they are removed, as they
         // would be false about the new file.

@@ -265,7 +265,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         _ => {}
     }
 
-    // Where an answer near the number is right, too, the learner has not yet read the number itself.
+    // Where an answer near the number counts as right, the learner has not seen the number itself.
     let is_inexact = gate.kind.is_inexact();
     match &gate.because {
         None if is_inexact => faults.push(wrong(

@@ -114,7 +114,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 /// Returns the pictures of spectra. Each shows one set of each of its methods, made anew, as sets are not kept.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
-    // A column is two methods, one above the other; a method that was not measured leaves its column out.
+    // A column is of a method, whose curves are drawn over those of another one. It is left out if one of them was not
+    // measured. The set that it shows is the first.
     let picture = |group: SetGroup, name: &str, title: &str, columns: Vec<(Method, Method)>| {
         let spectra_of = |method: Method| spectra::find(found, group.radius, method);
         let spectra_of_column = |(one, below)| Some((spectra_of(one)?, spectra_of(below)?));

@@ -81,7 +81,7 @@ fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
     Ok(TileContent::Pixels(bitmap))
 }
 
-/// Samples, spectrum, zone plate and horizon of each sampler, as in the paper.
+/// Returns the figure as the paper has it: samples, spectrum, zone plate and horizon of each sampler.
 fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Picture> {
     // All spectra have the axis of the first, so that they can be compared.
     let reach = (all.first()).map_or(Spectrum::MAX_NU, |one| one.spectrum.reach);
@@ -118,6 +118,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         row.into_iter().map(Panel::Tile).collect()
     };
 
+    // The scale of the spectra's powers stands at the end of the first row.
     let mut rows = rows.map(row);
     rows[0].push(power_scale(BLACK));
 

@@ -17,6 +17,8 @@ use crate::outcome::Picture;
 use crate::sets::{Set, shortest};
 use crate::texts::text;
 
+/// Width of a picture, in points.
+const WIDTH: f64 = 900.0;
 /// Sides of the part that is shown, in radii.
 const PART: f64 = 8.0;
 /// Witnesses that are shown.
@@ -47,7 +49,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     let half = 0.5 * PART * radius;
     let window = Rect::new(middle.map(|x| x - half), middle.map(|x| x + half));
     let options = PictureOptions {
-        width: 900.0,
+        width: WIDTH,
         window: Some(window),
         ..PictureOptions::default()
     };
