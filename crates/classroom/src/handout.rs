@@ -137,7 +137,7 @@ impl HandoutTask {
         }
         html.push_str("</div>\n</div>\n");
 
-        // The controls are written first: once the answer is revealed they show it.
+        // The controls are written first: once the answer is revealed they show it. Of a trace the first event is asked for.
         if let Some(question) = open.learner.question() {
             ask(html, question.ask(0), &open.controls(&self.language.0));
             if self.answers {

@@ -17,6 +17,8 @@ use crate::talk::{
     Cover, HandoutFile, Kept, RestoredStep, Talk, TalkCommand, TalkPart, TalkRecord, Tool,
 };
 
+/// The most characters that are kept of a page's address: more than such addresses have.
+const MAX_ADDRESS: usize = 200;
 /// Width and height of the picture of the next step, in points.
 const NEXT: [f64; 2] = [440.0, 330.0];
 
@@ -69,9 +71,8 @@ impl Classroom {
                 self.end_talk(context);
                 context.ask(Effect::LessonOfScenes);
             }
-            // Addresses of pages are shorter: a longer text is cut.
             TalkCommand::Address(address) => {
-                self.talks.address = address.trim().chars().take(200).collect();
+                self.talks.address = address.trim().chars().take(MAX_ADDRESS).collect();
             }
             TalkCommand::Keep(is_kept) => self.talks.is_kept = is_kept,
             TalkCommand::End => self.end_talk(context),

@@ -64,7 +64,7 @@ impl Words<'_> {
             }
             RunEvent::Wake { point, .. } => format!("wake the dart at {}", coordinates(point)),
 
-            // In exact tiling a sample is kept or lost when it arrives, and by samples that came first.
+            // In exact tiling a sample is kept when it arrives, or lost to one that came first.
             RunEvent::Keep { sample, .. } if self.0.is_exact() => {
                 format!("{} arrives and stays", number(sample))
             }

@@ -103,7 +103,8 @@ impl Bench {
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
 
-        // The pattern of exact tiling has the side that the method chooses. It is not yet kept here, so that it is made, too.
+        // The pattern of exact tiling has the side that the method chooses. It is not among the kept patterns at this time, so
+        // that the seconds are those of making it and its tables.
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
         let (history, history_seconds) = timed(tables);

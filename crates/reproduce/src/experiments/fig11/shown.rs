@@ -60,6 +60,7 @@ fn group(row: &LeafTimes) -> BarGroup {
 
 /// Returns the table of the times and shares of each leaf size.
 pub fn stages(rows: &[LeafTimes]) -> Table {
+    // A run, a procedure, its seconds, and its share in percent.
     type Row<'a> = (String, String, &'a Summary, Option<f64>);
     let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
         let share = |share: &Summary| Some(100.0 * share.quartiles[1]);
