@@ -91,7 +91,7 @@ impl Runs {
 }
 
 impl Checked {
-    /// Adds the findings about a step, and the keys of its gate if it has one.
+    /// Adds the findings about a step, and the keys of its gate if it has one. `is_test` is whether the lesson is a form.
     fn add(&mut self, step: &Step, mut found: Findings, is_test: bool) {
         let Some(gate) = &step.gate else {
             self.faults.append(&mut found.faults);

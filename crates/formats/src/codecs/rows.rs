@@ -109,6 +109,7 @@ impl Layout {
                     Some(head.count),
                 )
             }),
+            // Other formats are read in memory.
             _ => None,
         })
     }

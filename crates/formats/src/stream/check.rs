@@ -101,6 +101,7 @@ fn in_pieces(
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
     let mut verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?
         .expecting(reader.expected());
+    // Positions are hashed only if there is a certificate, which states their digest.
     let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
 
     // The digest is of the positions as they are in the file; the verifier gets those in the domain.

@@ -57,7 +57,7 @@ fn measure(leaf: f64, seed: u64, samples: f64, control: &Control<'_>) -> Result<
     Ok(counts(leaf, &run))
 }
 
-/// Returns the areas and counts of a set that equation 4 is about, in radii.
+/// Returns the counts of a set that equation 4 is about, and its lengths and areas, in r and r^2.
 fn counts(leaf: f64, run: &Run) -> LeafShares {
     let mut found = LeafShares {
         leaf,

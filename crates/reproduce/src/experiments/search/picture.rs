@@ -136,7 +136,7 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
         shapes.extend(side(corners, &what, radius, palette));
     }
 
-    // The dots of the sites come last, over the ends of the lines.
+    // The dots of the sites come last, over the ends of the lines. Sizes are in points and were set by eye.
     let dot =
         |(site, color): (DVec2, _)| Shape::marker(Marker::Dot, site, 15.0, Style::filled(color));
     shapes.extend(colored.map(dot));

@@ -93,6 +93,7 @@ impl SeedCounts {
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
 
         Ok(Self {
+            // In the order of `NAMES` in `offsets`. The moved set is a control that need not be valid, and is only counted.
             sets: [
                 counter.verified(&reference, "reference", control)?,
                 counter.count(&moved(&domain, &reference))?,
