@@ -229,9 +229,16 @@ impl Domain {
             return Err(ParameterError::Radius { radius });
         }
 
+        // In a periodic domain a detector must see one image of each sample; in a bounded one a unit of the side must stay
+        // small beside the promised covering radius (crates/decisions/arithmetic-and-bits.md).
+        let minimum = match boundary {
+            Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
+            Boundary::Bounded => SHORTEST_SIDE_RADII_BOUNDED,
+        };
+
         Ok(Self {
-            width: side_units("width", size[0], radius, boundary)?,
-            height: side_units("height", size[1], radius, boundary)?,
+            width: side_units("width", size[0], radius, minimum)?,
+            height: side_units("height", size[1], radius, minimum)?,
             boundary,
             size,
             radius,
@@ -546,20 +553,15 @@ fn first_unit(position: f64, side: f64, units: i32) -> i64 {
     first
 }
 
-fn side_units(
+/// Returns how many lattice units a side has: as many as there can be of at least `radius / R` each. `minimum` is the
+/// shortest side in radii.
+pub(crate) fn side_units(
     name: &'static str,
     side: f64,
     radius: f64,
-    boundary: Boundary,
+    minimum: f64,
 ) -> Result<i32, ParameterError> {
     check_side(name, side)?;
-
-    // In a periodic domain a detector must see one image of each sample; in a bounded one a unit of the side must stay
-    // small beside the promised covering radius (crates/decisions/arithmetic-and-bits.md).
-    let minimum = match boundary {
-        Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
-        Boundary::Bounded => SHORTEST_SIDE_RADII_BOUNDED,
-    };
 
     let radii = side / radius;
     if radii < minimum {

@@ -42,6 +42,7 @@ mod record;
 mod reference;
 mod run;
 mod samples;
+mod solid;
 mod stage;
 pub mod stages;
 mod varying;
@@ -94,6 +95,9 @@ pub use record::{Recorder, RunEvent, Unrecorded, Verdict};
 pub use reference::{reference_recorded, reference_sample};
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
+pub use solid::{
+    MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain, solid_sample, solid_sample_parallel,
+};
 pub use stage::Stage;
 pub use varying::{
     FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField, Shape, ShapeError, varying_sample,

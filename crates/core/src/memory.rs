@@ -30,6 +30,8 @@ pub enum Making {
     Exact,
     /// The reference sampler makes it ([`crate::reference_sample`]).
     Reference,
+    /// It is a set of balls ([`crate::solid_sample`]).
+    Solid,
 }
 
 impl Making {
@@ -43,6 +45,7 @@ impl Making {
             Self::Levels => 250.0,
             Self::Exact => 190.0,
             Self::Reference => 80.0,
+            Self::Solid => 500.0,
         }
     }
 }

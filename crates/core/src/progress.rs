@@ -84,8 +84,14 @@ impl<'a> Meter<'a> {
     /// Counts one piece, and asks the observer if it is due.
     #[inline]
     pub(crate) fn tick(&mut self) -> Result<(), SampleError> {
-        self.progress.done += 1;
-        self.work(1)
+        self.count(1)
+    }
+
+    /// Counts so many pieces, and asks the observer if it is due.
+    #[inline]
+    pub(crate) fn count(&mut self, pieces: u64) -> Result<(), SampleError> {
+        self.progress.done += pieces;
+        self.work(pieces)
     }
 
     /// Tells of work as long as so many usual pieces, which is not counted: the observer is called as often as if it were.

@@ -36,6 +36,10 @@ pub enum Stream {
     Thin = 14,
     /// The place of a point in the order in which a cloud is thinned.
     Priority = 15,
+    /// The key of a plane of cells in three dimensions.
+    Depth = 16,
+    /// The rank of a dart in three dimensions.
+    Rank = 17,
 }
 
 /// A 64-bit key from which draws and further keys are derived.

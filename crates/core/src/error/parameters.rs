@@ -109,6 +109,18 @@ pub enum ParameterError {
         /// The limit in radii.
         maximum: f64,
     },
+    /// A box is too large for its radius.
+    #[error(
+        "the box holds {} cubes of side r; it must hold at most {}: choose a larger radius",
+        Number(.volume.round()),
+        Number(*.maximum)
+    )]
+    Volume {
+        /// Its volume in cubed radii.
+        volume: f64,
+        /// The limit in cubed radii.
+        maximum: f64,
+    },
     /// The leaf is not a finite number of at least 6.
     #[error("the leaf is {} r; it must be a finite number of at least {minimum} r", Number(*.leaf))]
     Leaf {

@@ -7,4 +7,5 @@ mod definition;
 mod exact;
 mod extremes;
 mod levels;
+mod solid;
 mod varying;

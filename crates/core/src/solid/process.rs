@@ -1,0 +1,159 @@
+//! The dart process, throw by throw.
+
+use rayon::prelude::*;
+
+use crate::error::SampleError;
+use crate::progress::{Meter, Observer};
+use crate::random::Key;
+use crate::stage::Stage;
+
+use super::Place;
+use super::balls::BallGrid;
+use super::darts::{SolidDart, SolidThrow};
+use super::domain::SolidDomain;
+use super::rounds::decide_in_rounds;
+
+/// Cubes that a thread works on at a time: some milliseconds.
+const CHUNK: usize = 1 << 12;
+
+/// Chunks between two questions to the observer.
+const CHUNKS: usize = 64;
+
+/// Who does the work of a throw. The samples do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Schedule {
+    /// One piece of work after another.
+    OneByOne,
+    /// All threads of the current pool.
+    AllThreads,
+}
+
+/// A dart process in progress.
+pub(super) struct SolidProcess {
+    key: Key,
+    level: u32,
+    throw: u32,
+    /// The lowest places of the level's active cubes.
+    active: Vec<Place>,
+    balls: BallGrid,
+}
+
+impl SolidProcess {
+    /// Returns the process that fills an empty domain.
+    pub fn new(key: Key, domain: &SolidDomain) -> Self {
+        let balls = BallGrid::new(domain);
+        Self {
+            key,
+            level: 0,
+            throw: 0,
+            active: balls.frame().cells(),
+            balls,
+        }
+    }
+
+    /// Returns whether nothing is left to fill.
+    pub fn is_finished(&self) -> bool {
+        self.active.is_empty()
+    }
+
+    /// Makes one throw, and cuts the cubes after the level's last, and returns the new samples in the order of their
+    /// arrival.
+    pub fn step(
+        &mut self,
+        stage: Stage,
+        schedule: Schedule,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Place>, SampleError> {
+        // A cube counts when it throws and when it is cut.
+        let mut meter = Meter::begin(observer, stage, 2 * self.active.len() as u64)?;
+        let throw = SolidThrow::new(self.key, self.level, self.throw);
+        self.throw += 1;
+
+        let into = |cubes: &[Place], darts: &mut Vec<_>| throw.uncovered(cubes, &self.balls, darts);
+        let mut darts = gather(&self.active, schedule, &mut meter, into)?;
+        let kept = match schedule {
+            Schedule::OneByOne => {
+                darts.sort_unstable_by_key(SolidDart::arrival);
+                decide_one_by_one(&darts, &mut self.balls)
+            }
+            Schedule::AllThreads => {
+                darts.par_sort_unstable_by_key(SolidDart::arrival);
+                decide_in_rounds(&darts, &mut self.balls)
+            }
+        };
+
+        if throw.is_last() {
+            self.cut(throw.side(), schedule, &mut meter)?;
+        }
+        meter.end()?;
+        Ok(kept)
+    }
+
+    /// Replaces the active cubes by their octants that no single sample covers. Those that several samples cover together
+    /// throw on, in vain.
+    fn cut(
+        &mut self,
+        side: i32,
+        schedule: Schedule,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), SampleError> {
+        self.level += 1;
+        self.throw = 0;
+        // A cube of one place has thrown that place.
+        if side == 1 {
+            self.active.clear();
+            return Ok(());
+        }
+
+        let cut = |cubes: &[Place], open: &mut Vec<_>| {
+            for &cube in cubes {
+                self.balls.open_octants(cube, side, open);
+            }
+        };
+        self.active = gather(&self.active, schedule, meter, cut)?;
+        Ok(())
+    }
+}
+
+/// Returns what `work` appends for all cubes, in their sequence.
+fn gather<T: Send>(
+    cubes: &[Place],
+    schedule: Schedule,
+    meter: &mut Meter<'_>,
+    work: impl Fn(&[Place], &mut Vec<T>) + Sync,
+) -> Result<Vec<T>, SampleError> {
+    let mut gathered = Vec::new();
+    for batch in cubes.chunks(CHUNK * CHUNKS) {
+        match schedule {
+            Schedule::OneByOne => {
+                for chunk in batch.chunks(CHUNK) {
+                    work(chunk, &mut gathered);
+                    meter.count(chunk.len() as u64)?;
+                }
+            }
+            Schedule::AllThreads => {
+                let of_chunk = |chunk: &[Place]| {
+                    let mut out = Vec::new();
+                    work(chunk, &mut out);
+                    out
+                };
+                let parts: Vec<Vec<T>> = batch.par_chunks(CHUNK).map(of_chunk).collect();
+                gathered.extend(parts.into_iter().flatten());
+                meter.count(batch.len() as u64)?;
+            }
+        }
+    }
+    Ok(gathered)
+}
+
+/// Takes darts in the order of their arrival, adds those that no sample covers by then, and returns them.
+fn decide_one_by_one(darts: &[SolidDart], balls: &mut BallGrid) -> Vec<Place> {
+    let mut kept = Vec::new();
+    for &SolidDart { place, .. } in darts {
+        if !balls.covers(place) {
+            balls.insert(place);
+            kept.push(place);
+        }
+    }
+    kept
+}

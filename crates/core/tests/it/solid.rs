@@ -1,0 +1,177 @@
+//! Sets of balls against the definition: all darts of the first levels, none left out in advance, taken one after another,
+//! each compared with all samples.
+
+use proptest::prelude::*;
+use rayon::ThreadPoolBuilder;
+use tilescope_core::{
+    Boundary, Key, R, SampleError, SolidDomain, Stage, Stream, Unobserved, solid_sample,
+    solid_sample_parallel,
+};
+
+/// The darts of so many levels are thrown everywhere: there are about 820 to a cubed radius.
+const LEVELS: u32 = 4;
+
+/// A dart: when it arrives, and where.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Dart {
+    level: u32,
+    throw: u32,
+    rank: u32,
+    z: i32,
+    y: i32,
+    x: i32,
+}
+
+impl Dart {
+    const fn place(&self) -> [i32; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+/// Cumulative probabilities of a Poisson count of mean 1.4, times 2^32.
+fn thresholds() -> Vec<u64> {
+    let (mut probability, mut sum) = ((-1.4_f64).exp(), 0.0);
+    let mut found = Vec::new();
+    for count in 1..14 {
+        sum += probability;
+        found.push((sum * 2_f64.powi(32)).round() as u64);
+        probability *= 1.4 / f64::from(count);
+    }
+    found
+}
+
+/// All darts of a throw that land in the domain.
+fn thrown(domain: &SolidDomain, seed: u64, level: u32, throw: u32, out: &mut Vec<Dart>) {
+    let key = Key::from_seed(seed)
+        .derive(Stream::Level, level)
+        .derive(Stream::Throw, throw);
+    let thresholds = thresholds();
+    let closed = i32::from(domain.boundary() == Boundary::Bounded);
+    let ends = domain.sides().map(|side| side + closed);
+    let side = R >> level;
+    let starts = |axis: usize| (0..ends[axis]).step_by(side as usize);
+
+    for z in starts(2) {
+        let plane = key.derive(Stream::Depth, z as u32);
+        for (y, x) in starts(1).flat_map(|y| starts(0).map(move |x| (y, x))) {
+            let cube = plane.derive_at(x, y);
+            let word = u64::from(cube.words()[0]);
+            let count = thresholds.iter().filter(|&&bound| word >= bound).count();
+            for index in 0..count as u32 {
+                let [a, b] = cube.draw(Stream::Dart, index);
+                // The highest 15 bits of a word, the 15 after them and two, and the highest 15 of the other.
+                let [right, up, deep] =
+                    [a >> 17, (a >> 2) % (1 << 15), b >> 17].map(|bits| (bits >> level) as i32);
+                let [rank, _] = cube.draw(Stream::Rank, index);
+                let dart = Dart {
+                    level,
+                    throw,
+                    rank,
+                    z: z + deep,
+                    y: y + up,
+                    x: x + right,
+                };
+                if (0..3).all(|axis| dart.place()[axis] < ends[axis]) {
+                    out.push(dart);
+                }
+            }
+        }
+    }
+}
+
+fn is_near(domain: &SolidDomain, a: [i32; 3], b: [i32; 3]) -> bool {
+    let squared = |axis: usize| {
+        let plain = i64::from((a[axis] - b[axis]).abs());
+        let around = i64::from(domain.sides()[axis]) - plain;
+        match domain.boundary() {
+            Boundary::Periodic => plain.min(around).pow(2),
+            Boundary::Bounded => plain.pow(2),
+        }
+    };
+    squared(0) + squared(1) + squared(2) <= 1 << 30
+}
+
+/// The samples that arrive in the first levels.
+fn defined(domain: &SolidDomain, seed: u64) -> Vec<[i32; 3]> {
+    let mut darts = Vec::new();
+    for level in 0..LEVELS {
+        for throw in 0..if level == 0 { 4 } else { 1 } {
+            thrown(domain, seed, level, throw, &mut darts);
+        }
+    }
+    darts.sort_unstable();
+
+    let mut samples: Vec<[i32; 3]> = Vec::new();
+    for dart in darts {
+        let place = dart.place();
+        if !samples.iter().any(|&sample| is_near(domain, sample, place)) {
+            samples.push(place);
+        }
+    }
+    samples
+}
+
+fn domains() -> impl Strategy<Value = SolidDomain> {
+    // Whole sides, sides a few units longer, and any sides: cells of R are cut by the domain in all ways.
+    let side = prop_oneof![
+        (4_u32..7).prop_map(f64::from),
+        (4_u32..7, 1_u32..5)
+            .prop_map(|(whole, units)| f64::from(whole) + (f64::from(units) + 0.5) / f64::from(R)),
+        4.0..6.5_f64,
+    ];
+    (prop::array::uniform3(side), any::<bool>()).prop_map(|(size, is_periodic)| {
+        SolidDomain::from_size(size, 1.0, Boundary::of(is_periodic)).expect("a domain")
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(128), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_first_samples_are_those_of_the_definition(domain in domains(), seed: u64) {
+        let samples = solid_sample(domain, seed, &mut Unobserved).expect("samples");
+        let defined = defined(&domain, seed);
+        prop_assert!(defined.len() <= samples.len());
+        prop_assert_eq!(&samples[..defined.len()], &defined[..]);
+
+        // Later samples are in no conflict, either.
+        for (k, &sample) in samples.iter().enumerate().skip(defined.len()) {
+            prop_assert!(!samples[..k].iter().any(|&other| is_near(&domain, other, sample)));
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter(domain in domains(), seed: u64, threads in 1_usize..6) {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let parallel = pool.install(|| solid_sample_parallel(domain, seed, &mut Unobserved));
+        prop_assert_eq!(parallel, solid_sample(domain, seed, &mut Unobserved));
+    }
+}
+
+/// Chunks of cubes, and rounds, are many only in larger sets.
+#[test]
+fn larger_sets_are_equal_on_any_number_of_threads() {
+    let domain = SolidDomain::from_size([22.3, 19.0, 24.6], 1.0, Boundary::Periodic).unwrap();
+    let samples = solid_sample(domain, 5, &mut Unobserved).unwrap();
+    let density = samples.len() as f64 / domain.volume_radii();
+    assert!((0.725..0.742).contains(&density), "{density}");
+    for threads in tilescope_tests::some([3, 1, 2, 8]) {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.expect("threads");
+        let parallel = pool.install(|| solid_sample_parallel(domain, 5, &mut Unobserved));
+        assert_eq!(parallel.as_ref(), Ok(&samples));
+    }
+}
+
+#[test]
+fn cancelling_is_an_error_that_says_where() {
+    let domain = SolidDomain::from_size([5.0; 3], 1.0, Boundary::Bounded).unwrap();
+    for sample in [solid_sample, solid_sample_parallel] {
+        let mut stop = |_| std::ops::ControlFlow::Break(());
+        let stage = Stage::Iterate(1);
+        assert_eq!(
+            sample(domain, 0, &mut stop),
+            Err(SampleError::Cancelled { stage })
+        );
+    }
+}
