@@ -154,7 +154,7 @@ impl Report {
 }
 
 /// Writes an infinite number as null and reads it back: JSON has no infinity.
-mod finite_or_null {
+pub(crate) mod finite_or_null {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     #[expect(

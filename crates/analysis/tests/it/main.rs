@@ -15,6 +15,7 @@ mod order;
 mod periodogram;
 mod refusals;
 mod shares;
+mod solid;
 mod spectra;
 mod squares;
 mod streams;

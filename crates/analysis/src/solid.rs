@@ -1,0 +1,187 @@
+//! The judge by cubes: decides whether a set of points in space is conflict-free and maximal, in a box, for one radius.
+//! It works on plain `f64` positions from any source.
+//!
+//! # How it decides
+//!
+//! A cube is *proven* if one sample is within the limit of all of its places: its farthest corner is near enough. Any other
+//! cube is cut in eight, and its octants look only at the samples that are within the limit of some place of it. A cube
+//! that none of them reaches, or whose middle is farther than the limit from all of them, has a gap. Begin with [`cubes`].
+//!
+//! Conflicts are looked for apart from that ([`pairs`]): a cube of side r may be proven by one sample and yet hold two, so
+//! that whoever looks for conflicts only where cubes are cut misses some.
+
+mod cubes;
+mod error;
+mod pairs;
+mod region;
+
+use serde::{Deserialize, Serialize};
+
+use crate::exact::covering_limit;
+use crate::findings::MAX_CONFLICTS;
+use crate::judge::JudgeChoice;
+use crate::monitor::{Control, Monitor};
+use crate::verify::VerifyOptions;
+use crate::witness::Conflict;
+
+pub use error::SolidError;
+pub use region::SolidRegion;
+
+/// The edge of the cubes that are not cut further, in radii. A place that is farther than the limit by less than this may
+/// pass: a thousandth of the tolerance that sets are judged with.
+const RESOLUTION: f64 = 1.0 / (1 << 26) as f64;
+
+/// A place that is too far from all samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolidGap {
+    /// A place of the region.
+    pub center: [f64; 3],
+    /// Distance from there to the nearest sample.
+    pub distance: f64,
+}
+
+/// The verdict on a set of points in space. Lengths are in the unit of the samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolidReport {
+    /// How many samples were judged.
+    pub count: usize,
+    /// The region in which they were judged.
+    pub region: SolidRegion,
+    /// The radius `r` judged against.
+    pub radius: f64,
+    /// Relative tolerance of maximality: places may be `(1 + covering_tolerance) r` from the nearest sample.
+    pub covering_tolerance: f64,
+    /// Number of pairs closer than `radius`, each pair once; [`MAX_CONFLICTS`] stand for that many or more.
+    pub conflicts: u64,
+    /// The closest of those pairs, closest first.
+    pub worst_conflicts: Vec<Conflict>,
+    /// Number of cubes in which an uncovered place was found. One hole usually has several; none means that every place of
+    /// the region is within [`Self::covering_bound`] of a sample.
+    pub gaps: u64,
+    /// Uncovered places of the first of these cubes.
+    pub first_gaps: Vec<SolidGap>,
+    /// Smallest distance between two samples (periodic: at most the shortest extent). Infinite for one sample in a bounded
+    /// region.
+    #[serde(with = "crate::report::finite_or_null")]
+    pub min_distance: f64,
+    /// `N r^3 / volume`.
+    pub density: f64,
+    /// Cubes that were looked at, a measure of the work.
+    pub cubes: u64,
+}
+
+impl SolidReport {
+    /// Whether no pair is closer than the radius.
+    #[must_use]
+    pub fn conflict_free(&self) -> bool {
+        self.conflicts == 0 && self.min_distance >= self.radius
+    }
+
+    /// Whether no sample could be added, up to the tolerance.
+    #[must_use]
+    pub const fn maximal(&self) -> bool {
+        self.gaps == 0
+    }
+
+    /// Whether the set is both conflict-free and maximal.
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        self.conflict_free() && self.maximal()
+    }
+
+    /// Whether there are [`MAX_CONFLICTS`] or more: they were not counted further.
+    #[must_use]
+    pub const fn more_conflicts(&self) -> bool {
+        self.conflicts >= MAX_CONFLICTS
+    }
+
+    /// Returns the distance to the nearest sample that no place of the region exceeds, where there are no gaps.
+    #[must_use]
+    pub fn covering_bound(&self) -> f64 {
+        covering_limit(self.covering_tolerance, self.radius) + RESOLUTION * self.radius
+    }
+}
+
+/// Judges whether `points` are conflict-free and maximal in `region` for the given `radius`.
+///
+/// Distances are exact up to the rounding of their `f64` formula, and a conflict is a distance strictly below `radius`. Of
+/// `options` the judge, the tolerance and the number of witnesses count.
+///
+/// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not depend
+/// on the number of threads. Besides the samples, memory holds some 150 bytes for each.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tilescope_analysis::{Boundary, SolidRegion, VerifyOptions, verify_solid};
+///
+/// // A cubic lattice of spacing 1: the middles of its cubes are sqrt(3) / 2 from all samples.
+/// let axis = |i: i32, step: i32| f64::from(i / step % 4);
+/// let points: Vec<[f64; 3]> = (0..64).map(|i| [axis(i, 1), axis(i, 4), axis(i, 16)]).collect();
+/// let region = SolidRegion { width: 4.0, height: 4.0, depth: 4.0, boundary: Boundary::Periodic };
+/// let judge = |radius| {
+///     verify_solid(&points, region, radius, &VerifyOptions::default(), &|_| ControlFlow::Continue(()))
+/// };
+/// assert!(judge(1.0)?.valid() && judge(0.8661)?.valid());
+/// assert!(!judge(0.866)?.maximal() && !judge(1.1)?.conflict_free());
+/// # Ok::<(), tilescope_analysis::SolidError>(())
+/// ```
+///
+/// # Errors
+///
+/// See [`SolidError`]: input that cannot be judged is refused with its first offence. A set that can be judged always gives
+/// a report, however bad it is.
+pub fn verify_solid(
+    points: &[[f64; 3]],
+    region: SolidRegion,
+    radius: f64,
+    options: &VerifyOptions,
+    control: Control<'_>,
+) -> Result<SolidReport, SolidError> {
+    let VerifyOptions {
+        covering_tolerance,
+        witnesses,
+        judges,
+        tile_samples: _,
+    } = *options;
+    check_choice(judges)?;
+    let limit = covering_limit(covering_tolerance, radius);
+    error::check(points, &region, radius, covering_tolerance, limit)?;
+
+    // Pairs and cubes count the samples once each.
+    let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
+    let pairs = pairs::search(points, &region, radius, witnesses, &monitor)?;
+    let cubes = cubes::search(points, &region, radius, limit, &monitor)?;
+
+    // Among all samples, as only a few places are listed.
+    let gap = |&center: &[f64; 3]| {
+        let distances = points.iter().map(|&point| region.distance(point, center));
+        SolidGap {
+            center,
+            distance: distances.fold(f64::INFINITY, f64::min),
+        }
+    };
+    Ok(SolidReport {
+        count: points.len(),
+        region,
+        radius,
+        covering_tolerance,
+        conflicts: pairs.conflicts.min(MAX_CONFLICTS),
+        worst_conflicts: pairs.worst.into_sorted(),
+        gaps: cubes.gaps,
+        first_gaps: cubes.places.iter().take(witnesses).map(gap).collect(),
+        min_distance: pairs.min_distance,
+        density: points.len() as f64 * radius.powi(3) / region.volume(),
+        cubes: cubes.cubes,
+    })
+}
+
+/// Refuses judges that know of the plane alone.
+const fn check_choice(choice: JudgeChoice) -> Result<(), SolidError> {
+    let judge = match choice {
+        JudgeChoice::Automatic | JudgeChoice::Subdivision => return Ok(()),
+        JudgeChoice::Delaunay => "delaunay",
+        JudgeChoice::Circles => "circles",
+        JudgeChoice::Both => "both",
+    };
+    Err(SolidError::WrongJudge { judge })
+}

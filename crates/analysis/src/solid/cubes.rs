@@ -1,0 +1,259 @@
+//! The search for gaps: the region is cut into cubes until each is proven or has an uncovered place.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::monitor::Monitor;
+
+use super::RESOLUTION;
+use super::error::SolidError;
+use super::region::SolidRegion;
+
+/// With so many samples near it or fewer, a cube is left to one thread: a few milliseconds.
+const TASK_SAMPLES: usize = 2_048;
+
+/// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes.
+const CUT_SHARE: f64 = 0.6;
+
+/// What was found in some cubes.
+#[derive(Default)]
+pub(super) struct CubesFound {
+    pub gaps: u64,
+    /// An uncovered place of each of the first ones.
+    pub places: Vec<[f64; 3]>,
+    pub cubes: u64,
+}
+
+/// Places that are kept of each task.
+const MAX_PLACES: usize = 1_024;
+
+impl CubesFound {
+    fn merge(&mut self, other: Self) {
+        self.gaps += other.gaps;
+        self.cubes += other.cubes;
+        self.places.extend(other.places);
+        self.places.truncate(MAX_PLACES);
+    }
+}
+
+/// Looks for places farther than `limit` from all samples. Where cubes of about a radius have one, the first is enough.
+pub(super) fn search(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    radius: f64,
+    limit: f64,
+    monitor: &Monitor<'_>,
+) -> Result<CubesFound, SolidError> {
+    let half = region.size().map(|extent| extent / 2.0);
+    let root = Cube { middle: half, half };
+    let rule = Rule {
+        radius,
+        limit_squared: limit * limit,
+        least_half: RESOLUTION * radius / 2.0,
+    };
+
+    // A limit is shorter than half a period, so that images one period away suffice.
+    let shifts = if region.is_periodic() {
+        [-1.0, 0.0, 1.0].as_slice()
+    } else {
+        &[0.0]
+    };
+    let mut near = Vec::with_capacity(points.len());
+    for z in shifts {
+        for (y, x) in shifts
+            .iter()
+            .flat_map(|y| shifts.iter().map(move |x| (y, x)))
+        {
+            let size = region.size();
+            let shift = [x * size[0], y * size[1], z * size[2]];
+            let images = points
+                .iter()
+                .map(|p| [0, 1, 2].map(|axis| p[axis] + shift[axis]));
+            near.extend(
+                images.filter(|&image| root.distances(image).nearest <= rule.limit_squared),
+            );
+        }
+    }
+
+    let task = Task {
+        rule,
+        region_volume: root.volume(),
+        count: points.len() as f64,
+        monitor,
+    };
+    task.of_cube(&root, &near)
+}
+
+/// When a cube is proven, and when it is not cut further.
+#[derive(Clone, Copy)]
+struct Rule {
+    radius: f64,
+    limit_squared: f64,
+    /// Half the edge of the smallest cubes.
+    least_half: f64,
+}
+
+/// The whole search, divided among threads.
+struct Task<'a> {
+    rule: Rule,
+    region_volume: f64,
+    count: f64,
+    monitor: &'a Monitor<'a>,
+}
+
+impl Task<'_> {
+    /// Returns what is found in a cube, given all samples that are within the limit of some place of it.
+    fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<CubesFound, SolidError> {
+        // Crowded samples stay together however small the cubes are.
+        if near.len() <= TASK_SAMPLES || cube.longest_half() < self.rule.radius / 2.0 {
+            let mut search = CubeSearch {
+                rule: self.rule,
+                lists: near.to_vec(),
+                found: CubesFound::default(),
+            };
+            search.visit(cube, 0..near.len());
+            let share = cube.volume() / self.region_volume;
+            self.monitor.advance((self.count * share) as u64)?;
+            return Ok(search.found);
+        }
+
+        let of_part = |part: Cube| {
+            let reaches =
+                |&sample: &[f64; 3]| part.distances(sample).nearest <= self.rule.limit_squared;
+            let near: Vec<[f64; 3]> = near.iter().copied().filter(reaches).collect();
+            self.of_cube(&part, &near)
+        };
+        let parts: Vec<Cube> = cube.parts().collect();
+        let found: Result<Vec<CubesFound>, _> = parts.into_par_iter().map(of_part).collect();
+        let mut all = CubesFound::default();
+        found?.into_iter().for_each(|found| all.merge(found));
+        Ok(all)
+    }
+}
+
+/// The search of one thread.
+struct CubeSearch {
+    rule: Rule,
+    /// The lists of the cubes that are being cut, one after another.
+    lists: Vec<[f64; 3]>,
+    found: CubesFound,
+}
+
+impl CubeSearch {
+    /// Looks for uncovered places in a cube, given the samples within the limit of a larger one; returns whether it has one.
+    fn visit(&mut self, cube: &Cube, near: Range<usize>) -> bool {
+        self.found.cubes += 1;
+        let limit = self.rule.limit_squared;
+        let first = self.lists.len();
+        let mut nearest = f64::INFINITY;
+        for index in near {
+            let sample = self.lists[index];
+            let distances = cube.distances(sample);
+            if distances.farthest <= limit {
+                self.lists.truncate(first);
+                return false;
+            }
+            if distances.nearest <= limit {
+                nearest = nearest.min(distances.middle);
+                self.lists.push(sample);
+            }
+        }
+
+        let listed = first..self.lists.len();
+        let is_small = 2.0 * cube.longest_half() <= self.rule.radius;
+        // A large cube may have several holes, and is cut as long as samples reach into it.
+        if listed.is_empty() || (is_small && nearest > limit) {
+            self.found.gaps += 1;
+            if self.found.places.len() < MAX_PLACES {
+                self.found.places.push(cube.middle);
+            }
+            self.lists.truncate(first);
+            return true;
+        }
+
+        let mut has_gap = false;
+        // The middle of the smallest cubes is covered, and no place is much farther than that.
+        if cube.longest_half() > self.rule.least_half {
+            for part in cube.parts() {
+                has_gap |= self.visit(&part, listed.clone());
+                // The rim of a hole passes through thousands of cubes: in a small one the first is enough.
+                if has_gap && is_small {
+                    break;
+                }
+            }
+        }
+        self.lists.truncate(first);
+        has_gap
+    }
+}
+
+/// Squared distances from a sample to places of a cube.
+struct Distances {
+    nearest: f64,
+    middle: f64,
+    farthest: f64,
+}
+
+/// A cube, or a box that is not much longer on one axis than on another once it is small.
+#[derive(Clone, Copy)]
+struct Cube {
+    middle: [f64; 3],
+    /// Half its edge on each axis.
+    half: [f64; 3],
+}
+
+impl Cube {
+    #[inline]
+    fn distances(&self, sample: [f64; 3]) -> Distances {
+        let apart = [0, 1, 2].map(|axis| (sample[axis] - self.middle[axis]).abs());
+        let near = [0, 1, 2].map(|axis| (apart[axis] - self.half[axis]).max(0.0));
+        let far = [0, 1, 2].map(|axis| apart[axis] + self.half[axis]);
+        let squared = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+        Distances {
+            nearest: squared(near),
+            middle: squared(apart),
+            farthest: squared(far),
+        }
+    }
+
+    /// Returns its octants; of a long box its halves or quarters.
+    fn parts(&self) -> impl Iterator<Item = Self> + use<> {
+        let Self { middle, half } = *self;
+        let longest = self.longest_half();
+        let is_cut = half.map(|half| half > CUT_SHARE * longest);
+        let halved = [0, 1, 2].map(|axis| {
+            if is_cut[axis] {
+                half[axis] / 2.0
+            } else {
+                half[axis]
+            }
+        });
+
+        (0..8_usize).filter_map(move |octant| {
+            let is_upper = [octant & 1, octant >> 1 & 1, octant >> 2].map(|bit| bit == 1);
+            // An axis that is not cut has no upper half.
+            if (0..3).any(|axis| is_upper[axis] && !is_cut[axis]) {
+                return None;
+            }
+            let middle = [0, 1, 2].map(|axis| {
+                let step = if is_upper[axis] {
+                    halved[axis]
+                } else {
+                    -halved[axis]
+                };
+                middle[axis] + if is_cut[axis] { step } else { 0.0 }
+            });
+            let half = halved;
+            Some(Self { middle, half })
+        })
+    }
+
+    const fn longest_half(&self) -> f64 {
+        self.half[0].max(self.half[1]).max(self.half[2])
+    }
+
+    fn volume(&self) -> f64 {
+        self.half.iter().product::<f64>() * 8.0
+    }
+}

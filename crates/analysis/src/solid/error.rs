@@ -1,0 +1,146 @@
+//! Why a set in space could not be judged, one variant for each cause, with the value and the limit.
+
+use crate::error::VerifyError;
+use crate::number::Number;
+
+use super::region::SolidRegion;
+
+/// How many times longer than the longest extent the radius may be, and how many times shorter: beyond that cubes are lost
+/// in the rounding of coordinates.
+const MAX_RATIO: f64 = 1_048_576.0;
+
+/// Why [`verify_solid`](crate::verify_solid) gave no verdict.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolidError {
+    /// The set has no sample.
+    #[error("the set is empty: there is no sample to judge")]
+    Empty,
+    /// There are more samples than 32-bit indices can name.
+    #[error("{count} samples exceed the limit of {limit} samples")]
+    TooMany {
+        /// How many samples are given.
+        count: usize,
+        /// How many samples are allowed.
+        limit: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("sample {index} at ({}, {}, {}) is not finite", .point[0], .point[1], .point[2])]
+    NotFinite {
+        /// Index of the first such sample.
+        index: usize,
+        /// The position of that sample.
+        point: [f64; 3],
+    },
+    /// A sample lies outside the region; there is no tolerance.
+    #[error(
+        "sample {index} at ({}, {}, {}) lies outside the region {region}",
+        Number(.point[0]), Number(.point[1]), Number(.point[2])
+    )]
+    OutOfRegion {
+        /// Index of the first such sample.
+        index: usize,
+        /// The position of that sample.
+        point: [f64; 3],
+        /// The region that it should lie in.
+        region: SolidRegion,
+    },
+    /// The radius is not a positive number within 2^-20 to 2^20 times the longest extent.
+    #[error(
+        "the radius {} is not a positive number between 2^-20 and 2^20 times the region's longest side",
+        Number(*.radius)
+    )]
+    BadRadius {
+        /// The radius that was given, in the unit of the samples.
+        radius: f64,
+    },
+    /// The covering tolerance is not a number from 0 to 1.
+    #[error("the covering tolerance {} is not a number from 0 to 1", Number(*.tolerance))]
+    BadTolerance {
+        /// The tolerance that was given.
+        tolerance: f64,
+    },
+    /// An extent of the region, or the ratio of two, is outside the supported range.
+    #[error(
+        "the region {} x {} x {} is not supported: extents must lie between 2^-100 and 2^100, one at most 2^20 times another",
+        Number(.size[0]), Number(.size[1]), Number(.size[2])
+    )]
+    BadRegion {
+        /// The extents that were given.
+        size: [f64; 3],
+    },
+    /// A periodic region is so small that a place may be near two images of a sample.
+    #[error(
+        "the shortest side of the periodic region is {}; more than twice the covering limit, {}, is needed",
+        Number(*.side), Number(*.limit)
+    )]
+    Period {
+        /// The shortest extent.
+        side: f64,
+        /// How far from a sample a place may be.
+        limit: f64,
+    },
+    /// Only subdivision judges sets in space.
+    #[error("the judge {judge} knows of the plane alone: subdivision judges sets in space")]
+    WrongJudge {
+        /// The judge that was asked for.
+        judge: &'static str,
+    },
+    /// The control function asked to stop.
+    #[error("the verification was cancelled")]
+    Cancelled,
+}
+
+impl From<VerifyError> for SolidError {
+    /// The one error of a [`Monitor`](crate::monitor::Monitor).
+    fn from(_: VerifyError) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Refuses what cannot be judged, with its first offence.
+pub(super) fn check(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    radius: f64,
+    tolerance: f64,
+    limit: f64,
+) -> Result<(), SolidError> {
+    if !region.is_supported() {
+        let size = region.size();
+        return Err(SolidError::BadRegion { size });
+    }
+    let ratio = radius / region.longest();
+    if !(1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) {
+        return Err(SolidError::BadRadius { radius });
+    }
+    if !(0.0..=1.0).contains(&tolerance) {
+        return Err(SolidError::BadTolerance { tolerance });
+    }
+    // In a longer period at most one of a sample's images is near a place.
+    let side = region.shortest();
+    if region.is_periodic() && side <= 2.0 * limit {
+        return Err(SolidError::Period { side, limit });
+    }
+
+    let (count, limit) = (points.len(), u32::MAX as usize);
+    if count == 0 {
+        return Err(SolidError::Empty);
+    }
+    if count >= limit {
+        return Err(SolidError::TooMany { count, limit });
+    }
+    for (index, &point) in points.iter().enumerate() {
+        if !point.iter().all(|value| value.is_finite()) {
+            return Err(SolidError::NotFinite { index, point });
+        }
+        if !region.contains(point) {
+            let region = *region;
+            return Err(SolidError::OutOfRegion {
+                index,
+                point,
+                region,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,281 @@
+//! The search for conflicts and for the smallest distance: samples in bins that are at least as wide as the distance that
+//! is looked for, each compared with those in the bins around its own.
+
+use std::ops::RangeInclusive;
+
+use rayon::prelude::*;
+
+use crate::findings::MAX_CONFLICTS;
+use crate::monitor::Monitor;
+use crate::witness::Conflict;
+use crate::worst::Worst;
+
+use super::error::SolidError;
+use super::region::SolidRegion;
+
+/// Bins are wider than the radius by a thousandth: in most sets the nearest pair is then found with the conflicts.
+const NEARLY: f64 = 1.001;
+
+/// Bins are wider than they must be by a thousandth, far more than rounding moves a sample across their borders.
+const SPARE: f64 = 0.999;
+
+/// The most bins on an axis: numbers of bins on three axes fit into a key of 96 bits.
+const MAX_BINS: f64 = 4_294_967_295.0;
+
+/// Samples that a thread works on at a time.
+const CHUNK: usize = 512;
+
+/// Chunks between two questions whether there are conflicts enough.
+const CHUNKS: usize = 64;
+
+/// With more samples in a bin, pairs are too many to look at all of them. A conflict-free set has at most seven.
+const CROWD: usize = 64;
+
+/// What was found among pairs.
+pub(super) struct PairsFound {
+    pub conflicts: u64,
+    pub worst: Worst<Conflict>,
+    pub min_distance: f64,
+}
+
+impl PairsFound {
+    fn new(witnesses: usize) -> Self {
+        Self {
+            conflicts: 0,
+            worst: Worst::new(witnesses),
+            min_distance: f64::INFINITY,
+        }
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.conflicts += other.conflicts;
+        self.worst.merge(other.worst);
+        self.min_distance = self.min_distance.min(other.min_distance);
+    }
+
+    /// Whether more conflicts would not be counted.
+    const fn is_full(&self) -> bool {
+        self.conflicts >= MAX_CONFLICTS
+    }
+}
+
+/// Counts the pairs closer than `radius`, and finds the smallest distance of all.
+pub(super) fn search(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    radius: f64,
+    witnesses: usize,
+    monitor: &Monitor<'_>,
+) -> Result<PairsFound, SolidError> {
+    let reach = NEARLY * radius;
+    let bins = Bins::new(points, region, reach);
+    let mut found = bins.scan(radius, witnesses, monitor)?;
+    // Where conflicts are too many, or all samples far apart, the nearest pair was not sure to be seen.
+    if found.is_full() || found.min_distance > reach {
+        found.min_distance = smallest_distance(points, region, reach, monitor)?;
+    }
+
+    if region.is_periodic() {
+        // A sample and its own image.
+        found.min_distance = found.min_distance.min(region.shortest());
+    }
+    Ok(found)
+}
+
+/// Returns the smallest distance of two samples, and infinity of one sample alone. `reach` is where the search begins.
+fn smallest_distance(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    mut reach: f64,
+    monitor: &Monitor<'_>,
+) -> Result<f64, SolidError> {
+    if has_copies(points) {
+        return Ok(0.0);
+    }
+
+    let monitor = monitor.uncounted();
+    loop {
+        let bins = Bins::new(points, region, reach);
+        let crowd = bins.fullest();
+        // Of more samples in a bin than it has parts, two are in one part: at most its diagonal apart.
+        let parts = (crowd as f64).cbrt().ceil() - 1.0;
+        let diagonal = bins.widest() * 3.0_f64.sqrt() / parts;
+        if crowd > CROWD && diagonal < reach {
+            reach = diagonal;
+            continue;
+        }
+
+        let found = bins.scan(0.0, 0, &monitor)?.min_distance;
+        // All pairs within the reach were seen, and a bin as wide as the region sees all.
+        if found <= reach || bins.is_one() {
+            return Ok(found);
+        }
+        reach = if found.is_finite() {
+            found
+        } else {
+            2.0 * reach
+        };
+    }
+}
+
+/// Returns whether two samples have one place.
+fn has_copies(points: &[[f64; 3]]) -> bool {
+    // Adding 0 makes the two zeros equal in all bits.
+    let bits = |point: &[f64; 3]| point.map(|value| (value + 0.0).to_bits());
+    let mut places: Vec<[u64; 3]> = points.par_iter().map(bits).collect();
+    places.par_sort_unstable();
+    places.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+/// A sample in its bin.
+#[derive(Clone, Copy)]
+struct Binned {
+    /// The numbers of its bin along z, y and x.
+    key: u128,
+    place: [f64; 3],
+    index: u32,
+}
+
+/// Samples in the order of their bins: along x, then y, then z.
+struct Bins<'a> {
+    region: &'a SolidRegion,
+    counts: [u64; 3],
+    binned: Vec<Binned>,
+}
+
+impl<'a> Bins<'a> {
+    /// Sorts samples into bins that are wider than `reach` where the region is.
+    fn new(points: &[[f64; 3]], region: &'a SolidRegion, reach: f64) -> Self {
+        let size = region.size();
+        let counts = size.map(|extent| (SPARE * extent / reach).clamp(1.0, MAX_BINS) as u64);
+        let binned = points.par_iter().enumerate().map(|(index, &place)| {
+            let [x, y, z] = [0, 1, 2].map(|axis| {
+                let bin = (place[axis] / size[axis] * counts[axis] as f64) as u64;
+                bin.min(counts[axis] - 1)
+            });
+            let key = key(x, y, z);
+            let index = index as u32;
+            Binned { key, place, index }
+        });
+
+        let mut binned: Vec<Binned> = binned.collect();
+        binned.par_sort_unstable_by_key(|sample| (sample.key, sample.index));
+        Self {
+            region,
+            counts,
+            binned,
+        }
+    }
+
+    /// Whether there is a single bin.
+    fn is_one(&self) -> bool {
+        self.counts == [1; 3]
+    }
+
+    /// Returns the longest edge of a bin.
+    fn widest(&self) -> f64 {
+        let edges = self.region.size().into_iter().zip(self.counts);
+        let edges = edges.map(|(extent, count)| extent / count as f64);
+        edges.fold(0.0, f64::max)
+    }
+
+    /// Returns how many samples the fullest bin has.
+    fn fullest(&self) -> usize {
+        let runs = self.binned.chunk_by(|a, b| a.key == b.key);
+        runs.map(<[Binned]>::len).max().unwrap_or(0)
+    }
+
+    /// Compares all samples with those in the bins around their own, until there are conflicts enough.
+    fn scan(
+        &self,
+        radius: f64,
+        witnesses: usize,
+        monitor: &Monitor<'_>,
+    ) -> Result<PairsFound, SolidError> {
+        let mut all = PairsFound::new(witnesses);
+        for batch in self.binned.chunks(CHUNK * CHUNKS) {
+            // Decided for whole batches, so that the report is the same on all threads.
+            if !all.is_full() {
+                let of_chunk = |chunk: &[Binned]| self.of_chunk(chunk, radius, witnesses);
+                let found: Vec<PairsFound> = batch.par_chunks(CHUNK).map(of_chunk).collect();
+                found.into_iter().for_each(|found| all.merge(found));
+            }
+            monitor.advance(batch.len() as u64)?;
+        }
+        Ok(all)
+    }
+
+    fn of_chunk(&self, chunk: &[Binned], radius: f64, witnesses: usize) -> PairsFound {
+        let mut found = PairsFound::new(witnesses);
+        for own in chunk.chunk_by(|a, b| a.key == b.key) {
+            let around = self.around(own[0].key);
+            for one in own {
+                for other in around.iter().copied().flatten() {
+                    // Of a pair each sample finds the other, and the first one counts.
+                    if one.index >= other.index {
+                        continue;
+                    }
+                    let distance = self.region.distance(one.place, other.place);
+                    found.min_distance = found.min_distance.min(distance);
+                    if distance < radius {
+                        found.conflicts += 1;
+                        found.worst.push(Conflict {
+                            first: one.index as usize,
+                            second: other.index as usize,
+                            distance,
+                        });
+                    }
+                }
+                if found.is_full() {
+                    return found;
+                }
+            }
+        }
+        found
+    }
+
+    /// Returns the samples in a bin and in those around it, row by row, each once.
+    fn around(&self, bin: u128) -> Vec<&[Binned]> {
+        let number = |axis: u32| (bin >> (32 * axis)) as u64 & u64::from(u32::MAX);
+        let [columns, rows, planes] = [0, 1, 2].map(|axis| self.spans(number(axis), axis));
+        let mut around = Vec::with_capacity(9);
+        for z in planes.iter().cloned().flatten() {
+            for y in rows.iter().cloned().flatten() {
+                for x in &columns {
+                    let (low, high) = (key(*x.start(), y, z), key(*x.end(), y, z));
+                    let first = self.binned.partition_point(|sample| sample.key < low);
+                    let row = &self.binned[first..];
+                    // Nearly always the row is short.
+                    let beyond = row.iter().position(|sample| sample.key > high);
+                    around.push(&row[..beyond.unwrap_or(row.len())]);
+                }
+            }
+        }
+        around
+    }
+
+    /// Returns the numbers of the bins around one on an axis.
+    fn spans(&self, number: u64, axis: u32) -> Vec<RangeInclusive<u64>> {
+        let count = self.counts[axis as usize];
+        let last = count - 1;
+        // Around a torus of three bins each is beside each.
+        if count <= 3 {
+            return vec![0..=last];
+        }
+
+        let inside = number.saturating_sub(1)..=last.min(number + 1);
+        let mut spans = vec![inside];
+        if self.region.is_periodic() && number == 0 {
+            spans.push(last..=last);
+        }
+        if self.region.is_periodic() && number == last {
+            spans.push(0..=0);
+        }
+        spans
+    }
+}
+
+/// Returns the key of a bin.
+const fn key(x: u64, y: u64, z: u64) -> u128 {
+    (z as u128) << 64 | (y as u128) << 32 | x as u128
+}

@@ -1,0 +1,290 @@
+//! The judge by cubes against the definition: all pairs, and places on a fine grid; lattices whose covering radius is
+//! known; faults that were planted.
+
+use proptest::prelude::*;
+use tilescope_analysis::{
+    Boundary, JudgeChoice, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid,
+};
+
+use crate::support::{BOTH, Random, go_on, on_threads};
+
+fn region([width, height, depth]: [f64; 3], boundary: Boundary) -> SolidRegion {
+    SolidRegion {
+        width,
+        height,
+        depth,
+        boundary,
+    }
+}
+
+fn judged(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
+    let options = VerifyOptions::default();
+    verify_solid(points, region, radius, &options, &go_on).expect("a report")
+}
+
+fn distance(region: &SolidRegion, a: [f64; 3], b: [f64; 3]) -> f64 {
+    let squared = |axis: usize| {
+        let plain = (a[axis] - b[axis]).abs();
+        let around = region.size()[axis] - plain;
+        let periodic = region.boundary == Boundary::Periodic;
+        (if periodic { plain.min(around) } else { plain }).powi(2)
+    };
+    (squared(0) + squared(1) + squared(2)).sqrt()
+}
+
+fn nearest(region: &SolidRegion, points: &[[f64; 3]], place: [f64; 3]) -> f64 {
+    let distances = points.iter().map(|&point| distance(region, point, place));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// Compares a report with all pairs and with places on a grid.
+fn check(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
+    let report = judged(points, region, radius);
+    let (mut conflicts, mut least) = (0, f64::INFINITY);
+    for (k, &a) in points.iter().enumerate() {
+        for &b in &points[..k] {
+            let apart = distance(&region, a, b);
+            least = least.min(apart);
+            conflicts += u64::from(apart < radius);
+        }
+    }
+    if region.boundary == Boundary::Periodic {
+        let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
+        least = least.min(shortest);
+    }
+    assert_eq!((report.conflicts, report.min_distance), (conflicts, least));
+    let listed = conflicts.min(16) as usize;
+    assert_eq!(report.worst_conflicts.len(), listed);
+    if let Some(worst) = report.worst_conflicts.first() {
+        assert_eq!(worst.distance, least);
+    }
+
+    // Whatever is said to be uncovered is, and if nothing is, every place is covered.
+    for gap in &report.first_gaps {
+        let apart = nearest(&region, points, gap.center);
+        assert!(apart > radius && apart == gap.distance, "{gap:?}");
+        assert!(region.contains(gap.center), "{gap:?}");
+    }
+    assert_eq!(report.gaps == 0, report.first_gaps.is_empty());
+    if report.maximal() {
+        let step = |axis: usize, k: u32| region.size()[axis] * f64::from(k) / 15.0;
+        for k in 0..15_u32.pow(3) {
+            let place = [step(0, k % 15), step(1, k / 15 % 15), step(2, k / 225)];
+            assert!(nearest(&region, points, place) <= report.covering_bound());
+        }
+    }
+    report
+}
+
+/// Sets of few points, some of them at one place, in a plane, on a line, or in a corner; some cover everything.
+fn sets() -> impl Strategy<Value = (Vec<[f64; 3]>, SolidRegion)> {
+    let extent = prop_oneof![3 => 2.1..5.0_f64, 1 => 10.0..40.0_f64];
+    let parts = (
+        prop::array::uniform3(extent),
+        any::<bool>(),
+        0_u8..7,
+        1_usize..140,
+        any::<u64>(),
+    );
+    parts.prop_map(|(size, is_periodic, kind, count, seed)| {
+        let boundary = BOTH[usize::from(!is_periodic)];
+        let region = region(size, boundary);
+        let mut random = Random::new(seed);
+        let mut point = |k: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| random.uniform() * size[axis] * 0.999_999);
+            match kind {
+                0 => [x, y, 0.0],
+                1 => [x, 0.0, size[2] * 0.5],
+                2 => [x * 0.01, y * 0.01, z * 0.01],
+                3 if k % 3 > 0 => [0.25, 0.5, 0.75],
+                // On the corners of a grid, and so at one place, too.
+                4 => [x, y, z].map(|value| (value * 2.0).floor() / 2.0),
+                _ => [x, y, z],
+            }
+        };
+        ((0..count).map(&mut point).collect(), region)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(512), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn reports_say_what_all_pairs_and_places_say((points, region) in sets(), radius in 0.2..1.0_f64) {
+        check(&points, region, radius);
+        // The same set under another radius is nearly always complete, and full of conflicts.
+        let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
+        check(&points, region, 0.49 * shortest);
+    }
+}
+
+/// A lattice of cubes of edge 1, with points in their middles or on their faces: its covering radius is known.
+fn lattice(cubes: i32, offsets: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let axis = |k: i32, step: i32| f64::from(k / step % cubes);
+    let corners = (0..cubes.pow(3)).map(|k| [axis(k, 1), axis(k, cubes), axis(k, cubes * cubes)]);
+    let place = |corner: [f64; 3], offset: &[f64; 3]| [0, 1, 2].map(|i| corner[i] + offset[i]);
+    let all = corners.flat_map(|corner| offsets.iter().map(move |offset| place(corner, offset)));
+    all.collect()
+}
+
+#[test]
+fn lattices_are_maximal_from_their_covering_radius_on() {
+    let half = 0.5;
+    let primitive = [[0.0; 3]].to_vec();
+    let centred = [[0.0; 3], [half; 3]].to_vec();
+    let faces = [
+        [0.0; 3],
+        [half, half, 0.0],
+        [half, 0.0, half],
+        [0.0, half, half],
+    ]
+    .to_vec();
+    for (offsets, spacing, covering) in [
+        (primitive, 1.0, 0.75_f64.sqrt()),
+        (centred, 0.75_f64.sqrt(), 5.0_f64.sqrt() / 4.0),
+        (faces, 0.5_f64.sqrt(), 0.5),
+    ] {
+        let points = lattice(4, &offsets);
+        let torus = region([4.0; 3], Boundary::Periodic);
+        let tolerant = 1.0 + 1.0 / 32_768.0;
+        for (share, maximal) in [(1.000_000_1, true), (0.999_999_9, false)] {
+            let report = judged(&points, torus, covering / tolerant * share);
+            assert_eq!(
+                (report.maximal(), report.conflicts),
+                (maximal, 0),
+                "{share}"
+            );
+            assert!((report.min_distance - spacing).abs() < 1e-12);
+        }
+        // Two of the three have conflicts at a radius above their spacing.
+        let report = judged(&points, torus, spacing * 1.000_000_1);
+        assert!(report.conflicts as usize >= 3 * points.len() && report.maximal());
+    }
+}
+
+/// A cube of the search fits into one ball and holds two samples, each near its middle: both faults of the set have to be
+/// seen, and so has a conflict where nothing is uncovered.
+#[test]
+fn conflicts_are_found_in_cubes_that_one_sample_covers() {
+    let mut random = Random::new(4);
+    for boundary in BOTH {
+        // Whole cubes of the search lie in the ball of each of these samples.
+        let points = lattice(8, &[[0.5; 3]]);
+        let region = region([8.0; 3], boundary);
+        assert!(judged(&points, region, 1.0).valid());
+        for _ in 0..300 {
+            let index = (random.uniform() * points.len() as f64) as usize;
+            let near = [0, 1, 2].map(|axis| {
+                let value = points[index][axis] + (random.uniform() - 0.5) * 0.99;
+                value.rem_euclid(8.0)
+            });
+            let more = [points.as_slice(), &[near]].concat();
+            let report = judged(&more, region, 1.0);
+            assert!(report.maximal() && !report.conflict_free());
+            let named = report
+                .worst_conflicts
+                .iter()
+                .any(|c| (c.first, c.second) == (index, 512));
+            assert!(named, "{near:?} beside {:?}", points[index]);
+            assert_eq!(report.min_distance, report.worst_conflicts[0].distance);
+        }
+    }
+}
+
+/// Without one of its samples a lattice of spacing 1 leaves a hole of some ten thousandths of the radius around its place.
+#[test]
+fn each_planted_hole_is_found() {
+    let mut random = Random::new(9);
+    for boundary in BOTH {
+        let points = lattice(6, &[[0.5; 3]]);
+        let region = region([6.0; 3], boundary);
+        assert!(judged(&points, region, 0.9999).valid());
+        for _ in 0..100 {
+            let index = (random.uniform() * points.len() as f64) as usize;
+            let (mut fewer, place) = (points.clone(), points[index]);
+            fewer.swap_remove(index);
+            let report = judged(&fewer, region, 0.9999);
+            assert!(report.conflict_free() && !report.maximal());
+            let away = distance(&region, report.first_gaps[0].center, place);
+            // At a border the hole reaches up to it.
+            let wide = if boundary == Boundary::Periodic {
+                0.01
+            } else {
+                1.0
+            };
+            assert!(away < wide, "{away}");
+        }
+    }
+}
+
+#[test]
+fn the_report_does_not_depend_on_the_number_of_threads() {
+    let mut random = Random::new(2);
+    let size = [30.0, 14.0, 11.0];
+    let region = region(size, Boundary::Periodic);
+    let points: Vec<[f64; 3]> = (0..9_000)
+        .map(|_| size.map(|extent| random.uniform() * extent))
+        .collect();
+    let alone = on_threads(1, || judged(&points, region, 0.7));
+    assert!(alone.gaps > 10 && alone.conflicts > 10_000);
+    for threads in [2, 5] {
+        assert_eq!(on_threads(threads, || judged(&points, region, 0.7)), alone);
+    }
+}
+
+/// More conflicts than are counted, in a clump whose nearest pair is far nearer than the radius.
+#[test]
+fn crowds_are_judged() {
+    let mut random = Random::new(8);
+    let mut points: Vec<[f64; 3]> = (0..3_000)
+        .map(|_| [0, 1, 2].map(|_| 5.0 + 1e-6 * random.uniform()))
+        .collect();
+    let region = region([40.0; 3], Boundary::Bounded);
+    let report = judged(&points, region, 1.0);
+    assert!(report.more_conflicts() && report.gaps > 0);
+    let least = points
+        .iter()
+        .enumerate()
+        .fold(f64::INFINITY, |least, (k, &a)| {
+            let others = points[..k].iter().map(|&b| distance(&region, a, b));
+            others.fold(least, f64::min)
+        });
+    assert_eq!(report.min_distance, least);
+    points.push(points[7]);
+    assert_eq!(judged(&points, region, 1.0).min_distance, 0.0);
+}
+
+#[test]
+fn what_cannot_be_judged_is_refused_with_value_and_limit() {
+    let refused = |points: &[[f64; 3]], region: SolidRegion, radius: f64| {
+        let options = VerifyOptions::default();
+        let error = verify_solid(points, region, radius, &options, &go_on);
+        error.expect_err("a refusal").to_string()
+    };
+    let cube = region([8.0; 3], Boundary::Periodic);
+    let inside = [[1.0; 3]];
+    assert!(refused(&[], cube, 1.0).contains("empty"));
+    assert!(refused(&[[1.0, f64::NAN, 1.0]], cube, 1.0).contains("sample 0 at (1, NaN, 1)"));
+    let outside = refused(&[[1.0; 3], [1.0, 1.0, 8.0]], cube, 1.0);
+    assert!(outside.contains("sample 1 at (1, 1, 8) lies outside the region periodic [0, 8) x"));
+    assert!(refused(&inside, cube, 0.0).contains("radius 0"));
+    assert!(refused(&inside, cube, 4.1).contains("shortest side of the periodic region is 8"));
+    let long = region([8.0, 8.0, 1e8], Boundary::Bounded);
+    assert!(refused(&inside, long, 1.0).contains("8 x 8 x 100000000 is not supported"));
+
+    for (judges, name) in [
+        (JudgeChoice::Delaunay, "delaunay"),
+        (JudgeChoice::Circles, "circles"),
+        (JudgeChoice::Both, "both"),
+    ] {
+        let options = VerifyOptions {
+            judges,
+            ..VerifyOptions::default()
+        };
+        let refused = verify_solid(&inside, cube, 1.0, &options, &go_on);
+        assert_eq!(refused, Err(SolidError::WrongJudge { judge: name }));
+    }
+    let stop = |_| std::ops::ControlFlow::Break(());
+    let stopped = verify_solid(&inside, cube, 1.0, &VerifyOptions::default(), &stop);
+    assert_eq!(stopped, Err(SolidError::Cancelled));
+}
