@@ -54,14 +54,21 @@ impl BallGrid {
     /// Returns whether any sample covers a place of the domain.
     #[inline]
     pub fn covers(&self, place: Place) -> bool {
-        self.any_near(place, 1, covers_offset)
+        self.any_near(place, 1, 0, covers_offset)
     }
 
     /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until it
     /// returns `true`; returns whether it did. `min` is the cube's lowest place, and it lies in one cell.
     #[inline]
-    fn any_near(&self, min: Place, side: i32, mut visit: impl FnMut(Place) -> bool) -> bool {
-        self.frame.any_cell_near(min, side, |cell, [x, y, z]| {
+    fn any_near(
+        &self,
+        min: Place,
+        side: i32,
+        depth: i32,
+        mut visit: impl FnMut(Place) -> bool,
+    ) -> bool {
+        let frame = &self.frame;
+        frame.any_cell_near(min, side, depth, |cell, [x, y, z]| {
             let slots = self.cells[cell].0.iter();
             let mut held = slots.take_while(|&&slot| slot != EMPTY);
             held.any(|slot| {
@@ -83,15 +90,14 @@ impl BallGrid {
         let beyond = [0, 1, 2].map(|axis| if ends[axis][1] < half { UPPER[axis] } else { 0 });
         let mut covered: u8 = beyond[0] | beyond[1] | beyond[2];
 
-        self.any_near(min, side, |sample| {
-            // Squared distances to the farthest places of both halves.
-            let farthest = [0, 1, 2].map(|axis| {
-                let (at, [low, high]) = (sample[axis], ends[axis]);
-                let below = at.abs().max((at - low).abs());
-                let above = (at - half).abs().max((at - high).abs());
-                [below, above].map(|distance| u64::from(distance.unsigned_abs()).pow(2))
-            });
-            let [x, y, z] = farthest;
+        // Whoever covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not so deep.
+        let is_whole = ends.iter().all(|end| end[1] == side - 1);
+        let depth = if is_whole { half - 1 } else { 0 };
+        self.any_near(min, side, depth, |sample| {
+            // Not by `map`, which is a call that takes a quarter of the time.
+            let x = farthest(sample[0], half, ends[0]);
+            let y = farthest(sample[1], half, ends[1]);
+            let z = farthest(sample[2], half, ends[2]);
             let limit = R_SQUARED as u64;
             // Most samples cover none, which the nearest octant tells.
             if x[0].min(x[1]) + y[0].min(y[1]) + z[0].min(z[1]) > limit {
@@ -114,6 +120,16 @@ impl BallGrid {
             }
         }
     }
+}
+
+/// Returns the squared distances on an axis from a sample to the farthest places of both halves of a cube. The lower half
+/// begins at 0, the upper one at `half`, and `ends` are their last places.
+#[inline]
+fn farthest(at: i32, half: i32, [low, high]: [i32; 2]) -> [u64; 2] {
+    // Whichever end is the farther one, the distance to it is not negative.
+    let (below, above) = (at.max(low - at), (at - half).max(high - at));
+    let squared = |distance: i32| u64::from(distance.unsigned_abs()).pow(2);
+    [squared(below), squared(above)]
 }
 
 /// The octants in the upper half of each axis, as bits.
@@ -183,7 +199,9 @@ mod tests {
         let last = domain.last();
         let samples: Vec<Place> = [[0, 0, 0], last, [R + 9, R, 3], [3 * R, R - 7, 2 * R]].into();
         let mut balls = BallGrid::new(&domain);
-        samples.iter().for_each(|&sample| balls.insert(sample));
+        for &sample in &samples {
+            balls.insert(sample);
+        }
 
         let mut seen = [0, 0];
         for base in [

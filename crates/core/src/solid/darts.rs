@@ -88,6 +88,7 @@ impl SolidThrow {
             for index in 0..count {
                 let [right, up, deep] = self.offset(cube.draw(Stream::Dart, index));
                 let place = [x + right, y + up, z + deep];
+                // A cube at an upper side may reach beyond it.
                 let is_inside = (0..3).all(|axis| place[axis] <= last[axis]);
                 if is_inside && !balls.covers(place) {
                     // Nine of ten darts are covered, and need no rank.

@@ -6,6 +6,9 @@ use crate::lattice::{Boundary, R, R_SQUARED};
 use super::Place;
 use super::domain::SolidDomain;
 
+/// Blocks of a cell have sides of R, or of R / 2: quarters were not faster, and eighths were slower.
+const FINEST_BLOCKS: u32 = 1;
+
 /// A cell as seen from one of its neighbours, or from itself.
 #[derive(Clone, Copy)]
 struct Neighbour {
@@ -13,6 +16,8 @@ struct Neighbour {
     at: [usize; 3],
     /// How far its index is from the other's.
     step: isize,
+    /// How far its lowest place is from the other's.
+    offset: Place,
 }
 
 /// Cells of side R, numbered along x, then y, then z.
@@ -23,8 +28,11 @@ pub(super) struct BallFrame {
     periods: Option<Place>,
     /// Cells along each axis.
     counts: [usize; 3],
-    /// Itself, then the cells beyond faces, edges and corners: nearer ones are more likely to answer.
+    /// The cells around a cell, and the cell itself.
     around: [Neighbour; 27],
+    /// For each block of a cell those that come within R of it, by their numbers, nearest first: near ones are more likely
+    /// to answer.
+    orders: Vec<Vec<u8>>,
 }
 
 impl BallFrame {
@@ -33,23 +41,24 @@ impl BallFrame {
         // From the cell below the origin to the one that holds what is R beyond the last place.
         let counts = last.map(|last| ((last + R) >> R.ilog2()) as usize + 2);
 
-        let mut around = [0, 1, 2].map(|z| [0, 1, 2].map(|y| [0, 1, 2].map(|x| [x, y, z])));
-        let around: &mut [[usize; 3]] = around.as_flattened_mut().as_flattened_mut();
-        around.sort_by_key(|at| at.iter().filter(|&&side| side != 1).count());
         let row = counts[0] as isize;
         let plane = row * counts[1] as isize;
-        let neighbour = |k: usize| {
-            let at = around[k];
+        let around = std::array::from_fn(|number| {
+            let at = [number % 3, number / 3 % 3, number / 9];
             let [x, y, z] = at.map(|side| side as isize - 1);
-            let step = x + y * row + z * plane;
-            Neighbour { at, step }
-        };
+            Neighbour {
+                at,
+                step: x + y * row + z * plane,
+                offset: at.map(|side| (side as i32 - 1) * R),
+            }
+        });
 
         Self {
             last,
             periods: (domain.boundary() == Boundary::Periodic).then(|| domain.sides()),
             counts,
-            around: std::array::from_fn(neighbour),
+            orders: orders(&around),
+            around,
         }
     }
 
@@ -112,26 +121,33 @@ impl BallFrame {
 
     /// Calls `visit` with the cells that reach within R of a cube, nearest cells first, until it returns `true`; returns
     /// whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one. The cube lies
-    /// in one cell.
+    /// in one cell, and is one of a level.
+    ///
+    /// `depth` is how far into the cube from each of its sides a sample must reach: cells from which none does are left out,
+    /// too.
     #[inline]
     pub fn any_cell_near(
         &self,
         min: Place,
         side: i32,
+        depth: i32,
         mut visit: impl FnMut(usize, Place) -> bool,
     ) -> bool {
         let inside = min.map(|value| value & (R - 1));
-        // Squared distances from the cube to the nearest places of the cells below, beside and above it.
-        let gaps = inside.map(|at| [squared(at + 1), 0, squared(R - at - (side - 1))]);
+        let x_gaps = squared_gaps(inside[0], side, depth);
+        let y_gaps = squared_gaps(inside[1], side, depth);
+        let z_gaps = squared_gaps(inside[2], side, depth);
         let home = self.index(min) as isize;
 
-        for Neighbour { at, step } in &self.around {
-            let [x, y, z] = *at;
-            if gaps[0][x] + gaps[1][y] + gaps[2][z] > R_SQUARED as u32 {
+        for &number in &self.orders[block(inside, side)] {
+            let Neighbour { at, step, offset } = self.around[usize::from(number)];
+            // The list is that of a whole block, and the cube is a part of it.
+            let gap = x_gaps[at[0] & 3] + y_gaps[at[1] & 3] + z_gaps[at[2] & 3];
+            if gap > R_SQUARED as u64 {
                 continue;
             }
-            let offset = [x, y, z].map(|side| (side as i32 - 1) * R);
-            let offset = [0, 1, 2].map(|axis| offset[axis] - inside[axis]);
+            let [x, y, z] = offset;
+            let offset = [x - inside[0], y - inside[1], z - inside[2]];
             if visit((home + step) as usize, offset) {
                 return true;
             }
@@ -140,10 +156,50 @@ impl BallFrame {
     }
 }
 
-/// Returns the square of a distance of at most R: three of them fit into 32 bits without a sign.
+/// Returns the squared distances on an axis from a cube to the nearest places of the cells below, beside and above it, each
+/// `depth` further into the cube. Beside it, a sample may lie in the middle of what it must reach. The fourth is never asked
+/// for, and saves the check whether an index is one.
 #[inline]
-const fn squared(distance: i32) -> u32 {
-    distance as u32 * distance as u32
+fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
+    let squared = |gap: i32| u64::from(gap.unsigned_abs()).pow(2);
+    let (below, above) = (at + 1 + depth, R - at - (side - 1) + depth);
+    [squared(below), squared(depth / 2), squared(above), 0]
+}
+
+/// Returns the number of the block that holds a cube, which begins at a place of its cell.
+#[inline]
+fn block(inside: Place, side: i32) -> usize {
+    let bits = (R.ilog2() - side.ilog2()).min(FINEST_BLOCKS);
+    let [x, y, z] = inside.map(|at| (at >> (R.ilog2() - bits)) as usize);
+    FIRST_BLOCK[bits as usize] + (z << (2 * bits) | y << bits | x)
+}
+
+/// The number of the first block of each size.
+const FIRST_BLOCK: [usize; 2] = [0, 1];
+
+/// Returns for each block the cells that come within R of it, nearest first.
+fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
+    let mut orders = Vec::new();
+    for bits in 0..=FINEST_BLOCKS {
+        let side = R >> bits;
+        for number in 0..1 << (3 * bits) {
+            let mask = (1 << bits) - 1;
+            let inside =
+                [number, number >> bits, number >> (2 * bits)].map(|at| (at & mask) * side);
+            let gap = |cell: &u8| {
+                let at = around[usize::from(*cell)].at;
+                let squared = |axis: usize| {
+                    let gaps = [inside[axis] + 1, 0, R - inside[axis] - (side - 1)];
+                    i64::from(gaps[at[axis]]).pow(2)
+                };
+                squared(0) + squared(1) + squared(2)
+            };
+            let mut order: Vec<u8> = (0..27).filter(|cell| gap(cell) <= R_SQUARED).collect();
+            order.sort_by_key(gap);
+            orders.push(order);
+        }
+    }
+    orders
 }
 
 /// Returns whether an offset is within the radius: whether a sample covers a place, and whether two samples are in

@@ -123,6 +123,7 @@ fn gather<T: Send>(
     work: impl Fn(&[Place], &mut Vec<T>) + Sync,
 ) -> Result<Vec<T>, SampleError> {
     let mut gathered = Vec::new();
+    // The observer may stop the work between batches, and threads share one.
     for batch in cubes.chunks(CHUNK * CHUNKS) {
         match schedule {
             Schedule::OneByOne => {
@@ -137,6 +138,7 @@ fn gather<T: Send>(
                     work(chunk, &mut out);
                     out
                 };
+
                 let parts: Vec<Vec<T>> = batch.par_chunks(CHUNK).map(of_chunk).collect();
                 gathered.extend(parts.into_iter().flatten());
                 meter.count(batch.len() as u64)?;

@@ -53,6 +53,7 @@ impl<'a> Undecided<'a> {
                 });
             });
         }
+
         Self {
             frame,
             heads,
@@ -62,7 +63,7 @@ impl<'a> Undecided<'a> {
 
     /// Returns whether no earlier dart lies within the radius of a dart.
     fn is_first(&self, number: u32, place: Place) -> bool {
-        !self.frame.any_cell_near(place, 1, |cell, _| {
+        !self.frame.any_cell_near(place, 1, 0, |cell, _| {
             let mut entry = self.heads[cell];
             while entry != NOTHING {
                 let other = &self.entries[entry as usize];

@@ -163,6 +163,18 @@ fn larger_sets_are_equal_on_any_number_of_threads() {
     }
 }
 
+/// The sequence is pinned: it must never change, on any machine.
+#[test]
+fn the_samples_of_a_seed_are_pinned() {
+    let domain = SolidDomain::from_size([9.0; 3], 1.0, Boundary::Periodic).unwrap();
+    let samples = solid_sample(domain, 1, &mut Unobserved).unwrap();
+    let mixed = samples.iter().flatten().fold(0_u64, |hash, &value| {
+        let mixed = (hash ^ value as u64).wrapping_mul(0x100_0000_01b3);
+        mixed.rotate_left(17)
+    });
+    assert_eq!((samples.len(), mixed), (539, 0x2fba_ca0f_c2e1_08df));
+}
+
 #[test]
 fn cancelling_is_an_error_that_says_where() {
     let domain = SolidDomain::from_size([5.0; 3], 1.0, Boundary::Bounded).unwrap();
