@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 pub enum Judge {
     /// Delaunay triangulations of tiles: the largest empty circles are about Voronoi vertices.
     Delaunay,
-    /// Covered circles: the disks cover the region when they cover each other's circles.
+    /// Covered circles: the disks, or in space the balls, cover the region when they cover each other's circles.
     Circles,
-    /// Subdivision: squares, cut until each is seen to be covered. It judges what [`VaryingRegion`](crate::VaryingRegion)
-    /// describes.
+    /// Subdivision: squares or cubes, cut until each is seen to be covered. It judges what
+    /// [`VaryingRegion`](crate::VaryingRegion) describes, and sets in space.
     Subdivision,
 }
 
@@ -41,16 +41,16 @@ impl fmt::Display for Judge {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JudgeChoice {
-    /// Both up to [`Self::BOTH_UP_TO`] samples, covered circles for more.
+    /// Both up to [`Self::BOTH_UP_TO`] samples, covered circles for more; in space, subdivision for more.
     #[default]
     Automatic,
-    /// Delaunay triangulation, for any number of samples.
+    /// Delaunay triangulation, for any number of samples in the plane.
     Delaunay,
     /// Covered circles. A set that this judge declines goes to the other one, and the report says so.
     Circles,
     /// Both. They must agree.
     Both,
-    /// Subdivision, which only sets of a [`VaryingRegion`](crate::VaryingRegion) have.
+    /// Subdivision, which only sets of a [`VaryingRegion`](crate::VaryingRegion) and in space have.
     Subdivision,
 }
 

@@ -1,7 +1,7 @@
-//! The judge by cubes: decides whether a set of points in space is conflict-free and maximal, in a box, for one radius.
-//! It works on plain `f64` positions from any source.
+//! The judges of sets in space: they decide whether a set of points is conflict-free and maximal, in a box, for one radius.
+//! They work on plain `f64` positions from any source.
 //!
-//! # How it decides
+//! # How the judge by cubes decides
 //!
 //! A cube is *proven* if one sample is within the limit of all of its places: its farthest corner is near enough. Any other
 //! cube is cut in eight, and its octants look only at the samples that are within the limit of some place of it. A cube
@@ -9,7 +9,10 @@
 //!
 //! Conflicts are looked for apart from that ([`pairs`]): a cube of side r may be proven by one sample and yet hold two, so
 //! that whoever looks for conflicts only where cubes are cut misses some.
+//!
+//! [`circles`] has the second judge and its theorem.
 
+mod circles;
 mod cubes;
 mod error;
 mod pairs;
@@ -19,10 +22,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::exact::covering_limit;
 use crate::findings::MAX_CONFLICTS;
-use crate::judge::JudgeChoice;
+use crate::judge::{Judge, JudgeChoice};
 use crate::monitor::{Control, Monitor};
 use crate::verify::VerifyOptions;
 use crate::witness::Conflict;
+use pairs::PairsFound;
 
 pub use error::SolidError;
 pub use region::SolidRegion;
@@ -43,6 +47,8 @@ pub struct SolidGap {
 /// The verdict on a set of points in space. Lengths are in the unit of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidReport {
+    /// Who judged. Where both did, they agree, and the numbers are those of the first.
+    pub judges: Vec<Judge>,
     /// How many samples were judged.
     pub count: usize,
     /// The region in which they were judged.
@@ -55,10 +61,10 @@ pub struct SolidReport {
     pub conflicts: u64,
     /// The closest of those pairs, closest first.
     pub worst_conflicts: Vec<Conflict>,
-    /// Number of cubes in which an uncovered place was found. One hole usually has several; none means that every place of
-    /// the region is within [`Self::covering_bound`] of a sample.
+    /// Number of cubes, or of circles, in which an uncovered place was found. One hole usually has several; none means that
+    /// every place of the region is within [`Self::covering_bound`] of a sample.
     pub gaps: u64,
-    /// Uncovered places of the first of these cubes.
+    /// Uncovered places of the first of these.
     pub first_gaps: Vec<SolidGap>,
     /// Smallest distance between two samples (periodic: at most the shortest extent). Infinite for one sample in a bounded
     /// region.
@@ -66,8 +72,6 @@ pub struct SolidReport {
     pub min_distance: f64,
     /// `N r^3 / volume`.
     pub density: f64,
-    /// Cubes that were looked at, a measure of the work.
-    pub cubes: u64,
 }
 
 impl SolidReport {
@@ -105,7 +109,9 @@ impl SolidReport {
 /// Judges whether `points` are conflict-free and maximal in `region` for the given `radius`.
 ///
 /// Distances are exact up to the rounding of their `f64` formula, and a conflict is a distance strictly below `radius`. Of
-/// `options` the judge, the tolerance and the number of witnesses count.
+/// `options` the judges, the tolerance and the number of witnesses count. By default sets of up to a million samples are
+/// judged twice, by cubes (`subdivision`) and by covered circles, which share nothing. Sets with conflicts and with very few
+/// samples are declined by the latter, and the report says so.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not depend
 /// on the number of threads. Besides the samples, memory holds some 150 bytes for each.
@@ -137,51 +143,139 @@ pub fn verify_solid(
     options: &VerifyOptions,
     control: Control<'_>,
 ) -> Result<SolidReport, SolidError> {
-    let VerifyOptions {
-        covering_tolerance,
-        witnesses,
-        judges,
-        tile_samples: _,
-    } = *options;
-    check_choice(judges)?;
-    let limit = covering_limit(covering_tolerance, radius);
-    error::check(points, &region, radius, covering_tolerance, limit)?;
-
-    // Pairs and cubes count the samples once each.
-    let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
-    let pairs = pairs::search(points, &region, radius, witnesses, &monitor)?;
-    let cubes = cubes::search(points, &region, radius, limit, &monitor)?;
-
-    // Among all samples, as only a few places are listed.
-    let gap = |&center: &[f64; 3]| {
-        let distances = points.iter().map(|&point| region.distance(point, center));
-        SolidGap {
-            center,
-            distance: distances.fold(f64::INFINITY, f64::min),
-        }
-    };
-    Ok(SolidReport {
-        count: points.len(),
+    let [by_cubes, by_circles] = asked(options.judges, points.len())?;
+    let question = SolidQuestion {
+        points,
         region,
         radius,
-        covering_tolerance,
-        conflicts: pairs.conflicts.min(MAX_CONFLICTS),
-        worst_conflicts: pairs.worst.into_sorted(),
-        gaps: cubes.gaps,
-        first_gaps: cubes.places.iter().take(witnesses).map(gap).collect(),
-        min_distance: pairs.min_distance,
-        density: points.len() as f64 * radius.powi(3) / region.volume(),
-        cubes: cubes.cubes,
-    })
+        tolerance: options.covering_tolerance,
+        witnesses: options.witnesses,
+    };
+    error::check(&question)?;
+
+    // Pairs and cubes count the samples once each, and so do circles.
+    let passes = 2 * u64::from(by_cubes) + u64::from(by_circles);
+    let monitor = Monitor::begin(control, passes * points.len() as u64)?;
+    let circles = if by_circles {
+        question.by_circles(&monitor)?
+    } else {
+        None
+    };
+
+    match circles {
+        Some(circles) if !by_cubes => Ok(circles),
+        Some(circles) => agreed(question.by_cubes(&monitor)?, circles),
+        // A set that circles decline goes to the other judge, asked or not.
+        None => question.by_cubes(&monitor),
+    }
 }
 
-/// Refuses judges that know of the plane alone.
-const fn check_choice(choice: JudgeChoice) -> Result<(), SolidError> {
-    let judge = match choice {
-        JudgeChoice::Automatic | JudgeChoice::Subdivision => return Ok(()),
-        JudgeChoice::Delaunay => "delaunay",
-        JudgeChoice::Circles => "circles",
-        JudgeChoice::Both => "both",
+/// What the judges are asked.
+struct SolidQuestion<'a> {
+    points: &'a [[f64; 3]],
+    region: SolidRegion,
+    radius: f64,
+    tolerance: f64,
+    witnesses: usize,
+}
+
+impl SolidQuestion<'_> {
+    /// Returns how far from all samples no place may be.
+    const fn limit(&self) -> f64 {
+        covering_limit(self.tolerance, self.radius)
+    }
+
+    /// Returns how far from all samples no place is, if cubes show no gap. Circles look as far, so that places between are no
+    /// matter of dispute.
+    const fn bound(&self) -> f64 {
+        self.limit() + RESOLUTION * self.radius
+    }
+
+    fn by_cubes(&self, monitor: &Monitor<'_>) -> Result<SolidReport, SolidError> {
+        let pairs = pairs::search(self, monitor)?;
+        let cubes = cubes::search(self, monitor)?;
+        Ok(self.report(Judge::Subdivision, pairs, cubes.gaps, &cubes.places))
+    }
+
+    /// Returns `None` if the judge declines the set.
+    fn by_circles(&self, monitor: &Monitor<'_>) -> Result<Option<SolidReport>, SolidError> {
+        let found = circles::search(self, monitor)?;
+        Ok(found.map(|found| {
+            let pairs = PairsFound::without_conflicts(found.min_distance);
+            self.report(Judge::Circles, pairs, found.exposed, &found.places)
+        }))
+    }
+
+    fn report(
+        &self,
+        judge: Judge,
+        pairs: PairsFound,
+        gaps: u64,
+        places: &[[f64; 3]],
+    ) -> SolidReport {
+        let &Self {
+            points,
+            region,
+            radius,
+            tolerance,
+            witnesses,
+        } = self;
+        // Among all samples, as only a few places are listed.
+        let gap = |&center: &[f64; 3]| {
+            let distances = points.iter().map(|&point| region.distance(point, center));
+            SolidGap {
+                center,
+                distance: distances.fold(f64::INFINITY, f64::min),
+            }
+        };
+
+        SolidReport {
+            judges: vec![judge],
+            count: points.len(),
+            region,
+            radius,
+            covering_tolerance: tolerance,
+            conflicts: pairs.conflicts.min(MAX_CONFLICTS),
+            worst_conflicts: pairs.worst.into_sorted(),
+            gaps,
+            first_gaps: places.iter().take(witnesses).map(gap).collect(),
+            min_distance: pairs.min_distance,
+            density: points.len() as f64 * radius.powi(3) / region.volume(),
+        }
+    }
+}
+
+/// Whether cubes and circles are asked about so many samples. Refuses the judge that knows of the plane alone.
+fn asked(choice: JudgeChoice, count: usize) -> Result<[bool; 2], SolidError> {
+    match choice {
+        JudgeChoice::Automatic => Ok([true, count <= JudgeChoice::BOTH_UP_TO]),
+        JudgeChoice::Subdivision => Ok([true, false]),
+        JudgeChoice::Circles => Ok([false, true]),
+        JudgeChoice::Both => Ok([true, true]),
+        JudgeChoice::Delaunay => Err(SolidError::WrongJudge),
+    }
+}
+
+/// Returns the report by cubes in the name of both judges, if they agree.
+fn agreed(cubes: SolidReport, circles: SolidReport) -> Result<SolidReport, SolidError> {
+    // Both compute distances by nearly the same formula. One sample has none.
+    let apart = (cubes.min_distance - circles.min_distance).abs();
+    let near = apart <= 1e-12 * cubes.min_distance || cubes.min_distance == circles.min_distance;
+
+    // Circles find only what is beyond the bound. Of a hole less deep cubes may see a place.
+    let bound = cubes.covering_bound() * (1.0 + 1e-12);
+    let is_deep = cubes.first_gaps.iter().any(|gap| gap.distance > bound);
+    let difference = if cubes.conflicts > 0 || !near {
+        "smallest distance"
+    } else if (circles.maximal() && is_deep) || (cubes.maximal() && !circles.maximal()) {
+        "gaps"
+    } else {
+        let judges = vec![Judge::Subdivision, Judge::Circles];
+        return Ok(SolidReport { judges, ..cubes });
     };
-    Err(SolidError::WrongJudge { judge })
+
+    Err(SolidError::Disagreement {
+        difference,
+        reports: Box::new([cubes, circles]),
+    })
 }

@@ -6,9 +6,8 @@ use rayon::prelude::*;
 
 use crate::monitor::Monitor;
 
-use super::RESOLUTION;
 use super::error::SolidError;
-use super::region::SolidRegion;
+use super::{RESOLUTION, SolidQuestion};
 
 /// With so many samples near it or fewer, a cube is left to one thread: a few milliseconds.
 const TASK_SAMPLES: usize = 2_048;
@@ -22,7 +21,6 @@ pub(super) struct CubesFound {
     pub gaps: u64,
     /// An uncovered place of each of the first ones.
     pub places: Vec<[f64; 3]>,
-    pub cubes: u64,
 }
 
 /// Places that are kept of each task.
@@ -31,26 +29,23 @@ const MAX_PLACES: usize = 1_024;
 impl CubesFound {
     fn merge(&mut self, other: Self) {
         self.gaps += other.gaps;
-        self.cubes += other.cubes;
         self.places.extend(other.places);
         self.places.truncate(MAX_PLACES);
     }
 }
 
-/// Looks for places farther than `limit` from all samples. Where cubes of about a radius have one, the first is enough.
+/// Looks for places farther than the limit from all samples. Where cubes of about a radius have one, the first is enough.
 pub(super) fn search(
-    points: &[[f64; 3]],
-    region: &SolidRegion,
-    radius: f64,
-    limit: f64,
+    question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
 ) -> Result<CubesFound, SolidError> {
+    let (points, region) = (question.points, &question.region);
     let half = region.size().map(|extent| extent / 2.0);
     let root = Cube { middle: half, half };
     let rule = Rule {
-        radius,
-        limit_squared: limit * limit,
-        least_half: RESOLUTION * radius / 2.0,
+        radius: question.radius,
+        limit_squared: question.limit() * question.limit(),
+        least_half: RESOLUTION * question.radius / 2.0,
     };
 
     // A limit is shorter than half a period, so that images one period away suffice.
@@ -113,6 +108,7 @@ impl Task<'_> {
                 found: CubesFound::default(),
             };
             search.visit(cube, 0..near.len());
+            // By volume, since samples near the cube are near others, too.
             let share = cube.volume() / self.region_volume;
             self.monitor.advance((self.count * share) as u64)?;
             return Ok(search.found);
@@ -124,10 +120,13 @@ impl Task<'_> {
             let near: Vec<[f64; 3]> = near.iter().copied().filter(reaches).collect();
             self.of_cube(&part, &near)
         };
+        // In the sequence of the parts, so that the places listed do not depend on the threads.
         let parts: Vec<Cube> = cube.parts().collect();
         let found: Result<Vec<CubesFound>, _> = parts.into_par_iter().map(of_part).collect();
         let mut all = CubesFound::default();
-        found?.into_iter().for_each(|found| all.merge(found));
+        for found in found? {
+            all.merge(found);
+        }
         Ok(all)
     }
 }
@@ -143,13 +142,13 @@ struct CubeSearch {
 impl CubeSearch {
     /// Looks for uncovered places in a cube, given the samples within the limit of a larger one; returns whether it has one.
     fn visit(&mut self, cube: &Cube, near: Range<usize>) -> bool {
-        self.found.cubes += 1;
         let limit = self.rule.limit_squared;
         let first = self.lists.len();
         let mut nearest = f64::INFINITY;
         for index in near {
             let sample = self.lists[index];
             let distances = cube.distances(sample);
+            // Proven: the sample is within the limit of every place.
             if distances.farthest <= limit {
                 self.lists.truncate(first);
                 return false;

@@ -4,6 +4,7 @@ use crate::error::VerifyError;
 use crate::number::Number;
 
 use super::region::SolidRegion;
+use super::{SolidQuestion, SolidReport};
 
 /// How many times longer than the longest extent the radius may be, and how many times shorter: beyond that cubes are lost
 /// in the rounding of coordinates.
@@ -79,11 +80,22 @@ pub enum SolidError {
         /// How far from a sample a place may be.
         limit: f64,
     },
-    /// Only subdivision judges sets in space.
-    #[error("the judge {judge} knows of the plane alone: subdivision judges sets in space")]
-    WrongJudge {
-        /// The judge that was asked for.
-        judge: &'static str,
+    /// The judge by triangulation knows of the plane alone.
+    #[error(
+        "the judge delaunay knows of the plane alone: sets in space are judged by subdivision, circles or both"
+    )]
+    WrongJudge,
+    /// The two judges differ on a set: one of them is wrong.
+    #[error(
+        "the two judges disagree on the {difference}: {} and {} gaps by {}, {} and {} by {}; this is a fault of the verifier",
+        .reports[0].min_distance, .reports[0].gaps, .reports[0].judges[0],
+        .reports[1].min_distance, .reports[1].gaps, .reports[1].judges[0]
+    )]
+    Disagreement {
+        /// The name of the value on which they differ.
+        difference: &'static str,
+        /// The reports of both.
+        reports: Box<[SolidReport; 2]>,
     },
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
@@ -98,13 +110,14 @@ impl From<VerifyError> for SolidError {
 }
 
 /// Refuses what cannot be judged, with its first offence.
-pub(super) fn check(
-    points: &[[f64; 3]],
-    region: &SolidRegion,
-    radius: f64,
-    tolerance: f64,
-    limit: f64,
-) -> Result<(), SolidError> {
+pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
+    let SolidQuestion {
+        points,
+        region,
+        radius,
+        tolerance,
+        ..
+    } = *question;
     if !region.is_supported() {
         let size = region.size();
         return Err(SolidError::BadRegion { size });
@@ -117,7 +130,7 @@ pub(super) fn check(
         return Err(SolidError::BadTolerance { tolerance });
     }
     // In a longer period at most one of a sample's images is near a place.
-    let side = region.shortest();
+    let (side, limit) = (region.shortest(), question.bound());
     if region.is_periodic() && side <= 2.0 * limit {
         return Err(SolidError::Period { side, limit });
     }
@@ -129,12 +142,12 @@ pub(super) fn check(
     if count >= limit {
         return Err(SolidError::TooMany { count, limit });
     }
+
     for (index, &point) in points.iter().enumerate() {
         if !point.iter().all(|value| value.is_finite()) {
             return Err(SolidError::NotFinite { index, point });
         }
         if !region.contains(point) {
-            let region = *region;
             return Err(SolidError::OutOfRegion {
                 index,
                 point,

@@ -10,6 +10,7 @@ use crate::monitor::Monitor;
 use crate::witness::Conflict;
 use crate::worst::Worst;
 
+use super::SolidQuestion;
 use super::error::SolidError;
 use super::region::SolidRegion;
 
@@ -47,6 +48,14 @@ impl PairsFound {
         }
     }
 
+    /// Returns what is known of a set whose nearest samples are not in conflict.
+    pub fn without_conflicts(min_distance: f64) -> Self {
+        Self {
+            min_distance,
+            ..Self::new(0)
+        }
+    }
+
     fn merge(&mut self, other: Self) {
         self.conflicts += other.conflicts;
         self.worst.merge(other.worst);
@@ -59,14 +68,18 @@ impl PairsFound {
     }
 }
 
-/// Counts the pairs closer than `radius`, and finds the smallest distance of all.
+/// Counts the pairs closer than the radius, and finds the smallest distance of all.
 pub(super) fn search(
-    points: &[[f64; 3]],
-    region: &SolidRegion,
-    radius: f64,
-    witnesses: usize,
+    question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
 ) -> Result<PairsFound, SolidError> {
+    let &SolidQuestion {
+        points,
+        ref region,
+        radius,
+        witnesses,
+        ..
+    } = question;
     let reach = NEARLY * radius;
     let bins = Bins::new(points, region, reach);
     let mut found = bins.scan(radius, witnesses, monitor)?;
@@ -105,6 +118,7 @@ fn smallest_distance(
             continue;
         }
 
+        // No distance is below 0, so that nothing is counted.
         let found = bins.scan(0.0, 0, &monitor)?.min_distance;
         // All pairs within the reach were seen, and a bin as wide as the region sees all.
         if found <= reach || bins.is_one() {
@@ -198,7 +212,9 @@ impl<'a> Bins<'a> {
             if !all.is_full() {
                 let of_chunk = |chunk: &[Binned]| self.of_chunk(chunk, radius, witnesses);
                 let found: Vec<PairsFound> = batch.par_chunks(CHUNK).map(of_chunk).collect();
-                found.into_iter().for_each(|found| all.merge(found));
+                for found in found {
+                    all.merge(found);
+                }
             }
             monitor.advance(batch.len() as u64)?;
         }
@@ -208,6 +224,7 @@ impl<'a> Bins<'a> {
     fn of_chunk(&self, chunk: &[Binned], radius: f64, witnesses: usize) -> PairsFound {
         let mut found = PairsFound::new(witnesses);
         for own in chunk.chunk_by(|a, b| a.key == b.key) {
+            // Samples of a bin have the same bins around them.
             let around = self.around(own[0].key);
             for one in own {
                 for other in around.iter().copied().flatten() {
@@ -215,6 +232,7 @@ impl<'a> Bins<'a> {
                     if one.index >= other.index {
                         continue;
                     }
+
                     let distance = self.region.distance(one.place, other.place);
                     found.min_distance = found.min_distance.min(distance);
                     if distance < radius {
@@ -226,6 +244,7 @@ impl<'a> Bins<'a> {
                         });
                     }
                 }
+                // A crowd of a million would take a million million comparisons.
                 if found.is_full() {
                     return found;
                 }

@@ -1,9 +1,11 @@
 //! The judge by cubes against the definition: all pairs, and places on a fine grid; lattices whose covering radius is
 //! known; faults that were planted.
 
+#![allow(clippy::float_cmp, reason = "the judge computes what is computed here")]
+
 use proptest::prelude::*;
 use tilescope_analysis::{
-    Boundary, JudgeChoice, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid,
+    Boundary, Judge, JudgeChoice, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid,
 };
 
 use crate::support::{BOTH, Random, go_on, on_threads};
@@ -59,6 +61,20 @@ fn check(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
         assert_eq!(worst.distance, least);
     }
 
+    // The places that circles find lie on spheres of the limit.
+    if let Some(circles) = by_circles(points, region, radius) {
+        assert_eq!(circles.maximal(), report.maximal());
+        assert!((circles.min_distance - least).abs() <= 1e-12 * least);
+        for gap in &circles.first_gaps {
+            assert!(
+                gap.distance >= report.covering_bound() * (1.0 - 1e-9),
+                "{gap:?}"
+            );
+            assert!(region.contains(gap.center), "{gap:?}");
+        }
+        assert_eq!(report.judges, [Judge::Subdivision, Judge::Circles]);
+    }
+
     // Whatever is said to be uncovered is, and if nothing is, every place is covered.
     for gap in &report.first_gaps {
         let apart = nearest(&region, points, gap.center);
@@ -74,6 +90,20 @@ fn check(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
         }
     }
     report
+}
+
+fn by(judges: JudgeChoice, points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
+    let options = VerifyOptions {
+        judges,
+        ..VerifyOptions::default()
+    };
+    verify_solid(points, region, radius, &options, &go_on).expect("a report")
+}
+
+/// The verdict of covered circles alone; `None` if they decline the set.
+fn by_circles(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> Option<SolidReport> {
+    let report = by(JudgeChoice::Circles, points, region, radius);
+    Some(report).filter(|report| report.judges == [Judge::Circles])
 }
 
 /// Sets of few points, some of them at one place, in a plane, on a line, or in a corner; some cover everything.
@@ -96,7 +126,7 @@ fn sets() -> impl Strategy<Value = (Vec<[f64; 3]>, SolidRegion)> {
                 0 => [x, y, 0.0],
                 1 => [x, 0.0, size[2] * 0.5],
                 2 => [x * 0.01, y * 0.01, z * 0.01],
-                3 if k % 3 > 0 => [0.25, 0.5, 0.75],
+                3 if !k.is_multiple_of(3) => [0.25, 0.5, 0.75],
                 // On the corners of a grid, and so at one place, too.
                 4 => [x, y, z].map(|value| (value * 2.0).floor() / 2.0),
                 _ => [x, y, z],
@@ -115,6 +145,11 @@ proptest! {
         // The same set under another radius is nearly always complete, and full of conflicts.
         let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
         check(&points, region, 0.49 * shortest);
+        // Without conflicts both judge.
+        let least = judged(&points, region, radius).min_distance;
+        if least > 0.01 {
+            check(&points, region, least.min(0.49 * shortest));
+        }
     }
 }
 
@@ -162,30 +197,27 @@ fn lattices_are_maximal_from_their_covering_radius_on() {
     }
 }
 
-/// A cube of the search fits into one ball and holds two samples, each near its middle: both faults of the set have to be
-/// seen, and so has a conflict where nothing is uncovered.
+/// A cube of the search fits into one ball and holds two samples: the conflict has to be seen although nothing is uncovered.
 #[test]
 fn conflicts_are_found_in_cubes_that_one_sample_covers() {
     let mut random = Random::new(4);
     for boundary in BOTH {
         // Whole cubes of the search lie in the ball of each of these samples.
-        let points = lattice(8, &[[0.5; 3]]);
-        let region = region([8.0; 3], boundary);
+        let points = lattice(5, &[[0.5; 3]]);
+        let region = region([5.0; 3], boundary);
         assert!(judged(&points, region, 1.0).valid());
-        for _ in 0..300 {
+        for _ in 0..100 {
             let index = (random.uniform() * points.len() as f64) as usize;
-            let near = [0, 1, 2].map(|axis| {
-                let value = points[index][axis] + (random.uniform() - 0.5) * 0.99;
-                value.rem_euclid(8.0)
-            });
+            let near = points[index].map(|value| value + (random.uniform() - 0.5) * 0.99);
             let more = [points.as_slice(), &[near]].concat();
-            let report = judged(&more, region, 1.0);
+            let report = by(JudgeChoice::Subdivision, &more, region, 1.0);
             assert!(report.maximal() && !report.conflict_free());
-            let named = report
-                .worst_conflicts
-                .iter()
-                .any(|c| (c.first, c.second) == (index, 512));
-            assert!(named, "{near:?} beside {:?}", points[index]);
+            let pairs = report.worst_conflicts.iter().map(|c| (c.first, c.second));
+            assert!(
+                pairs.clone().any(|pair| pair == (index, points.len())),
+                "{near:?}"
+            );
+            assert_eq!(report.conflicts as usize, pairs.count());
             assert_eq!(report.min_distance, report.worst_conflicts[0].distance);
         }
     }
@@ -203,7 +235,10 @@ fn each_planted_hole_is_found() {
             let index = (random.uniform() * points.len() as f64) as usize;
             let (mut fewer, place) = (points.clone(), points[index]);
             fewer.swap_remove(index);
+            let circles = by_circles(&fewer, region, 0.9999).expect("a verdict");
+            assert!(circles.conflict_free() && circles.gaps > 0, "{circles:?}");
             let report = judged(&fewer, region, 0.9999);
+            assert_eq!(report.judges, [Judge::Subdivision, Judge::Circles]);
             assert!(report.conflict_free() && !report.maximal());
             let away = distance(&region, report.first_gaps[0].center, place);
             // At a border the hole reaches up to it.
@@ -272,18 +307,13 @@ fn what_cannot_be_judged_is_refused_with_value_and_limit() {
     let long = region([8.0, 8.0, 1e8], Boundary::Bounded);
     assert!(refused(&inside, long, 1.0).contains("8 x 8 x 100000000 is not supported"));
 
-    for (judges, name) in [
-        (JudgeChoice::Delaunay, "delaunay"),
-        (JudgeChoice::Circles, "circles"),
-        (JudgeChoice::Both, "both"),
-    ] {
-        let options = VerifyOptions {
-            judges,
-            ..VerifyOptions::default()
-        };
-        let refused = verify_solid(&inside, cube, 1.0, &options, &go_on);
-        assert_eq!(refused, Err(SolidError::WrongJudge { judge: name }));
-    }
+    let options = VerifyOptions {
+        judges: JudgeChoice::Delaunay,
+        ..VerifyOptions::default()
+    };
+    let refused = verify_solid(&inside, cube, 1.0, &options, &go_on).expect_err("a refusal");
+    let said = refused.to_string();
+    assert!(said.contains("judge delaunay") && said.contains("subdivision, circles or both"));
     let stop = |_| std::ops::ControlFlow::Break(());
     let stopped = verify_solid(&inside, cube, 1.0, &VerifyOptions::default(), &stop);
     assert_eq!(stopped, Err(SolidError::Cancelled));

@@ -8,4 +8,5 @@ mod exact;
 mod extremes;
 mod levels;
 mod solid;
+mod solid_judged;
 mod varying;
