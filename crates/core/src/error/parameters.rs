@@ -72,7 +72,7 @@ pub enum ParameterError {
         Number(*.side)
     )]
     Side {
-        /// The name of the side: "width" or "height".
+        /// The name of the side: "width", "height" or "depth".
         name: &'static str,
         /// The value as given.
         side: f64,
@@ -88,7 +88,7 @@ pub enum ParameterError {
         Number(*.minimum)
     )]
     SideTooShort {
-        /// The name of the side: "width" or "height".
+        /// The name of the side: "width", "height" or "depth".
         name: &'static str,
         /// Its length in radii.
         radii: f64,
@@ -102,7 +102,7 @@ pub enum ParameterError {
         Number(*.maximum)
     )]
     SideTooLong {
-        /// The name of the side: "width" or "height".
+        /// The name of the side: "width", "height" or "depth".
         name: &'static str,
         /// Its length in radii.
         radii: f64,
