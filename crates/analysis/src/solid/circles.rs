@@ -197,7 +197,7 @@ impl<'a> Neighbours<'a> {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Lists the samples nearer than the reach to one, with all of their images that are, but not those at its own place.
+    /// Lists the samples nearer than the reach to one, with all of their images that are.
     fn list(&self, index: usize, near: &mut Vec<Other>) {
         near.clear();
         let center = self.points[index];
