@@ -411,7 +411,9 @@ fn exposed_arcs_are_those_that_no_other_disk_covers() {
 fn one_rule_decides_at_the_limit() {
     let mut verdicts = BTreeMap::new();
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
-        for side in 1..40 {
+        // Any side rounds in ways of its own; these are spread over all of them.
+        let step = 40usize.div_ceil(tilescope_tests::cases(80) as usize);
+        for side in (1..40).step_by(step) {
             let spacing = 0.017 * f64::from(side);
             let points: Vec<[f64; 2]> = (0..64)
                 .map(|i| [f64::from(i % 8) * spacing, f64::from(i / 8) * spacing])
@@ -446,6 +448,6 @@ fn one_rule_decides_at_the_limit() {
         }
     }
     // Both verdicts occur, so the radii lie on either side of the limit.
-    assert!(verdicts.values().all(|count| *count > 100), "{verdicts:?}");
+    assert!(verdicts.values().all(|count| *count > 30), "{verdicts:?}");
     assert_eq!(verdicts.len(), 2);
 }

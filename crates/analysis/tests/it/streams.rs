@@ -152,7 +152,8 @@ fn a_sample_removed_anywhere_leaves_the_same_gaps() {
         in_rows(&mut points, radius);
         let count = points.len();
         let corners = [0, 1, 13, 14, count - 1, count - 2, count - 20];
-        let spread = (0..60).map(|i| i * count / 60);
+        let some = tilescope_tests::cases(60) as usize;
+        let spread = (0..some).map(|i| i * count / some);
         for removed in spread.chain(corners) {
             let mut fewer = points.clone();
             fewer.remove(removed);
@@ -177,7 +178,7 @@ fn a_sample_added_anywhere_makes_the_same_conflicts() {
             [0.0, 0.0],
         ];
         let mut random = Random::new(3);
-        let inside = random.points(40, region);
+        let inside = random.points(tilescope_tests::cases(40) as usize, region);
         for added in edges.into_iter().chain(inside) {
             let mut more = points.clone();
             more.push(added);
