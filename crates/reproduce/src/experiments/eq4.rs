@@ -26,7 +26,7 @@ const EXPONENT: f64 = 0.15;
 
 /// Sets of each leaf, and the samples of each.
 fn amounts(settings: &Settings) -> (usize, f64) {
-    settings.pick((8, 200_000.0), (2, 50_000.0))
+    settings.pick((8, 200_000.0), (2, 30_000.0))
 }
 
 /// A unit for each leaf.

@@ -19,7 +19,7 @@ use rows::LeafTimes;
 use stages::StageRound;
 
 fn plan(settings: &Settings) -> TimingPlan {
-    let (samples, rounds) = settings.pick((1_000_000, 5), (100_000, 2));
+    let (samples, rounds) = settings.pick((1_000_000, 5), (50_000, 2));
     TimingPlan { samples, rounds }
 }
 

@@ -69,7 +69,7 @@ fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
 }
 
 fn plan(settings: &Settings) -> TimingPlan {
-    let (samples, rounds) = settings.pick((2_000_000, 10), (200_000, 2));
+    let (samples, rounds) = settings.pick((2_000_000, 10), (50_000, 2));
     TimingPlan { samples, rounds }
 }
 

@@ -29,7 +29,7 @@ const ENOUGH: usize = 2;
 const RARE: f64 = 0.01;
 
 fn samples(settings: &Settings) -> f64 {
-    settings.pick(PAPER_SAMPLES, 60_000.0)
+    settings.pick(PAPER_SAMPLES, 20_000.0)
 }
 
 fn cases() -> [InsertionCase; 4] {

@@ -101,12 +101,13 @@ fn a_cancelled_run_keeps_its_parts_and_the_next_one_makes_only_the_rest() {
     let same = reproduce(&[OF], &options(&broken), &again).unwrap();
     assert_eq!(same.finished, later.finished);
     assert_eq!(again.kept(), units);
-    // With `fresh`, all units are planned again.
+    // With `fresh`, all units are planned again; it is stopped before it makes the first.
     let fresh = Options {
         fresh: true,
         ..options(&broken)
     };
-    let anew = Until::of(&broken, usize::MAX);
-    reproduce(&[OF], &fresh, &anew).unwrap();
+    let anew = Until::of(&broken, 0);
+    let stopped = reproduce(&[OF], &fresh, &anew);
+    assert!(matches!(stopped, Err(ReproduceError::Cancelled)));
     assert_eq!(anew.kept(), 0);
 }

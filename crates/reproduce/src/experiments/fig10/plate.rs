@@ -120,7 +120,7 @@ fn root((sum, count): Squares) -> f64 {
 
 /// Returns the zone plate, samples of a set, and sets.
 pub fn amounts(settings: &Settings) -> (Plate, usize, u64) {
-    let (count, side, sets) = settings.pick((1_000_000, 512, 5), (250_000, 256, 3));
+    let (count, side, sets) = settings.pick((1_000_000, 512, 5), (62_500, 128, 3));
     (Plate { side }, count, sets)
 }
 
