@@ -172,6 +172,7 @@ fn another_seed_and_another_number_of_threads_are_another_experiment() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn detectors_in_stages_that_look_2r_far_leave_gaps_and_4r_far_none() {
     let folder = tempdir().unwrap();
     let told = reproduced(&folder, &["search"]);
