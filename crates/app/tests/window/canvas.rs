@@ -238,23 +238,22 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     }
 }
 
-/// How much the canvas changes along a line of the domain when the KD-tree is toggled.
-fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
+/// How much the canvas changes along each of some lines of the domain when the KD-tree is toggled.
+fn tree_at(harness: &mut Harness<'_, App>, lines: &[[[f64; 2]; 2]]) -> Vec<f64> {
     let mut shoot = || {
         harness.step();
         let image = harness.render().expect("a picture");
-        let state = &harness.state().state;
-        let along = (0..40).map(|k| {
-            let t = 0.05 + 0.9 * f64::from(k) / 40.0;
-            let position = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
-            let pos = state
-                .runs()
-                .first
-                .camera
-                .screen_from_domain(state.runs().first.viewport, position);
-            f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
-        });
-        let seen: Vec<f64> = along.collect();
+        let run = &harness.state().state.runs().first;
+        let along = |ends: &[[f64; 2]; 2]| -> Vec<f64> {
+            let places = (0..40).map(|k| {
+                let t = 0.05 + 0.9 * f64::from(k) / 40.0;
+                let position = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
+                let pos = run.camera.screen_from_domain(run.viewport, position);
+                f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
+            });
+            places.collect()
+        };
+        let seen: Vec<Vec<f64>> = lines.iter().map(along).collect();
         harness
             .state_mut()
             .state
@@ -264,7 +263,8 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
         seen
     };
     let (before, after) = (shoot(), shoot());
-    difference(&before, &after)
+    let each = before.iter().zip(&after);
+    each.map(|(a, b)| difference(a, b)).collect()
 }
 
 #[test]
@@ -291,18 +291,16 @@ fn the_tree_shows_the_splits_that_were_made() {
     };
     let second = after(&harness, 1);
     apply(&mut harness, Command::Time(TimeCommand::Jump(second)));
-    assert!(tree_at(&mut harness, line(0)) > 40.0);
-    assert!(tree_at(&mut harness, line(1)) > 40.0);
-    for later in 2..splits.len() {
-        assert!(tree_at(&mut harness, line(later)) < 8.0, "split {later}");
-    }
+    let lines: Vec<_> = (0..splits.len()).map(line).collect();
+    let changes = tree_at(&mut harness, &lines);
+    assert!(changes[..2].iter().all(|by| *by > 40.0), "{changes:?}");
+    assert!(changes[2..].iter().all(|by| *by < 8.0), "{changes:?}");
     apply(
         &mut harness,
         Command::Time(TimeCommand::ShowStage(BLOCKS_STAGE)),
     );
-    for made in 0..splits.len() {
-        assert!(tree_at(&mut harness, line(made)) > 20.0, "split {made}");
-    }
+    let changes = tree_at(&mut harness, &lines);
+    assert!(changes.iter().all(|by| *by > 20.0), "{changes:?}");
 }
 
 #[test]

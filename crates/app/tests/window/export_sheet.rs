@@ -10,7 +10,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 
-use crate::support::{find, is_disabled, node, opened, settle, text};
+use crate::support::{find, is_disabled, node, opened, opened_at, settle, text};
 
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
@@ -170,7 +170,7 @@ fn errors_are_shown_in_the_sheet_and_in_the_menu() {
 
 #[test]
 fn every_kind_of_the_sheet_is_drawn_in_both_themes() {
-    let mut harness = opened();
+    let mut harness = opened_at([1100.0, 760.0]);
     for look in [Look::Dark, Look::Light] {
         let mut pictures = std::collections::BTreeSet::new();
         harness
