@@ -171,7 +171,7 @@ def test_reading_passes_progress_on_and_can_be_stopped(tmp_path):
     def stop(name, done, total):
         raise Enough
 
-    tilescope.sample(300_000).save(tmp_path / "set.npy")
+    tilescope.sample(100_000).save(tmp_path / "set.npy")
     with pytest.raises(Enough):
         tilescope.read(tmp_path / "set.npy", progress=stop)
 
@@ -184,7 +184,7 @@ def test_an_invalid_set_is_saved_with_a_warning(holed, tmp_path):
 
 
 def test_rounding_is_told(tmp_path):
-    large = tilescope.sample(300_000)
+    large = tilescope.sample(100_000)
     with pytest.warns(UserWarning, match="pairs in conflict, made by rounding"):
         large.save(tmp_path / "large.rps")
 
