@@ -17,7 +17,7 @@ use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, s
 
 use crate::arrays::rows;
 use crate::failure::Failure;
-use crate::ground::{Ground, refuse_ground};
+use crate::ground::Ground;
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -157,9 +157,19 @@ impl SetArgument<'_> {
         Some(Arc::clone(&ground.get().varying))
     }
 
+    /// Refuses a set whose radius varies or that covers a shape, for what takes one radius and rectangles alone.
+    pub fn refuse_ground(&self, what: &str) -> PyResult<()> {
+        match self.ground {
+            None => Ok(()),
+            Some(_) => Err(PyValueError::new_err(format!(
+                "the set's radius varies or it covers a shape, which {what} does not take into account"
+            ))),
+        }
+    }
+
     /// Returns the domain with the radius, or an error that asks for that, or that says that there is more to it.
     pub fn known_domain(&self) -> PyResult<KnownDomain> {
-        refuse_ground(self, "a pattern or a combination")?;
+        self.refuse_ground("a pattern or a combination")?;
         Ok(KnownDomain {
             region: self.region()?,
             radius: self.radius()?,

@@ -4,7 +4,6 @@ use pyo3::prelude::*;
 use tilescope_analysis::verify_cut;
 
 use crate::arguments::{SetArgument, verify_options};
-use crate::ground::refuse_ground;
 use crate::memory::ask_to_judge;
 use crate::task::run;
 
@@ -18,7 +17,7 @@ pub fn verify_window(
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(u64, u64)> {
-    refuse_ground(&set, "a window")?;
+    set.refuse_ground("a window")?;
     let (points, asked) = (set.points()?, (set.region()?, set.radius()?));
     let options = verify_options(judge)?;
     let [left, bottom, right, top] = window;

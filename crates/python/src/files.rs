@@ -17,9 +17,10 @@ use tilescope_formats::{
 
 use crate::arguments::{SetArgument, claims, format, level_fields, overrides, verify_options};
 use crate::arrays::rows;
+use crate::domain::GivenDomain;
 use crate::failure::Failure;
 use crate::ground::{FieldArgument, Ground};
-use crate::judge::{self, GivenDomain, of_report};
+use crate::judge::{self, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{PythonSet, set_into_python};
 use crate::task::run;

@@ -11,17 +11,15 @@ use tilescope_analysis::lossy;
 use tilescope_core::Boundary;
 use tilescope_formats::{Certificate, VaryingDomain, read_whole};
 use tilescope_sets::{
-    Expression, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusGrid, RadiusSource,
-    ShapeSource, VaryingRecipe,
+    Expression, Facts, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusGrid,
+    RadiusSource, ShapeSource, VaryingRecipe,
 };
 
-use crate::arguments::SetArgument;
 use crate::arrays::rows;
+use crate::domain::GivenDomain;
 use crate::failure::Failure;
-use crate::judge::GivenDomain;
-use crate::sample::{PythonSet, into_python};
 use crate::task::run;
-use crate::values::{real_if_given, whole};
+use crate::values::real_if_given;
 
 /// What callers say of a radius that varies and of a shape, as the Python class `Field` holds it: at most one field and at
 /// most one shape.
@@ -98,7 +96,8 @@ impl FieldArgument<'_> {
         Ok(mask.transpose()?.map(ShapeSource::Mask))
     }
 
-    fn radius(&self) -> PyResult<Option<f64>> {
+    /// Returns the radius, if it is given as one number.
+    pub fn radius(&self) -> PyResult<Option<f64>> {
         real_if_given("radius", self.radius.as_ref())
     }
 
@@ -140,7 +139,7 @@ impl FieldArgument<'_> {
     }
 
     /// Returns the recipe of a set in the domain of another recipe, whose radius is not looked at. With a count any scale does.
-    fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
+    pub fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
         let wanted = |name: &str| {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
         };
@@ -175,7 +174,7 @@ impl FieldArgument<'_> {
 }
 
 /// Returns the recipe of a domain, of which fields and shapes are still to be said.
-fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary) -> VaryingRecipe {
+pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary) -> VaryingRecipe {
     let expression = Expression::parse("1").map(|expression| RadiusSource::Expression {
         expression,
         scale: 1.0,
@@ -236,6 +235,18 @@ impl Ground {
         }
         let recipe = VaryingRecipe::of_certificate(stated, given).map_err(Failure::from)?;
         Ok(Self::new(recipe)?)
+    }
+
+    /// Returns what a set was made from, as its facts state it, if its radius varies or it covers a shape. `recipe` is
+    /// settled, so that copies of the set need not search for the scale of a count again.
+    pub fn of_made(recipe: VaryingRecipe, facts: &Facts) -> Option<Self> {
+        let varying = facts.varying.clone()?;
+        let origin = facts.origin;
+        Some(Self {
+            recipe,
+            origin,
+            varying,
+        })
     }
 
     /// Returns where the domain's lower corner lies.
@@ -332,48 +343,4 @@ impl Ground {
 pub fn ground_of(given: GivenDomain, field: FieldArgument<'_>) -> PyResult<Ground> {
     let like = bare(given.size(), given.origin, given.bounded_or_given()?);
     Ok(Ground::new(field.recipe(like)?)?)
-}
-
-/// Makes a set whose radius varies, or that covers a shape. Returns also what it is judged in.
-#[pyfunction]
-pub fn sample_field<'py>(
-    py: Python<'py>,
-    given: GivenDomain,
-    field: FieldArgument<'py>,
-    count: Option<&Bound<'py, PyAny>>,
-    seed: &Bound<'py, PyAny>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<(PythonSet<'py>, Ground)> {
-    let like = VaryingRecipe {
-        count: count.map(|count| whole("count", count)).transpose()?,
-        seed: whole("seed", seed)?,
-        ..bare(given.size(), given.origin, given.bounded_or_given()?)
-    };
-    if like.count.is_some() && field.radius.is_some() {
-        let text = "both count and radius are given; give one";
-        return Err(PyValueError::new_err(text));
-    }
-
-    let recipe = field.recipe(like)?;
-    let (made, recipe) = run(py, progress, |watch| {
-        Ok(recipe.make_settled(&mut watch.observer())?)
-    })?;
-    // Settled, so that copies of the set need not search for the scale of a count again.
-    let ground = made.facts.varying.clone().map(|varying| Ground {
-        recipe,
-        origin: made.facts.origin,
-        varying,
-    });
-    let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
-    Ok((into_python(made, py)?, ground))
-}
-
-/// Refuses a set whose radius varies or that covers a shape, for what knows of one radius and of rectangles only.
-pub fn refuse_ground(set: &SetArgument<'_>, what: &str) -> PyResult<()> {
-    match set.ground {
-        None => Ok(()),
-        Some(_) => Err(PyValueError::new_err(format!(
-            "the set's radius varies or it covers a shape, which {what} does not take into account"
-        ))),
-    }
 }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, verify_levels};
-use tilescope_core::Boundary;
 use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
     WHOLE_FILE_BYTES, check_stream, is_valid,
@@ -13,11 +12,11 @@ use tilescope_formats::{
 use tilescope_sets::check_or_unit_square;
 
 use crate::arguments::{SetArgument, claims, overrides, verify_options};
+use crate::domain::GivenDomain;
 use crate::failure::Failure;
 use crate::ground::{FieldArgument, Ground};
 use crate::memory::{ask_to_judge, ask_to_read};
 use crate::task::run;
-use crate::values::{named, real_if_given};
 
 /// Returns the verifier's report on a set, as JSON.
 #[pyfunction]
@@ -54,75 +53,6 @@ pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     all["valid"] = json!(is_valid(report, levels));
     all["levels"] = json!(levels);
     all
-}
-
-/// A domain and radius that stand in for, or override, those of a certificate.
-pub struct GivenDomain {
-    pub radius: Option<f64>,
-    width: Option<f64>,
-    height: Option<f64>,
-    boundary: Option<String>,
-    /// The position in the file of the domain's lower corner.
-    pub origin: Option<[f64; 2]>,
-}
-
-impl<'py> FromPyObject<'_, 'py> for GivenDomain {
-    type Error = PyErr;
-
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let number = |name: &str| {
-            let value: Option<Bound<'_, PyAny>> = given.getattr(name)?.extract()?;
-            real_if_given(name, value.as_ref())
-        };
-        Ok(Self {
-            radius: number("radius")?,
-            width: number("width")?,
-            height: number("height")?,
-            boundary: given.getattr("boundary")?.extract()?,
-            origin: given.getattr("origin")?.extract()?,
-        })
-    }
-}
-
-impl GivenDomain {
-    /// Returns the domain, with missing parts taken from `stated`, or from the periodic unit square.
-    pub fn region_over(&self, stated: Option<Region>) -> PyResult<Region> {
-        let base = stated.unwrap_or(Region::UNIT_SQUARE);
-        let boundary = (self.boundary.as_deref()).map(|boundary| named("boundary", boundary));
-        Ok(Region {
-            width: self.width.unwrap_or(base.width),
-            height: self.height.unwrap_or(base.height),
-            boundary: boundary.transpose()?.unwrap_or(base.boundary),
-        })
-    }
-
-    const fn has_region(&self) -> bool {
-        self.width.is_some() || self.height.is_some() || self.boundary.is_some()
-    }
-
-    /// Returns width and height, as far as they are given.
-    pub const fn size(&self) -> [Option<f64>; 2] {
-        [self.width, self.height]
-    }
-
-    /// Returns the boundary of a domain with a field or a shape: a field seldom goes around, and a shape never.
-    pub fn bounded_or_given(&self) -> PyResult<Boundary> {
-        let boundary = self.boundary.as_deref();
-        let boundary = boundary.map(|boundary| named("boundary", boundary));
-        Ok(boundary.transpose()?.unwrap_or(Boundary::Bounded))
-    }
-
-    /// Returns the first argument that is given of a domain and a radius.
-    pub fn first_given(&self, radius: Option<f64>) -> Option<&'static str> {
-        let given = [
-            ("radius", self.radius.or(radius).is_some()),
-            ("width", self.width.is_some()),
-            ("height", self.height.is_some()),
-            ("boundary", self.boundary.is_some()),
-        ];
-        let mut given = given.into_iter();
-        Some(given.find(|(_, is_given)| *is_given)?.0)
-    }
 }
 
 /// Verifies a file, and the levels that its certificate states, and compares its certificate. Returns the report, and the

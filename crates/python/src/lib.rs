@@ -15,6 +15,7 @@ mod arrays;
 mod combine;
 mod curve;
 mod cut;
+mod domain;
 mod failure;
 mod files;
 mod ground;
@@ -41,7 +42,7 @@ mod _tilescope {
     #[pymodule_export]
     use crate::files::{certify, digest, named_by_content, read, save, write_file};
     #[pymodule_export]
-    use crate::ground::{Ground, ground_of, sample_field};
+    use crate::ground::{Ground, ground_of};
     #[pymodule_export]
     use crate::judge::{check, verify};
     #[pymodule_export]
@@ -51,7 +52,7 @@ mod _tilescope {
     #[pymodule_export]
     use crate::plane::PythonPlane;
     #[pymodule_export]
-    use crate::sample::sample;
+    use crate::sample::{sample, sample_field};
     #[pymodule_export]
     use crate::task::set_threads;
 }

@@ -12,7 +12,6 @@ use tilescope_analysis::{VerifyOptions, verify};
 use crate::arguments::SetArgument;
 use crate::arrays::array;
 use crate::failure::Failure;
-use crate::ground::refuse_ground;
 use crate::memory::ask_to_measure;
 use crate::task::run;
 use crate::values::real_if_given;
@@ -25,7 +24,7 @@ pub fn analyze<'py>(
     set: SetArgument<'_>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    refuse_ground(&set, "analyze")?;
+    set.refuse_ground("analyze")?;
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
     let measured = run(py, progress, |watch| {
         // Asked for first, as a failed allocation would end the interpreter.

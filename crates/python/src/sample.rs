@@ -8,13 +8,15 @@ use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{MAXIMAL_DENSITY, Summary, Variant};
 use tilescope_formats::{PointSet, Provenance};
-use tilescope_sets::{Facts, Made, Recipe};
+use tilescope_sets::{Facts, Made, Recipe, VaryingRecipe};
 
 use crate::arguments::{RunRequest, level_fields};
 use crate::arrays::array;
+use crate::domain::GivenDomain;
 use crate::failure::Failure;
+use crate::ground::{FieldArgument, Ground, bare};
 use crate::task::{TaskWatch, run};
-use crate::values::named;
+use crate::values::{named, whole};
 
 /// Sets of more samples do not say where each came from: that would take as much memory again as their positions.
 const MAX_WITH_PROVENANCE: f64 = 1e6;
@@ -167,4 +169,33 @@ fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Ma
     } else {
         run.parallel(sources, &mut observer)?
     })
+}
+
+/// Makes a set whose radius varies, or that covers a shape. Returns also what it is judged in.
+#[pyfunction]
+pub fn sample_field<'py>(
+    py: Python<'py>,
+    given: GivenDomain,
+    field: FieldArgument<'py>,
+    count: Option<&Bound<'py, PyAny>>,
+    seed: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(PythonSet<'py>, Ground)> {
+    let like = VaryingRecipe {
+        count: count.map(|count| whole("count", count)).transpose()?,
+        seed: whole("seed", seed)?,
+        ..bare(given.size(), given.origin, given.bounded_or_given()?)
+    };
+    if like.count.is_some() && field.radius()?.is_some() {
+        let text = "both count and radius are given; give one";
+        return Err(PyValueError::new_err(text));
+    }
+
+    let recipe = field.recipe(like)?;
+    let (made, recipe) = run(py, progress, |watch| {
+        Ok(recipe.make_settled(&mut watch.observer())?)
+    })?;
+    let ground = Ground::of_made(recipe, &made.facts);
+    let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
+    Ok((into_python(made, py)?, ground))
 }

@@ -159,7 +159,7 @@ fn disks(folder: &TempDir, line: &str) -> Vec<f64> {
         .success();
     let name = line.split_whitespace().nth(1).unwrap();
     let svg = fs::read_to_string(folder.path().join(name)).unwrap();
-    let Some((_, group)) = svg.split_once("id=\"disks\"") else {
+    let Some((_, group)) = svg.split_once("aria-label=\"disks\"") else {
         return Vec::new();
     };
     let group = group.split("</g>").next().unwrap();
