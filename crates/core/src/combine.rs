@@ -170,7 +170,7 @@ fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineError> {
     layout::check(domain, pieces)
 }
 
-/// Joins the samples near the seams and the others.
+/// Returns the set that the samples near the seams and those far from them make, with its counts.
 fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let (points, sources) = in_order(glued);
     let eliminated = glued.eliminated();
@@ -178,7 +178,7 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let iterations = glued.iterations.iter();
     let inserted: Vec<usize> = iterations.map(|made| made.inserted.len()).collect();
 
-    // Inserted samples are never eliminated, so that all others were tiled, those far from the seams included.
+    // Every sample was either tiled or inserted, and an inserted one is never eliminated: all eliminated ones were tiled.
     let summary = Summary {
         blocks: pieces.len(),
         tiled: points.len() + eliminated.len() - inserted.iter().sum::<usize>(),

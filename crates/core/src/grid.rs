@@ -82,12 +82,12 @@ impl SampleGrid {
     ) -> bool {
         let rect = self.domain.rect();
         let periodic = self.domain.is_periodic();
-        let (rows, row_spans) = spans(centre.y, reach, rect.max.y, periodic);
-        let (columns, column_spans) = spans(centre.x, reach, rect.max.x, periodic);
+        let (row_spans, row_span_count) = spans(centre.y, reach, rect.max.y, periodic);
+        let (column_spans, column_span_count) = spans(centre.x, reach, rect.max.x, periodic);
 
-        for &(row_min, row_max) in &rows[..row_spans] {
+        for &(row_min, row_max) in &row_spans[..row_span_count] {
             for row in row_min..=row_max {
-                for &(column_min, column_max) in &columns[..column_spans] {
+                for &(column_min, column_max) in &column_spans[..column_span_count] {
                     let start = row as usize * self.columns;
                     let cells = start + column_min as usize..=start + column_max as usize;
                     for &first in &self.first[cells] {
@@ -125,7 +125,7 @@ impl SampleGrid {
 }
 
 /// Returns the inclusive ranges of cells (at most two) that hold coordinates within `reach` of
-/// `centre` on an axis of `extent` lattice points, and how many ranges there are.
+/// `centre` on an axis of `extent` lattice points, and how many ranges there are: those behind are to be ignored.
 #[inline]
 pub(crate) fn spans(
     centre: i32,
@@ -140,15 +140,17 @@ pub(crate) fn spans(
 
     let last = extent - 1;
     let cell = |x: i64| (x >> CELL_BITS) as i32;
-    let all = ([(0, last >> CELL_BITS), (0, 0)], 1);
+    let unused = (0, 0);
+    let all = ([(0, last >> CELL_BITS), unused], 1);
 
     if low >= 0 && high <= i64::from(last) {
-        return ([(cell(low), cell(high)), (0, 0)], 1);
+        return ([(cell(low), cell(high)), unused], 1);
     }
 
     if !periodic {
         let (low, high) = (low.max(0), high.min(i64::from(last)));
-        return ([(cell(low), cell(high)), (0, 0)], usize::from(low <= high));
+        // A centre far outside a bounded domain has no cell in reach.
+        return ([(cell(low), cell(high)), unused], usize::from(low <= high));
     }
 
     // Places beyond one end of a periodic axis lie at its other end.
@@ -159,7 +161,8 @@ pub(crate) fn spans(
         (low, high - extent)
     };
 
-    // Two ranges that meet in one cell would visit its samples twice. A negative place is more than a side away.
+    // Two ranges that meet in one cell would visit its samples twice. If the upper range begins below 0, the reach is longer
+    // than the axis, and no cell is left out.
     if upper_first < 0 || cell(lower_last) >= cell(upper_first) {
         return all;
     }

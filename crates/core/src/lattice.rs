@@ -170,7 +170,8 @@ impl Rect64 {
     }
 }
 
-/// How many sides away from the domain a window may begin.
+/// How many sides away from the domain a window may begin. So many of the longest sides are less than 2^41 units, at which
+/// an `f64` still tells 2^-12 units apart.
 const MAX_WINDOW_SIDES: f64 = 1_000.0;
 
 /// A rectangle of lattice points of the plane; in a periodic domain the plane repeats.
@@ -424,7 +425,7 @@ impl Domain {
                 });
             }
 
-            // Farther away the rounding of the bounds would change the window.
+            // Farther away, rounding a bound to an `f64` could move it to another lattice point.
             let limit = MAX_WINDOW_SIDES * side;
             if low.abs() > limit {
                 return Err(ParameterError::FarWindow { name, low, limit });
@@ -434,14 +435,17 @@ impl Domain {
             window.min[axis] = first_unit(low, side, units);
             window.max[axis] = first_unit(high, side, units);
 
-            // A bounded plane ends at its borders, which belong to it: a window that reaches the upper one includes it.
+            // A bounded plane ends at its borders, which belong to it: a window that reaches the upper one, at coordinate
+            // `units`, includes it.
             if self.boundary == Boundary::Bounded {
-                let end = i64::from(units) + i64::from(high >= side);
                 window.min[axis] = window.min[axis].max(0);
-                window.max[axis] = if high >= side { end } else { window.max[axis] };
+                if high >= side {
+                    window.max[axis] = i64::from(units) + 1;
+                }
             }
 
-            // Two bounds a hair less than a side apart may round to more than the domain's units.
+            // Two bounds a hair less than a side apart may round to more than the domain's units: a periodic window would
+            // hold a line of lattice points twice.
             window.max[axis] =
                 window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
         }
@@ -553,8 +557,8 @@ fn first_unit(position: f64, side: f64, units: i32) -> i64 {
     first
 }
 
-/// Returns how many lattice units a side has: as many as there can be of at least `radius / R` each. `minimum` is the
-/// shortest side in radii.
+/// Returns a side's length in lattice units: as many as fit if none is shorter than `radius / R`. `minimum` is the shortest side
+/// in radii. Messages call the side `name`.
 pub(crate) fn side_units(
     name: &'static str,
     side: f64,

@@ -127,9 +127,10 @@ impl Pattern {
     #[must_use]
     pub fn variant(&self, symmetry: Symmetry) -> PatternVariant {
         let extent = self.domain.rect().max;
+        // A mirror leads to negative coordinates: the pattern is moved back, so that they begin at 0 again.
         let corner = symmetry.corner(extent);
 
-        let map = |p: Point| {
+        let turn = |p: Point| {
             let turned = symmetry.turn(IVec2::new(p.x, p.y)) + corner;
             Point::new(turned.x, turned.y)
         };
@@ -138,7 +139,7 @@ impl Pattern {
             .samples
             .iter()
             .zip(0..)
-            .map(|(&p, index)| (map(p), index))
+            .map(|(&p, index)| (turn(p), index))
             .collect();
         // Clips find their rows by bisection.
         samples.sort_unstable_by_key(|(p, _)| p.row_major());
@@ -161,7 +162,7 @@ impl Pattern {
 
 impl PatternVariant {
     /// Calls `visit` with the offset from the clip's corner and the pattern index of every sample
-    /// in the `width` x `height` rectangle that starts at `start`, repeating a periodic pattern.
+    /// in the `width` x `height` rectangle that starts at `start`, a place of the pattern. A periodic pattern repeats.
     pub fn clip(
         &self,
         start: Point,
@@ -169,19 +170,20 @@ impl PatternVariant {
         height: i32,
         mut visit: impl FnMut(i32, i32, u32),
     ) {
-        // Segments of rows: [row, end) of the pattern lie at `up` in the clip. A clip as long as the
-        // longest domain and a pattern's side together exceed 32 bits.
+        // The pattern's rows from `row` to `end` lie in the clip from its row `up` on. Sums need 64 bits: a clip may be as
+        // long as the longest domain, and a pattern's side is added to it.
         let (mut row, mut up) = (i64::from(start.y), 0);
         let (width, height) = (i64::from(width), i64::from(height));
 
         while up < height {
+            // The clip's rows up to the next end of the pattern.
             let end = (row + (height - up)).min(i64::from(self.height));
 
             let from = self.samples.partition_point(|(p, _)| i64::from(p.y) < row);
             let to = self.samples.partition_point(|(p, _)| i64::from(p.y) < end);
             for &(p, index) in &self.samples[from..to] {
-                // The first place at or right of the clip's corner that shows the sample; a periodic pattern repeats it
-                // from there.
+                // How far right of the clip's corner the sample first lies. In a periodic pattern one left of the corner
+                // lies right of it one period later.
                 let mut right = i64::from(p.x) - i64::from(start.x);
                 if right < 0 && self.periodic {
                     right += i64::from(self.width);

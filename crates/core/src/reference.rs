@@ -45,7 +45,7 @@ pub(crate) fn finished<G: DartGround, T: Recorder>(
     let mut samples = Vec::new();
     let mut throw = 0;
 
-    // This ends: cells become smaller level by level, and one of a single point throws exactly it.
+    // The process ends: cells become smaller level by level, and a cell of a single point throws that point for certain.
     while !process.is_finished() {
         throw += 1;
         recorder.record(RunEvent::Iteration {
@@ -53,8 +53,9 @@ pub(crate) fn finished<G: DartGround, T: Recorder>(
             detectors: process.active_cells().len() as u32,
         });
 
-        let first = samples.len() as u32;
-        let inserted = process.step_recorded(Stage::Iterate(throw), observer, first, recorder)?;
+        let first_id = samples.len() as u32;
+        let stage = Stage::Iterate(throw);
+        let inserted = process.step_recorded(stage, observer, first_id, recorder)?;
         recorder.record(RunEvent::IterationEnd {
             number: throw,
             inserted: inserted.len() as u32,

@@ -155,16 +155,20 @@ impl Run {
     #[must_use]
     pub fn of_points(parameters: Parameters, domain: Domain, points: Vec<Point>) -> Self {
         let count = points.len();
+        // An origin names a block and a pattern sample. None is known, and 0 stands for it.
         let origin = Origin::Tiled {
             block: 0,
             pattern: 0,
             own: true,
         };
 
+        let covers_lattice = false;
+        let no_pattern = Pattern::of_samples(&domain, Vec::new(), covers_lattice);
+
         Self {
             parameters,
             domain,
-            pattern: Arc::new(Pattern::of_samples(&domain, Vec::new(), false)),
+            pattern: Arc::new(no_pattern),
             blocks: Blocks::default(),
             tiles: Vec::new(),
             samples: Samples {
@@ -203,6 +207,7 @@ impl Run {
     /// Returns the stages that have run, in order.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
+        // Pattern, blocks, tiling, elimination and finish besides the iterations.
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
         stages.push(Stage::Pattern);
 
@@ -212,9 +217,9 @@ impl Run {
 
         if !self.tiles.is_empty() {
             stages.push(Stage::Tile);
-            // Dropped samples were decided by tiling.
+            // Any other fate shows that elimination has run: tiling itself drops samples, and leaves all others undecided.
             let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
-            // In exact tiling samples are lost when they arrive, in iterations.
+            // Exact tiling has no stage of elimination: samples are lost in the iterations, when they arrive.
             let eliminates = self.parameters.method == TilingMethod::Kdrt;
             if eliminates && self.samples.fates.iter().any(decided) {
                 stages.push(Stage::Eliminate);

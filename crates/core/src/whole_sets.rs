@@ -53,8 +53,10 @@ impl Pattern {
             Variant::Staged => {
                 let sources = false;
                 let sweep = Sweep::new(parameters, pattern, sources)?;
-                sweep.finish(observer)?.0.points
+                let (sampled, _) = sweep.finish(observer)?;
+                sampled.points
             }
+            // The parallel engine does not have this variant.
             Variant::AsPrinted => {
                 let engine = Sequential::new(parameters, pattern.clone())?;
                 engine.finish(observer)?.points()
@@ -62,8 +64,13 @@ impl Pattern {
         };
 
         match parameters.search {
-            // Valid by construction. It may miss lattice points by a hair, since insertion tests rounded circumcentres.
-            Search::Complete => Ok(Self::of_samples(&domain, samples, false)),
+            // The set is valid by construction. It may miss lattice points by a hair, since insertion tests rounded
+            // circumcentres.
+            Search::Complete => {
+                let covers_lattice = false;
+                Ok(Self::of_samples(&domain, samples, covers_lattice))
+            }
+            // A search within two radii may miss gaps.
             Search::TwoRadii => Ok(Self::checked(&domain, samples)?),
         }
     }

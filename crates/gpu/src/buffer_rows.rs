@@ -60,9 +60,13 @@ fn words_of(name: Name) -> u64 {
     }
 }
 
+/// Returns the names of the columns of a buffer's rows, in the order of the numbers that [`meaning`] returns.
 fn columns(name: Name) -> Vec<String> {
     let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-    let fields = |fields: &[(&str, usize, &str)]| fields.iter().map(|f| f.0.to_owned()).collect();
+    let fields = |fields: &[(&str, usize, &str)]| {
+        let names = fields.iter().map(|&(name, ..)| name.to_owned());
+        names.collect()
+    };
 
     match name {
         Name::Frame => fields(Frame::FIELDS.1),
@@ -96,7 +100,7 @@ fn columns(name: Name) -> Vec<String> {
     }
 }
 
-/// Decodes the words of a row.
+/// Returns the numbers that the words of a row hold, one for each column.
 fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
     // A word holds x and then y in the lower bits; the two highest are the fate of a tiled sample, or the mark of a
     // detector.
@@ -151,6 +155,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
     }
 }
 
+/// Returns the words of a structure with these fields, as signed numbers where a field is an `i32`.
 fn signed(row: &[u32], fields: &[(&str, usize, &str)]) -> Vec<i64> {
     row.iter()
         .zip(fields)

@@ -134,6 +134,7 @@ pub fn constants() -> String {
     text
 }
 
+/// Returns the constants that shaders declare as `i32`.
 fn signed() -> Vec<(&'static str, i32)> {
     vec![
         ("R", R),
@@ -145,6 +146,7 @@ fn signed() -> Vec<(&'static str, i32)> {
     ]
 }
 
+/// Returns the constants that shaders declare as `u32`.
 fn unsigned() -> Vec<(&'static str, u32)> {
     let mut all = vec![
         ("WORKGROUP", WORKGROUP),

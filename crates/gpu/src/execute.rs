@@ -236,6 +236,7 @@ impl Device {
         self.gpu.queue.write_buffer(&self.jobs, 0, &bytes);
     }
 
+    /// Appends a command to `encoder`. Its job is number `job` in the buffer of jobs.
     fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -246,8 +247,9 @@ impl Device {
         match *command {
             Command::Clear(name, words) => {
                 if let Some((buffer, _)) = self.buffers.get(&name) {
-                    let (first, length) = words.map_or((0, None), |(a, b)| {
-                        (4 * u64::from(a), Some(4 * u64::from(b - a)))
+                    // In bytes, four a word. Without a length all of the buffer is cleared.
+                    let (first, length) = words.map_or((0, None), |(start, end)| {
+                        (4 * u64::from(start), Some(4 * u64::from(end - start)))
                     });
                     encoder.clear_buffer(buffer, first, length);
                 }
@@ -271,6 +273,7 @@ impl Device {
         }
     }
 
+    /// Appends a pass to `encoder`, with its times where they are measured, and reports it.
     fn dispatch(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -288,9 +291,9 @@ impl Device {
 
         let group = self.bind(&kernel.layout, pass, job);
         // `next` counts the passes reported so far, so it comes before the report of this one.
-        let times = self.times.as_mut().and_then(Times::next);
+        let first_time = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);
-        let timestamp_writes = times.and_then(|first| {
+        let timestamp_writes = first_time.and_then(|first| {
             self.times
                 .as_ref()
                 .map(|times| wgpu::ComputePassTimestampWrites {
@@ -312,11 +315,12 @@ impl Device {
         } else if let Size::Indirect(argument) = size
             && let Some((buffer, _)) = self.buffers.get(&Name::Arguments)
         {
-            // The arguments of a dispatch are three words.
+            // The arguments of a dispatch are three words, 12 bytes.
             encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
         }
     }
 
+    /// Returns the buffers of a pass bound in the order of its bindings, with its own job.
     fn bind(&self, layout: &wgpu::BindGroupLayout, pass: &Pass, job: u64) -> wgpu::BindGroup {
         let entries: Vec<wgpu::BindGroupEntry<'_>> = pass
             .bindings
@@ -350,6 +354,7 @@ impl Device {
             })
     }
 
+    /// Adds the report of a pass, if passes are reported.
     fn report(&mut self, pass: &'static Pass, size: Size, stage: Stage) {
         let bindings = pass
             .bindings

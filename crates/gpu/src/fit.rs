@@ -140,12 +140,13 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
     let [columns, rows] = setup.cells();
     let whole = columns.max(rows);
 
-    // Parts of the whole domain, all alike; few of them are tried, since each plan visits the whole tree.
+    // The domain is cut into equal parts along each side, more and more of them. Few numbers are tried, since each plan
+    // visits the whole tree of blocks.
     let mut parts = 1;
     loop {
         let side = whole.div_ceil(parts).max(MIN_SIDE);
         let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
-        // In the middle, where a bounded domain has room for a halo on all sides.
+        // The part lies in the middle, where a bounded domain has room for a halo on all sides. It begins with a cell.
         let low = |max: i32| (max - end(max)) / 2 / R * R;
 
         let window = Rect {
@@ -157,6 +158,7 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
         match plan(setup, &window, Allowance::new(2 * HALO), limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
+                // A third more parts each time, so that few are tried, but at least one more.
                 parts = (parts + 1).max(parts * 4 / 3);
             }
             Err(error) => return Err(error),

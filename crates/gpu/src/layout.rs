@@ -411,6 +411,7 @@ pub fn declarations(bindings: &[Binding]) -> String {
 
         // The scans call any list `data`, and `heads` is a list of contested cells in some passes.
         let name = binding.alias.unwrap_or(binding.name.as_str());
+        // Writing to a string never fails.
         let _ = writeln!(
             text,
             "@group(0) @binding({index}) var<{space}> {name}: {kind};"

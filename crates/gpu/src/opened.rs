@@ -78,6 +78,7 @@ async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     adapters
 }
 
+/// Returns what is known of an adapter before it is opened, with its own limits.
 fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
     let info = adapter.get_info();
     let limits = adapter.limits();
@@ -90,6 +91,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
             wgpu::DeviceType::DiscreteGpu => "discrete GPU",
             wgpu::DeviceType::IntegratedGpu => "integrated GPU",
             wgpu::DeviceType::VirtualGpu => "virtual GPU",
+            // `Cpu` is software, which was named above.
             wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => "GPU",
         },
         is_software,
@@ -238,6 +240,7 @@ impl Gpu {
         Ok(bytes)
     }
 
+    /// Appends bytes of a buffer to `bytes`, through a staging buffer of their length.
     async fn read_part(
         &self,
         buffer: &wgpu::Buffer,
@@ -254,7 +257,7 @@ impl Gpu {
 
         let (sender, receiver) = futures_channel::oneshot::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Ignore a receiver that was dropped.
+            // Sending fails only when the reading was given up, and then the result is not needed.
             let _ = sender.send(result);
         });
         self.drain();
@@ -262,14 +265,14 @@ impl Gpu {
 
         // A failure of the device says more than the readback that fails because of it.
         self.check()?;
-        let refused = |reason: String| GpuError::DeviceLost { reason };
+        let lost = |reason: String| GpuError::DeviceLost { reason };
         mapped
-            .map_err(|_| refused("a readback was dropped".to_owned()))?
-            .map_err(|error| refused(error.to_string()))?;
+            .map_err(|_| lost("a readback was dropped".to_owned()))?
+            .map_err(|error| lost(error.to_string()))?;
 
         let view = staging
             .get_mapped_range(..)
-            .map_err(|error| refused(error.to_string()))?;
+            .map_err(|error| lost(error.to_string()))?;
         bytes.extend_from_slice(&view);
         Ok(())
     }
@@ -355,6 +358,7 @@ const fn missing(is_page: bool) -> &'static str {
     }
 }
 
+/// Returns the adapter that `choice` names or, without a name, the first that it allows.
 fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter, GpuError> {
     let reports: Vec<AdapterReport> = adapters.iter().map(report_of).collect();
     let Some(first) = reports.first() else {
@@ -367,12 +371,12 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
         Some(wanted) => {
             // A whole name wins over a part of a name, since one adapter's name may contain another's.
             let lower = wanted.to_lowercase();
-            let is = |report: &AdapterReport| report.name.to_lowercase() == lower;
-            let has = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
+            let is_called = |report: &AdapterReport| report.name.to_lowercase() == lower;
+            let contains = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
             reports
                 .iter()
-                .position(is)
-                .or_else(|| reports.iter().position(has))
+                .position(is_called)
+                .or_else(|| reports.iter().position(contains))
                 .ok_or_else(|| GpuError::NoSuchAdapter {
                     wanted: wanted.clone(),
                     found: reports.iter().map(|report| report.name.clone()).collect(),

@@ -67,7 +67,7 @@ impl OnCanvas<'_> {
     #[must_use]
     pub fn text(&self) -> [String; 2] {
         let pass = format!("pass {} {}", self.pass + 1, self.name);
-        // The pass is being visited.
+        // Without rows the visit of the pass is on its way.
         let Some(rows) = &self.rows else {
             return [format!("{pass}: on its way"), String::new()];
         };

@@ -166,6 +166,7 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
 }
 
 impl Survey {
+    /// Runs all passes and lists them. Returns why it ended early, if it did: the passes until then are listed.
     async fn run(&mut self, subject: &DeviceRun, monitor: &Monitor) -> Result<(), Stop> {
         let parameters = &subject.parameters;
         let mut observer = |_: Progress| match continue_unless_cancelled(monitor) {
@@ -185,7 +186,7 @@ impl Survey {
             }
 
             if walker.stepper.restarts() > self.restarts {
-                // The run was restarted, so its stages come again.
+                // The run was restarted with more memory or a wider halo, so that its stages come again.
                 self.restarts = walker.stepper.restarts();
                 self.passes.clear();
                 cpu = CpuReference::new(parameters, &pattern)?;
@@ -250,13 +251,14 @@ pub(super) async fn visit(
 }
 
 impl Arrival {
+    /// Takes the run to the goal, and returns what was read there or why nothing was.
     async fn go(
         &mut self,
         subject: &DeviceRun,
         goal: &Goal,
         monitor: &Monitor,
     ) -> Result<Visit, Stop> {
-        // The device cannot step backwards, so it begins again.
+        // The device cannot step backwards: a run that is past the goal, or is not there any more, begins again.
         let replayed = self.walker.as_ref().is_none_or(|w| w.passed() > goal.pass);
 
         let walker = if let Some(walker) = &mut self.walker {
@@ -266,6 +268,8 @@ impl Arrival {
             }
             walker
         } else {
+            // The survey has made the pattern, which is usually still kept: there is little to wait for, and nothing to
+            // cancel.
             let observer = &mut |_: Progress| ControlFlow::Continue(());
             let pattern = Pattern::of_spec(&subject.parameters.pattern, observer)?;
             self.walker.insert(Walker::begin(subject, &pattern).await?)
@@ -275,6 +279,7 @@ impl Arrival {
             continue_unless_cancelled(monitor)?;
             let (next, last) = (walker.passed() + 1, goal.pass + 1);
             monitor.set_activity(&format!("running pass {next} of {last}"));
+            // Reading the buffers counts as one more pass.
             monitor.set_fraction(next as f32 / (last + 1) as f32);
             // The run ended with fewer passes than the list has.
             if !walker.step().await? {

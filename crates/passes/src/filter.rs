@@ -111,6 +111,7 @@ impl Filter {
     }
 }
 
+/// Reads one condition, which has no spaces around it.
 fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     if text.is_empty() {
         return Err(FilterError::Empty);
@@ -120,23 +121,24 @@ fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     }
 
     let no_comparison = || FilterError::NoComparison(text.to_owned());
-    // The operator is at the beginning of the rest: what stands before it is the column.
-    let at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
-    let (name, rest) = (text[..at].trim(), &text[at..]);
-    let (sign, comparison) = COMPARISONS
+    // The operator is at the beginning of the rest: the column's name stands before it.
+    let sign_at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
+    let (name, rest) = (text[..sign_at].trim(), &text[sign_at..]);
+    let (sign, operator) = COMPARISONS
         .into_iter()
         .find(|(sign, _)| rest.starts_with(sign))
         .ok_or_else(no_comparison)?;
+
     let digits = rest[sign.len()..].trim();
     let not_a_number = |_| FilterError::NotANumber(digits.to_owned());
     let number = digits.parse().map_err(not_a_number)?;
 
     // A column called like the pseudo-column wins.
     if let Some(column) = columns.iter().position(|c| c.eq_ignore_ascii_case(name)) {
-        return Ok(Condition::Column(column, comparison, number));
+        return Ok(Condition::Column(column, operator, number));
     }
     if name.eq_ignore_ascii_case(ROW) {
-        return Ok(Condition::Row(comparison, number));
+        return Ok(Condition::Row(operator, number));
     }
 
     Err(FilterError::NoSuchColumn {

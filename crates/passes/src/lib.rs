@@ -148,12 +148,13 @@ impl Passes {
     /// Carries out a command.
     pub fn apply(&mut self, command: PassCommand) {
         let last = self.entries.len().saturating_sub(1);
-        let at = self.selected.unwrap_or(0);
+        // Before a pass is selected, steps begin at the first.
+        let current = self.selected.unwrap_or(0);
 
         match command {
             PassCommand::Select(pass) => self.select(pass),
-            PassCommand::Previous => self.select(at.saturating_sub(1)),
-            PassCommand::Next => self.select((at + 1).min(last)),
+            PassCommand::Previous => self.select(current.saturating_sub(1)),
+            PassCommand::Next => self.select((current + 1).min(last)),
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
             PassCommand::Buffer(index) => {

@@ -150,6 +150,8 @@ impl ShownBuffer {
         self.pointed = row;
     }
 
+    /// Lists the rows of the buffer that satisfy the filter, with the widths of columns and the counts on the canvas. Without
+    /// a visit there are none.
     fn refresh(&mut self, visit: Option<&Visit>) {
         (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
         self.counts = PlacedCounts::default();
@@ -170,11 +172,11 @@ impl ShownBuffer {
         };
 
         self.widths = table.widths(self.side);
-        let passes = |&row: &u32| {
+        let is_accepted = |&row: &u32| {
             let row = row as usize;
             filter.accepts(row, table.side(self.side, row), table.is_changed(row))
         };
-        self.rows = (0..table.rows() as u32).filter(passes).collect();
+        self.rows = (0..table.rows() as u32).filter(is_accepted).collect();
         self.is_filtered = !filter.is_empty();
 
         if let Some(visit) = visit

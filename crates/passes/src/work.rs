@@ -21,6 +21,7 @@ impl Passes {
         self.work = PassWork::Survey(Job::start_future(&self.wake, work));
     }
 
+    /// Takes the outcome of a survey. Returns that something has changed.
     pub(super) fn surveyed(&mut self, outcome: Result<Survey, String>) -> bool {
         self.work = PassWork::Idle;
         match outcome {
@@ -41,7 +42,7 @@ impl Passes {
 
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
-        // The selected pass stays selected as far as the new list has it.
+        // The selected pass stays selected as far as the new list has it. Before one is selected, the first is.
         self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
         self.is_wanted = self.selected.is_some();
 
@@ -87,6 +88,7 @@ impl Passes {
         self.work = PassWork::Visit(Job::start_future(&self.wake, work));
     }
 
+    /// Takes the outcome of a visit. Returns that something has changed.
     pub(super) fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
         self.work = PassWork::Idle;
         let outcome = match outcome {

@@ -29,7 +29,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let continuations = continuations(domain, pieces, piece);
 
-    // The rectangle enlarged by r, as far as the set extends, in the set.
+    // In the set's coordinates the clip reaches from `low` to `high`: the rectangle enlarged by r, as far as the set extends.
     let start = I64Vec2::from(piece.start);
     let (mut low, mut high) = (start - i64::from(R), start + i64::from(R));
     high += I64Vec2::new(rect.width().into(), rect.height().into());
@@ -38,7 +38,9 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         (low, high) = (low.max(I64Vec2::ZERO), high.min(extent));
     }
 
+    // The place of the result on which `low` lies.
     let corner = I64Vec2::from(rect.min) - start + low;
+    // A clip must begin in the pattern, and a periodic set repeats.
     let wrapped = low.rem_euclid(extent);
     let first = Point::new(wrapped.x as i32, wrapped.y as i32);
     let [width, height] = (high - low).to_array().map(|side| side as i32);
@@ -46,7 +48,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (mut near, mut deep) = (Vec::new(), Vec::new());
     variant.clip(first, width, height, |right, up, index| {
         let at = corner + I64Vec2::new(right.into(), up.into());
-        // Only samples of a margin may exceed 32 bits.
+        // Places of a margin may exceed 32 bits: `point` is then another place, and the sample is not an own one.
         let point = Point::new(at.x as i32, at.y as i32);
         let own = I64Vec2::from(point) == at && rect.contains(point);
         // A sample of the margin is left to a piece in which the set continues: there it is an own one.

@@ -126,7 +126,8 @@ impl Layout {
 
         let mut pieces = Vec::with_capacity(rects.len());
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
-        // Before the pieces, whose own sets add to it below: an impossible domain is named first.
+        // The domain alone is looked at first, so that an impossible one is named before any piece. Sets that pieces need
+        // beside the result add to the number below.
         limit(expected)?;
 
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
@@ -167,7 +168,7 @@ impl Layout {
     /// Returns the rectangles of columns and rows.
     fn grid(&self, columns: &[f64], rows: &[f64]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let (across, up, pieces) = (columns.len(), rows.len(), self.pieces.len());
-        // In 32 bits the product may be too large.
+        // Where `usize` has 32 bits, the product may be too large for it.
         let rectangles = across.saturating_mul(up);
         if rectangles != pieces {
             return Err(LayoutError::Count {
@@ -185,16 +186,17 @@ impl Layout {
         }
 
         let (x, y) = (edges("columns", columns)?, edges("rows", rows)?);
+        // Edges begin with 0, so that there is a last one.
         let size = [&x, &y].map(|edges| edges.last().copied().unwrap_or(0.0));
         let domain = Domain::from_size(size, self.radius, self.boundary)?;
 
-        let cell = |row: &[f64], column: &[f64]| {
+        let rect = |row: &[f64], column: &[f64]| {
             domain.rect_from_user([column[0], row[0]], [column[1], row[1]])
         };
 
         let rects = y
             .windows(2)
-            .flat_map(|row| x.windows(2).map(move |column| cell(row, column)));
+            .flat_map(|row| x.windows(2).map(move |column| rect(row, column)));
 
         Ok((domain, rects.collect()))
     }

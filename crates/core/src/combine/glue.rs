@@ -30,7 +30,7 @@ const READ: i32 = 7 * R;
 /// detectors at most 4r and 4 units.
 pub(super) const NEAR: i32 = 5 * R + READ;
 
-/// Detectors between two calls of the observer, and those of one task of a thread.
+/// Detectors between two calls of the observer, and those of one task of a thread. No result depends on either.
 const BATCH: usize = 1 << 14;
 const TURN: usize = 256;
 
@@ -46,6 +46,7 @@ pub(super) struct Glued {
 }
 
 impl Glued {
+    /// Returns the eliminated samples in the order of their ids: piece by piece and row by row.
     pub fn eliminated(&self) -> Vec<EliminatedSample> {
         let Samples {
             points,
@@ -71,7 +72,7 @@ impl Glued {
                     own,
                 })
             }
-            // Inserted samples are never eliminated.
+            // Other tiled samples were kept or dropped, and inserted ones are never eliminated.
             _ => None,
         })
         .collect()
@@ -116,7 +117,8 @@ fn glue_within(
     let mut glued = placed(&domain, pieces, clips);
     meter.end()?;
 
-    let first = glued.samples.len();
+    // Ids from here on are those of inserted samples.
+    let first_inserted = glued.samples.len();
     sieve(&domain, pieces, options, &mut glued.samples, observer)?;
 
     match options.insertion {
@@ -124,13 +126,13 @@ fn glue_within(
         Insertion::Uniform => throw(domain, options, &mut glued, observer)?,
     }
 
-    // The last throws of darts may have hit nothing.
-    let last = |glued: &Glued| glued.iterations.last().map(|last| last.inserted.len());
-    while last(&glued) == Some(0) {
+    // The last throws of darts may have hit nothing. The iterations end with one that inserted samples.
+    let last_count = |glued: &Glued| glued.iterations.last().map(|last| last.inserted.len());
+    while last_count(&glued) == Some(0) {
         glued.iterations.pop();
     }
 
-    let inserted = &glued.samples.points[first..];
+    let inserted = &glued.samples.points[first_inserted..];
     // Each inserted sample lies in one of the rectangles, which partition the domain.
     let depth = |p: &Point| {
         let mut rects = pieces.iter().map(|piece| piece.rect);
@@ -160,6 +162,7 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),
             ),
+            // Sets are not turned.
             symmetry: Symmetry(0),
             samples: first..samples.len() as u32,
         });
@@ -233,12 +236,12 @@ fn fill(
             &mut Unrecorded,
         );
 
-        // The first candidate is always inserted, so that there was none.
+        // The first of several candidates is always inserted. None was, so that there is no candidate and no gap.
         if inserted.is_empty() {
             break;
         }
 
-        // Gaps that are left touch a sample inserted just now, as in the sequential engine.
+        // Gaps that are left touch a sample inserted just now, as in the sequential engine: these samples alone detect next.
         let looked = std::mem::replace(&mut detectors, inserted.clone().collect());
         glued.iterations.push(Iteration {
             detectors: looked,

@@ -85,6 +85,7 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     edges.dedup();
 
     for y in edges {
+        // How far the row is covered, and the rectangle that ends there.
         let (mut end, mut last) = (0, 0);
         let at = |x: i32| domain.user_from_lattice(Point::new(x, y));
 
@@ -171,8 +172,8 @@ fn covers_line(
         .filter_map(|(along, across)| {
             let apart = i64::from(across) - i64::from(line);
             // Half of the chord that the disk cuts from the line, rounded down: its lattice points are covered.
-            let left = R_SQUARED - apart * apart;
-            let half = (left >= 0).then(|| left.isqrt())?;
+            let half_squared = R_SQUARED - apart * apart;
+            let half = (half_squared >= 0).then(|| half_squared.isqrt())?;
             Some((i64::from(along) - half, i64::from(along) + half))
         })
         .collect();
@@ -236,11 +237,12 @@ const fn across(axis: Axis, p: Point) -> i32 {
     }
 }
 
-/// Returns the seam between two pieces whose edges lie on one line, the second moved by `shift` units.
+/// Returns the seam between two pieces whose edges lie on one line across `axis`, once the second is moved along `axis` by
+/// `shift` units.
 fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Option<Seam> {
     let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
     let shift = i64::from(shift);
-    let (along, shift) = match axis {
+    let (along, offset) = match axis {
         Axis::X => (Axis::Y, I64Vec2::new(shift, 0)),
         Axis::Y => (Axis::X, I64Vec2::new(0, shift)),
     };
@@ -248,7 +250,7 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));
     // No seam: the pieces do not lie beside each other, or show one set, which has no conflicts where it continues.
-    if from >= to || continues(a, b, shift) {
+    if from >= to || continues(a, b, offset) {
         return None;
     }
 

@@ -48,7 +48,8 @@ impl AsPrinted {
         }
     }
 
-    /// Lines 2 to 12: the samples of the conflict area, in order.
+    /// Carries out lines 2 to 12: the samples of the conflict area, `contested`, claim their disks in order. Returns what
+    /// was inserted, as iteration 1.
     pub fn first_loop<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -76,9 +77,9 @@ impl AsPrinted {
             meter.tick()?;
         }
 
-        // Outside of the conflict area nothing happens (paper, section 3.2.3).
+        // Outside of the conflict area no sample is eliminated (paper, section 3.2.3).
         keep_rest(samples, recorder);
-        // The paper has no closed borders: samples that are dropped there open gaps, too.
+        // The paper has no closed borders: samples that are dropped beyond one open gaps, too.
         self.mark_around_dropped(samples, recorder);
         meter.end()?;
 
@@ -89,7 +90,8 @@ impl AsPrinted {
         })
     }
 
-    /// Lines 13 to 25, one round: every marked sample looks for gaps and fills them.
+    /// Carries out one round of lines 13 to 25: every marked sample looks for gaps and fills them. Returns the marked samples
+    /// and what was inserted.
     pub fn second_loop<T: Recorder>(
         &mut self,
         iteration: u32,
@@ -167,7 +169,8 @@ impl AsPrinted {
         self.is_detector[sample as usize] = true;
     }
 
-    /// Lines 7 to 9: the test buffer of an eliminated sample, seen from the pivot.
+    /// Carries out lines 7 to 9: marks the samples around `conflict`, which was just eliminated, and fills the gaps among
+    /// them that have the pivot as a site.
     fn fill_around<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -190,14 +193,13 @@ impl AsPrinted {
                 .difference(at, samples.points[member.id as usize]);
         }
 
-        recorder.record(RunEvent::Call {
-            pivot,
-            iteration: 1,
-        });
-        self.detect_and_insert(samples, &buffer, pivot, 1, recorder);
+        // What the first loop inserts counts as iteration 1.
+        let iteration = 1;
+        recorder.record(RunEvent::Call { pivot, iteration });
+        self.detect_and_insert(samples, &buffer, pivot, iteration, recorder);
     }
 
-    /// Algorithm 3, with the border's candidates in a bounded domain.
+    /// Carries out Algorithm 3 for a pivot and its test buffer, with the border's candidates in a bounded domain.
     fn detect_and_insert<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -219,7 +221,7 @@ impl AsPrinted {
                     let mut ids = [pivot, m.id, n.id];
                     ids.sort_unstable();
                     let sites = Sites::Three(ids);
-                    // Takes effect at once: the next place is examined with the sample.
+                    // A sample takes effect at once: the next place may be covered by it.
                     self.insert(samples, pivot, centre, sites, iteration, recorder);
                 }
             }

@@ -91,6 +91,8 @@ impl Sequential {
             return Ok(None);
         };
 
+        // This engine is given its pattern and has no regions: `Pattern` and `Regions` stand beside the stages that come
+        // next, but never occur.
         match stage {
             Stage::Pattern | Stage::Blocks => self.split(observer, recorder)?,
             Stage::Tile => self.tile(observer, recorder)?,
@@ -183,6 +185,8 @@ impl Sequential {
         let mut meter = Meter::begin(observer, Stage::Eliminate, run.samples.len() as u64)?;
         let contested = contested(&run.samples, &run.blocks, &ranking, &mut meter)?;
         meter.set_total(contested.len() as u64);
+
+        // Algorithm 4 as printed eliminates in the loop that also inserts, below.
         if variant == Variant::Staged {
             let (domain, samples) = (&run.domain, &mut run.samples);
             eliminate(domain, samples, &contested, &mut meter, recorder)?;
@@ -229,7 +233,7 @@ impl Sequential {
         let run = &mut self.run;
 
         let iteration = match &mut self.filling {
-            // Elimination, which comes before, replaces it.
+            // This cannot occur, since elimination comes before and chooses another one.
             Filling::NotYet => return Ok(false),
             Filling::Circumcentres {
                 survivors,
@@ -265,6 +269,7 @@ impl Sequential {
             Filling::Uniform(process) if process.is_finished() => return Ok(false),
             Filling::Uniform(process) => uniform(process, k, &mut run.samples, observer, recorder)?,
             Filling::AsPrinted(printed) => {
+                // The loop sets the total, once it has gathered its detectors.
                 let meter = Meter::begin(observer, Stage::Iterate(k), 1)?;
                 printed.second_loop(k, &mut run.samples, meter, recorder)?
             }
@@ -347,7 +352,7 @@ pub(crate) fn uniform<T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Iteration, SampleError> {
-    // Read before the step, which may cut them.
+    // Read before the step, which may cut them. In the event the active cells are counted in place of detectors.
     let cells: Vec<_> = process.active_cells().collect();
     recorder.record(RunEvent::Iteration {
         number: k,

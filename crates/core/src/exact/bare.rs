@@ -69,7 +69,8 @@ impl MarkedCells {
         let held = &self.pieces[piece as usize];
         let sources = held.sources;
 
-        // A first blocker is at most r from its dart: deeper than that in the part, it lies in the part too.
+        // A first blocker is at most r from its dart. A dart deeper than r in the part has its first blocker in the part, and
+        // is not marked.
         let Rect { min, max } = held.placed(&sources);
         let deeper = Rect {
             min: Point::new(min.x.max(part.min.x + R + 1), min.y.max(part.min.y + R + 1)),
@@ -83,19 +84,20 @@ impl MarkedCells {
             held.sources_of(&deeper)
         };
 
-        let within = |cell: i32, min: i32, max: i32| {
+        let places_of = |cell: i32, min: i32, max: i32| {
             (cell * MARK_SIDE).max(min)..((cell + 1) * MARK_SIDE).min(max)
         };
+
         let [columns, rows] = spans(&sources);
         for row in rows {
-            let ys = within(row, sources.min.y, sources.max.y);
+            let ys = places_of(row, sources.min.y, sources.max.y);
             let is_deep_row = deep.min.y <= ys.start && ys.end <= deep.max.y;
             let mut column = columns.start;
             while column < columns.end {
-                let xs = within(column, sources.min.x, sources.max.x);
+                let xs = places_of(column, sources.min.x, sources.max.x);
                 let is_deep = is_deep_row && deep.min.x <= xs.start && xs.end <= deep.max.x;
                 if is_deep {
-                    // All columns up to the one that the deep places end in are deep.
+                    // All columns before the one in which the deep places end are deep, and skipped.
                     let end = (deep.max.x / MARK_SIDE).min(columns.end);
                     column = end.max(column + 1);
                 } else {
@@ -149,8 +151,8 @@ impl MarkedCells {
         }
     }
 
-    /// Appends to `out` the cells of side `to` within a cell of `side` that none of `decided` covers alone: all darts of the
-    /// others are refused.
+    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all others
+    /// every dart is refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,
@@ -164,9 +166,9 @@ impl MarkedCells {
         };
         let tile = self.pieces[cell.piece as usize].tile;
         match decided.covers_rect(tile, &placed) {
-            // Most marked cells are covered by one sample.
+            // Most marked cells are covered by one sample. A lost sample covers nothing, so that `Lost` never comes.
             Some(Presence::Certain | Presence::Lost) => return,
-            // What one doubtful sample covers is not looked at again: without the sample, any dart there may be one.
+            // A cell that one doubtful sample covers is not cut further: without the sample, any dart in it may become one.
             Some(Presence::Doubtful) => {
                 out.doubtful.push((cell, side));
                 return;

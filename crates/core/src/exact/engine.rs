@@ -65,10 +65,11 @@ pub fn exact_sample(
     tiling.run(&clipper, ground, observer, &mut Unrecorded)?;
 
     let mut samples = WindowSamples::default();
-    tiling.emit(true, &mut samples);
+    let with_sources = true;
+    tiling.emit(with_sources, &mut samples);
 
     let summary = samples.counts.summary(samples.points.len() as u64);
-    let sampled = sampled(samples.points, samples.tags, true);
+    let sampled = sampled(samples.points, samples.tags, with_sources);
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
 }
 
@@ -177,16 +178,20 @@ impl<'a> ExactTiling<'a> {
             self.settle(level, Stage::Iterate(1), observer, recorder)?;
         }
 
-        // Those of later levels are thrown where something changed.
+        // The darts of later levels are thrown where something changed.
         self.open_borders::<T>();
         for level in LATE_LEVEL..=LAST_LEVEL {
+            // In a recording the cuts for a level belong to the iteration before it.
             self.cut(level, recorder);
             self.end(recorder);
+            // No cell throws any more, and no sample is to be decided about.
             if self.open.cells.is_empty() && self.agenda.is_empty_from(level) {
                 return Ok(());
             }
+
             self.begin(level, recorder);
-            self.throw(0, level, None, recorder);
+            let (first_cell, after) = (0, None);
+            self.throw(first_cell, level, after, recorder);
             self.settle(level, Stage::Iterate(level), observer, recorder)?;
         }
         self.end(recorder);
@@ -270,7 +275,8 @@ impl<'a> ExactTiling<'a> {
         clipper.clip(block, &around, &target, |x, y, pattern| {
             let place = Point::new(x, y);
             if !rect.contains(place) {
-                self.wake(tile, place, pattern, u32::MAX, recorder);
+                let no_id = u32::MAX;
+                self.wake(tile, place, pattern, no_id, recorder);
                 return;
             }
 
@@ -280,7 +286,8 @@ impl<'a> ExactTiling<'a> {
                 block: block.index,
                 inside: true,
             });
-            // A sample of another block covers only places within r of the border. In a recording all samples arrive.
+            // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The others
+            // are decided about when they arrive, and in a recording all are.
             if T::ENABLED || rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
@@ -295,7 +302,7 @@ impl<'a> ExactTiling<'a> {
     }
 
     /// Decides again about the darts whose first blocker, a sample of the pattern, is missing at `place` of the ground or
-    /// doubtful. Its id is `behind` if it was laid down.
+    /// doubtful. `behind` is the blocker's id, or the largest number if it was not laid down.
     fn wake<T: Recorder>(
         &mut self,
         tile: u32,
@@ -309,13 +316,13 @@ impl<'a> ExactTiling<'a> {
 
         for waiting in history.waiting(pattern) {
             let IVec2 { x, y } = symmetry.turn(waiting.offset);
-            let place = Point::new(place.x + x, place.y + y);
-            // Another block has its own darts there.
-            if rect.contains(place) {
+            let dart_place = Point::new(place.x + x, place.y + y);
+            // Outside of the tile another block has darts of its own.
+            if rect.contains(dart_place) {
                 let dart = PlacedDart {
                     arrival: waiting.arrival,
                     source: waiting.source,
-                    place: self.present.in_domain(tile, place),
+                    place: self.present.in_domain(tile, dart_place),
                 };
                 self.agenda.add(dart, What::Dart(tile));
                 recorder.record(RunEvent::Wake {
@@ -377,8 +384,8 @@ impl<'a> ExactTiling<'a> {
         }
 
         self.tiles[sample.tile as usize].missing.add(pattern);
-        // Darts that it refused are asked again, and its disk may be bare. Only cells of its own block are marked:
-        // those of others lie within r of their borders, and are all marked.
+        // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
+        // other blocks its disk reaches only cells within r of the border, and all of those are marked.
         self.wake(sample.tile, sample.place, pattern, id, recorder);
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
@@ -386,7 +393,7 @@ impl<'a> ExactTiling<'a> {
 
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
-            // What the cells threw before would have been refused by others.
+            // Darts of these cells that are earlier than the sample were refused by other samples, and need not be thrown.
             let first = self.open.cells.len();
             self.cut_fresh(level, Some(dart), recorder);
             self.throw(first, level, Some(dart), recorder);
@@ -395,7 +402,7 @@ impl<'a> ExactTiling<'a> {
 
     /// Makes a dart a sample if it is none, and no earlier one covers it.
     fn decide_dart<T: Recorder>(&mut self, dart: &PlacedDart, tile: u32, recorder: &mut T) {
-        // The dart of a present sample is no second one.
+        // The dart of a present sample does not become a second sample.
         if self.present.has(dart, tile) {
             return;
         }
@@ -542,12 +549,12 @@ impl<'a> ExactTiling<'a> {
                 source,
                 place: piece.place(source),
             };
-            // The sample that was lost did not refuse earlier darts: others cover these.
+            // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
             if after.is_some_and(|after| dart <= *after) {
                 continue;
             }
 
-            // A present sample's own dart: in a recording it arrives as the sample.
+            // In a recording the dart of a present sample arrives as the sample.
             if T::ENABLED && self.present.has(&dart, piece.tile) {
                 continue;
             }

@@ -141,10 +141,11 @@ impl Ground {
         self.any_cut_part(rect, &mut visit)
     }
 
+    /// Does what [`Self::any_part`] does, for a rectangle that reaches beyond the ground.
     #[cold]
     fn any_cut_part(&self, rect: &Rect, visit: &mut dyn FnMut(&Rect, IVec2) -> bool) -> bool {
         let all = self.rect();
-        // Where ends are joined, the rectangle is also looked for a side farther, either way.
+        // Where ends are joined, parts of the rectangle may also lie a side farther, either way.
         let shifts = |side: Option<i32>| side.map_or([0; 3], |side| [0, -side, side]);
         let count = if self.joined.is_some() { 3 } else { 1 };
         let (xs, ys) = (

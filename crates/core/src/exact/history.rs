@@ -215,6 +215,7 @@ fn blocked(
 ) -> Result<Vec<(u32, Refused)>, SampleError> {
     let samples = pattern.samples();
     let cells = tiling_cells(darts.rect(), R).count();
+    // Level 1 has four times the cells of level 0.
     let mut meter = Meter::begin(observer, Stage::Pattern, 5 * cells as u64)?;
 
     // Four throws into these cells and one into four times as many, of 0.85 darts.
@@ -225,6 +226,7 @@ fn blocked(
             for (arrival, place) in darts.of_cell(level, cell.min) {
                 // Samples of one arrival follow each other by place, as in [`crate::exact::PlacedDart`].
                 let order = |id: u32| (arrivals[id as usize], samples[id as usize].row_major());
+
                 let mut first: Option<u32> = None;
                 grid.any_near(place, R, |near| {
                     let is_earlier = first.is_none_or(|id| order(near.id) < order(id));
@@ -234,7 +236,7 @@ fn blocked(
                     false
                 });
 
-                // Some sample covers every place. The dart's first is itself exactly if it became a sample.
+                // Every place is covered by a sample. If the dart became a sample, the first that covers it is itself.
                 let blocker = first.expect("the pattern is maximal");
                 if order(blocker) != (arrival, place.row_major()) {
                     blocked.push((blocker, Refused::new(arrival, place)));

@@ -309,8 +309,9 @@ impl<'a> PresentSamples<'a> {
             if other.when > when || !covers_offset(other.at - offset) {
                 continue;
             }
+
             let sample = self.get(other.id);
-            // Nearly always the first bits differ.
+            // `when` has the first bits of an arrival. They nearly always differ, and spare the comparison of the rest.
             if other.when == when && self.order(sample, dart).is_ge() {
                 continue;
             }

@@ -47,13 +47,14 @@ impl BlockDraws {
         while let Some(node) = stack.pop() {
             let found = self.images(&node.block.rect, target, origin, reach, repeats);
             let mut rects = found.peekable();
-            // No leaf of such a node reaches into the frame. Only leaves that do are numbered, in the order of their
-            // indices.
+            // The node does not reach the target, and so none of its leaves does. Leaves that are left out get no number: the
+            // numbers of the others grow with their indices all the same.
             if rects.peek().is_none() {
                 continue;
             }
 
             if let Some(cut) = node.cut(self.leaf) {
+                // The last one pushed is taken first: the lower part has the lower indices.
                 stack.push(cut.upper);
                 stack.push(cut.lower);
             } else {
@@ -98,7 +99,7 @@ impl BlockDraws {
             let (low, high) = (grown.min[axis], grown.max[axis]);
             let (first, end, side) = (target.min[axis], target.max[axis], sides[axis]);
             if repeats {
-                // low + k side < end and first < high + k side.
+                // The image moved by k sides meets the target if low + k side < end and first < high + k side.
                 ((first - high).div_euclid(side) + 1)..=((end - 1 - low).div_euclid(side))
             } else {
                 // Shift 0, or none: 0..=-1 is empty.

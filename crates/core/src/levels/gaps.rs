@@ -76,10 +76,10 @@ const fn gathered(radius: Radius) -> i32 {
     radius.units / 8 * 13
 }
 
-/// Cells and pixels of one task of a thread.
+/// Cells and pixels of one task of a thread. No result depends on it.
 const TURN: usize = 256;
 
-/// Cells and pixels between two calls of the observer.
+/// Cells and pixels between two calls of the observer. No result depends on it.
 const SHIFT: usize = 256 * TURN;
 
 /// The samples around a cell, as offsets from its lowest point, and the pixels found so far.
@@ -104,13 +104,15 @@ impl LevelRegion {
             let (mut open, mut found) = (Vec::new(), Vec::new());
             for batch in pixels.chunks(SHIFT) {
                 let searched = batch.par_chunks(TURN).map(|pixels| {
-                    let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
+                    let (mut still_open, mut places) = (Vec::new(), Vec::new());
+                    let mut sites = Vec::new();
                     for mut pixel in pixels.iter().copied() {
-                        if !pixel.is_due || self.find(&mut pixel, &mut sites, &mut found) {
-                            open.push(pixel);
+                        // A pixel that is not due has no candidate now, and may have one after an insertion.
+                        if !pixel.is_due || self.find(&mut pixel, &mut sites, &mut places) {
+                            still_open.push(pixel);
                         }
                     }
-                    (open, found)
+                    (still_open, places)
                 });
 
                 let (still_open, candidates): (Vec<_>, Vec<_>) = searched.unzip();
@@ -126,13 +128,14 @@ impl LevelRegion {
 
             self.insert(key.derive(Stream::Iteration, iteration), &found);
 
-            // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have
-            // one next. Pixels that see farther than insertions are marked are searched in any case.
-            let farther = f64::from(gathered(self.grid.radius()));
+            // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have a
+            // candidate in the next iteration. `insert` marks the cells of pixels that see an insertion from no farther than
+            // `gathered`; pixels that see farther are searched in any case.
+            let marked_to = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
                 pixel.is_due = true;
                 let cell = self.grid.layout().cell_at(pixel.min);
-                self.flags.has(cell, flag::CHANGED) || pixel.sight > farther
+                self.flags.has(cell, flag::CHANGED) || pixel.sight > marked_to
             });
         }
 
@@ -141,7 +144,7 @@ impl LevelRegion {
 
     /// Returns the pixels of dirty cells that no sample covers whole.
     fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
-        // Near the frame's edges nothing can be known.
+        // In a strip of width R along the frame's edges tiled samples beyond may have been lost: nothing can be known there.
         let inside = self.frame.inside(self.grid.radius().units);
 
         let mut pixels = Vec::new();
@@ -151,8 +154,9 @@ impl LevelRegion {
                 for &cell in cells {
                     let rect = self.grid.layout().cell_rect(cell as usize);
                     let (min, max) = (rect.min, rect.max);
-                    let across = min.x < inside.max.x && inside.min.x < max.x;
-                    if across && min.y < inside.max.y && inside.min.y < max.y {
+                    let meets_across = min.x < inside.max.x && inside.min.x < max.x;
+                    let meets_up = min.y < inside.max.y && inside.min.y < max.y;
+                    if meets_across && meets_up {
                         self.open_cell(&rect, &mut around);
                     }
                 }
@@ -183,7 +187,8 @@ impl LevelRegion {
         self.divide(cell, Point::default(), side, around);
     }
 
-    /// Divides a square at `corner` of a cell.
+    /// Divides a square at `corner`, an offset in a cell, until one sample covers a part or it is small, and adds the small
+    /// ones as pixels.
     fn divide(&self, cell: &Rect, corner: Point, side: i32, around: &mut Gathered) {
         let radius = self.grid.radius();
         let min = Point::new(cell.min.x + corner.x, cell.min.y + corner.y);
@@ -193,7 +198,8 @@ impl LevelRegion {
         }
 
         let middle = (side - 1) as f32 / 2.0;
-        // Four units outweigh the rounding of squares below 2^44 to 24 bits.
+        // A sample no farther than this from the square's centre covers all of it. Four units less outweigh the rounding of
+        // squares below 2^44 to 24 bits.
         let limit = radius.units as f32 - middle * std::f32::consts::SQRT_2 - 4.0;
 
         let (x, y) = (corner.x as f32 + middle, corner.y as f32 + middle);
@@ -206,7 +212,7 @@ impl LevelRegion {
         // `f32::min` is not vectorized.
         let nearest = squares.fold(f32::INFINITY, |a, b| if b < a { b } else { a });
 
-        // One sample covers the whole square.
+        // One sample covers the whole square. Squared, a negative limit would look like a distance.
         if limit > 0.0 && nearest <= limit * limit {
             return;
         }
@@ -219,8 +225,8 @@ impl LevelRegion {
 
         if side > radius.side() >> halvings {
             let half = side / 2;
-            for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
-                let corner = Point::new(corner.x + x, corner.y + y);
+            for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                let corner = Point::new(corner.x + right, corner.y + up);
                 self.divide(cell, corner, half, around);
             }
             return;
@@ -238,8 +244,8 @@ impl LevelRegion {
         if sight < gathered(radius) as f32 {
             pixel.sight = sight.into();
             let squares = around.across.iter().zip(&around.up).map(square);
-            // Without three sites, and without a border, there is nothing to find in it, until a sample is inserted
-            // nearby.
+            // A candidate has three sites or lies on a border. Otherwise there is nothing to find in the pixel until a sample
+            // is inserted nearby.
             let sites = squares.filter(|&square| square <= sight * sight).count();
             pixel.is_due = sites >= 3 || self.frame.border.meets(&pixel.rect());
         } else {
@@ -262,11 +268,15 @@ impl LevelRegion {
                 let middle = (pixel.side - 1) / 2;
                 let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
 
-                // This centre is up to half a unit off the pixel's on either axis: two units more make up for it.
+                // What lies beyond the farthest sight is not looked up: the pixel counts as unknown.
                 let is_far = pixel.sight > f64::from(farthest);
+                // The lattice point is up to half a unit off the pixel's centre on either axis: two units more make up for
+                // it, and for the fraction that is cut off.
                 let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
 
+                // The circle of sight must not meet the strip of width R along the edges.
                 let deep = self.frame.inside(sight + radius.units);
+                // Only the cells around unknowns have this flag, so that few pixels look for them.
                 let doubtful = self
                     .flags
                     .has(self.grid.layout().cell_at(pixel.min), flag::DOUBTFUL);
@@ -276,8 +286,10 @@ impl LevelRegion {
                     && !(doubtful && self.touches_unknown(centre, sight));
 
                 if !is_known {
-                    let (at, reach) = (centre, pixel.half_diagonal() as i32 + 2);
-                    self.doubt(UnknownDisk { at, radius: reach });
+                    self.doubt(UnknownDisk {
+                        at: centre,
+                        radius: pixel.half_diagonal() as i32 + 2,
+                    });
                 }
 
                 is_known
@@ -374,15 +386,15 @@ impl LevelRegion {
 
         self.flags.clear(flag::CHANGED);
 
-        // Pixels that see no farther than this are searched again only where it is marked; a pixel's side more, as their
-        // lowest points are asked about.
+        // All cells are marked that hold the lowest point of a pixel which sees the insertion: a pixel sees as far as
+        // `gathered` from its centre, and its lowest point is less than its side, at most an eighth of a cell, from there.
         let radius = self.grid.radius();
         let reach = gathered(radius) + radius.side() / 8;
 
         for (_, _, at) in candidates {
-            // Several triples may have made one place: the first sample there covers the others.
+            // A place that several triples made is inserted once: then its sample covers it.
             if !self.grid.covers(at) {
-                // Of no block's pattern.
+                // An inserted sample is of no block's pattern.
                 let foreign = true;
                 self.keep(at, foreign);
                 self.flags
@@ -409,12 +421,13 @@ impl Candidates<'_> {
         };
 
         let square = |site: &IVec2| site.as_i64vec2().distance_squared(centre);
-        let nearest = made_by.iter().map(square).min().unwrap_or(0);
+        // `made_by` is never empty.
+        let nearest_square = made_by.iter().map(square).min().unwrap_or(0);
         let radius = self.region.grid.radius();
         // The same slack as in `stages/detect.rs`, at this level's radius.
         let slack = 12 * i64::from(radius.units);
-        // A sample within R covers the place, in any case.
-        let limit = (nearest - slack).max(radius.squared + 1);
+        // A sample within R covers the place, however near those that made it are.
+        let limit = (nearest_square - slack).max(radius.squared + 1);
         if self.sites.iter().any(|site| square(site) < limit) {
             return;
         }

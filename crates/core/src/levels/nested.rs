@@ -158,7 +158,7 @@ impl Nested {
     /// equally far ones the order drawn decides, and it gives the first sample of all.
     ///
     /// Samples of a window are rearranged as a set of their own, since the farthest sample depends on all others. Fails
-    /// only when `observer` stops it, and has then changed nothing.
+    /// only when `observer` stops it. A stop before the last sample changes nothing.
     pub fn order_by_distance(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
         let mut meter = Meter::begin(observer, Stage::Finish, self.points.len() as u64)?;
         let mut grid = SampleGrid::with_capacity(self.domain, self.points.len());
@@ -174,7 +174,9 @@ impl Nested {
 
             // The next level keeps its distance from all of this one.
             for &point in &ordered[first..] {
-                grid.insert(0, point);
+                // The grid is asked about distances alone.
+                let any_id = 0;
+                grid.insert(any_id, point);
             }
 
             first = end;
@@ -204,10 +206,13 @@ impl<'a> Farthest<'a> {
             grid.insert(id, point);
         }
 
+        // No sample is farther away than this on either axis.
         let sides = domain.rect().max;
+        let longest = sides.x.max(sides.y);
+
         let squares: Vec<i64> = points
             .par_iter()
-            .map(|&point| nearest_squared(before, point, sides.x.max(sides.y)))
+            .map(|&point| nearest_squared(before, point, longest))
             .collect();
 
         // Of equally far samples the first one in the order drawn is taken.
@@ -234,7 +239,8 @@ impl<'a> Farthest<'a> {
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
 
-            // The others are at most as far from the samples taken before, so that only those nearer to this one change.
+            // All others are at most as far from the samples taken before as this one was. So only those that are nearer to
+            // this one than that can change; a unit more, as the root is rounded down.
             let longest = i64::from(self.domain.width().max(self.domain.height()));
             let reach = (square.isqrt() + 1).min(longest) as i32;
 

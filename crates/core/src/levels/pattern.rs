@@ -50,7 +50,8 @@ impl NestedPattern {
         for level in 0..levels {
             // A level keeps all samples of those before it, which are farther apart.
             let mut disks = DiskGrid::default();
-            disks.reset(domain, true, Radius::before(levels - 1 - level));
+            let periodic = true;
+            disks.reset(domain, periodic, Radius::before(levels - 1 - level));
             let fits = samples.iter().all(|&p| disks.insert(p));
             debug_assert!(fits, "the samples are conflict-free");
 
@@ -111,12 +112,13 @@ impl LevelClip {
         let mut points: Vec<Point> = variant.samples.iter().map(|s| s.0).collect();
         points.sort_by_key(|p| cell(*p));
 
-        // The pattern is a square.
+        // The pattern is a square, with as many rows of cells as columns.
         let mut starts = vec![0_u32; columns * columns + 1];
         for p in &points {
             starts[cell(*p) + 1] += 1;
         }
 
+        // The sum of the counts of all cells before one is the index of its first sample.
         for k in 1..starts.len() {
             starts[k] += starts[k - 1];
         }
@@ -154,7 +156,7 @@ impl LevelClip {
                     let to = self.starts[start + last + 1] as usize;
                     for p in &self.points[from..to] {
                         let (x, y) = (p.x - from_x, p.y - from_y);
-                        // Cells at the edges reach beyond the rectangle. A negative offset becomes a large number.
+                        // Cells at the edges reach beyond the part. A negative offset becomes a number that is too large.
                         if (x as u32) < columns as u32 && (y as u32) < rows as u32 {
                             place(Point::new(left + x, bottom + y));
                         }

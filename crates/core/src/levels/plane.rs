@@ -139,7 +139,7 @@ impl NestedRequest {
         count: u64,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
-        // Making a pattern takes long: other errors are found first.
+        // Making a pattern takes long, so that all other errors are found before it.
         let radius = radius_estimate(parameters, count)?;
         let estimated = Parameters {
             radius,
@@ -283,8 +283,8 @@ impl NestedPlane {
             }
 
             nearest = nearest.max(found as u64);
-            // Counts go as the inverse square of the radius. It shrinks slightly more than the missing share implies,
-            // since a try must reach the count.
+            // Counts go as the inverse square of the radius. The radius shrinks by a thousandth more than the missing share
+            // implies, since a try must reach the count.
             radius *= 0.999 * (found as f64 / count as f64).sqrt();
         }
 
@@ -351,6 +351,7 @@ impl NestedPlane {
         Ok(self.in_order(levels))
     }
 
+    /// Returns the samples of all `parts`, which lie in the domain, level by level in the order of the whole.
     fn compute_parts(
         &self,
         parts: &[Rect],
@@ -372,25 +373,26 @@ impl NestedPlane {
         })?;
 
         let mut levels = vec![Vec::new(); self.levels as usize];
-        let mut left = Vec::new();
         let mut add = |piece: Vec<Vec<Point>>| {
             for (all, mut found) in levels.iter_mut().zip(piece) {
                 all.append(&mut found);
             }
         };
+
+        let mut cheaper_whole = Vec::new();
         for (piece, window) in computed.into_iter().zip(&windows) {
             match piece? {
                 Some(piece) => add(piece),
-                None => left.push(window),
+                None => cheaper_whole.push(window),
             }
         }
 
-        // Windows for which the whole is less work share one: it is made once.
+        // The whole run is made once, and serves all windows that would be more work than it.
         let mut meter = Meter::resume(observer, stage, total, total)?;
-        if !left.is_empty() {
+        if !cheaper_whole.is_empty() {
             let mut region = LevelRegion::default();
             self.compute_whole(&mut region, &mut meter)?;
-            for window in left {
+            for window in cheaper_whole {
                 add(collect(&region, window));
             }
         }
@@ -413,7 +415,7 @@ impl NestedPlane {
         let mut region = self.idle.take();
 
         for repair in 0..=MAX_REPAIRS {
-            // Unknowns remain in few windows: a halo that suffices for these would cost time in all.
+            // Unknowns remain in few windows. A halo that suffices for these would cost time in every other window.
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
                 self.idle.give(region);
@@ -432,6 +434,7 @@ impl NestedPlane {
             }
         }
 
+        // The widest halo, the coarsest level's, is stated in radii of the finest level.
         Err(SampleError::Entangled {
             radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
         })
@@ -472,7 +475,7 @@ impl NestedPlane {
     ) -> Result<bool, SampleError> {
         let domain = self.domain();
 
-        let frame = |level: u32| {
+        let frame_of = |level: u32| {
             let halo = self.halo(level, halo);
             let mut frame = LevelFrame {
                 goes_on: [[true; 2]; 2],
@@ -481,7 +484,8 @@ impl NestedPlane {
             let size = I64Vec2::new(window.width().into(), window.height().into());
             let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
 
-            // A bounded plane ends at the domain's border: a frame that reaches it misses nothing there.
+            // A bounded plane ends at the domain's border: a frame that reaches the border is cut there and misses nothing.
+            // In the frame's coordinates the domain lies from `first` to `end`.
             if !frame.periodic {
                 let first = -frame.origin;
                 let end = first + I64Vec2::from(domain.rect().max);
@@ -498,16 +502,18 @@ impl NestedPlane {
         };
 
         let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
-        self.run(region, frame, domain.is_periodic(), &mut meter)?;
+        // A periodic plane shows a block several times: the frame's coordinates do not wrap.
+        let repeats = domain.is_periodic();
+        self.run(region, frame_of, repeats, &mut meter)?;
 
         // Only an unknown that reaches into the window makes it unsure.
-        let shown = |unknown: &super::region::UnknownDisk| {
+        let reaches_in = |unknown: &super::region::UnknownDisk| {
             let reach = unknown.radius;
             (-reach..window.width() + reach).contains(&unknown.at.x)
                 && (-reach..window.height() + reach).contains(&unknown.at.y)
         };
 
-        Ok(!region.unknown.iter().any(shown))
+        Ok(!region.unknown.iter().any(reaches_in))
     }
 
     /// Computes all levels in the whole domain.
@@ -527,10 +533,12 @@ impl NestedPlane {
         self.run(region, |_| frame, repeats, meter)
     }
 
+    /// Computes all levels, each in the frame that `frame_of` gives it. `repeats` says whether a block may lie in a frame
+    /// several times.
     fn run(
         &self,
         region: &mut LevelRegion,
-        frame: impl Fn(u32) -> LevelFrame,
+        frame_of: impl Fn(u32) -> LevelFrame,
         repeats: bool,
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
@@ -538,13 +546,13 @@ impl NestedPlane {
 
         // The coarsest level has the widest frame and the widest margins: no other level sees more blocks.
         let coarsest = self.units(0);
-        let first = frame(0);
-        let (target, origin) = (first.tiled(coarsest.units), first.origin);
+        let widest = frame_of(0);
+        let (target, origin) = (widest.tiled(coarsest.units), widest.origin);
         self.draws
             .find(&target, origin, coarsest.units, repeats, &mut region.blocks);
 
         for level in 0..self.levels {
-            region.begin(frame(level), self.units(level));
+            region.begin(frame_of(level), self.units(level));
             region.claim(level as usize, &self.variants, meter)?;
             region.fill(self.level_key(level), meter)?;
             region.ends.push(region.samples.len());
@@ -563,12 +571,12 @@ impl NestedPlane {
     }
 }
 
-/// Returns the domain of nested levels, or why there is none.
+/// Returns the domain of nested levels, or why `parameters` do not allow so many levels.
 fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
     let domain = parameters.validate()?;
     check_levels(levels)?;
 
-    // Nested levels are defined for one choice of each (see the head of `levels`).
+    // Nested levels are defined for the default of each choice alone (see the head of `levels`).
     let choices = [
         ("exact tiling", parameters.method != TilingMethod::default()),
         (

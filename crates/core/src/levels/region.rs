@@ -147,7 +147,8 @@ impl LevelRegion {
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             let fits = self.grid.insert(sample.at);
             debug_assert!(fits, "the samples are conflict-free");
-            // The pattern of the block around it may be in conflict with it: samples there are not copied unseen.
+            // It may be in conflict with the pattern of the block around it: pattern samples in the cells that it reaches are
+            // tested, and not copied.
             if sample.foreign {
                 self.flags
                     .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
@@ -161,7 +162,7 @@ impl LevelRegion {
         self.frame = frame;
 
         for unknown in before {
-            // A disk that a sample covers whole holds no other sample.
+            // A disk that a sample covers whole holds no other sample. A unit less, since `units` is rounded up.
             let inner = i64::from(radius.units - 1 - unknown.radius);
             let covered = self.grid.any_near(unknown.at, radius.units, |offset| {
                 inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
@@ -211,6 +212,7 @@ impl LevelRegion {
         self.grid.layout().any_range(at, reach, |range, _| {
             self.unknown_in[range].iter().any(|&first| {
                 let mut next = first;
+                // `NONE`, the end of a list, is no index.
                 while let Some(unknown) = self.unknown.get(next as usize) {
                     if touches(unknown) {
                         return true;
@@ -246,8 +248,9 @@ impl LevelRegion {
                 continue;
             };
 
-            // Deeper than r in the block all other samples in reach are the block's own, or of margins, which yield.
-            // Foreign samples of coarser levels and unknowns have contested the cells around them.
+            // A tiled sample deeper than r in its block is copied: other samples within r of it are of the block's own
+            // pattern, or of margins, which yield. Where there are other ones, foreign samples of coarser levels and
+            // unknowns, the cells are contested.
             let deep = block.rect.grown(-reach - 1, -reach).within(&inside);
             let safe = deep.unwrap_or_default();
 
@@ -268,7 +271,8 @@ impl LevelRegion {
             meter.ask()?;
         }
 
-        // A margin is narrower than at the level before.
+        // Samples that were not kept at coarser levels are decided again. A margin is narrower than at the level before, and
+        // so is the frame: samples that now lie outside are let go.
         claimants.extend(self.waiting.drain(..).filter(|claimant| {
             let block = &blocks[claimant.block as usize];
             let [width, height] = [0, 1].map(|axis| block.rect.max[axis] - block.rect.min[axis]);

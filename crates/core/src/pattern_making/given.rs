@@ -111,7 +111,7 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
         debug_assert!(fits, "no conflict was found");
     }
 
-    // Conflicts were looked for first, since `disks` holds conflict-free sets alone.
+    // A given set may leave lattice points uncovered by a hair, and the second search says whether it does.
     match disks.uncovered_point(GIVEN_SLACK) {
         None => Ok(disks.uncovered_point(0).is_none()),
         Some(p) => Err(PatternError::NotMaximal {

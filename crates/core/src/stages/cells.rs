@@ -64,8 +64,9 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with ranges of cells, and how far they are shifted, that together hold all places at most `reach`
-    /// from `from` on both axes, until it returns `true`; returns whether it did.
+    /// Calls `visit` with ranges of cells that together hold all places at most `reach` from `from` on both axes, until it
+    /// returns `true`; returns whether it did. With each range comes the shift to be added to its places: 0, or a side of a
+    /// domain that wraps.
     #[inline]
     pub fn any_range(
         &self,

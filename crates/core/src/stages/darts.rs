@@ -253,10 +253,11 @@ impl<G: DartGround> DartProcess<G> {
         recorder: &mut T,
     ) -> Result<Vec<Point>, SampleError> {
         let cells = self.active.len() as u64;
-        // A cell counts when it throws, for about one dart, and when it is cut.
+        // The meter counts three times for a cell: for its throw, for its dart, of which it has about one, and for its cut.
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
         let darts = self.darts(&mut meter, recorder)?;
 
+        // A process in another stage than insertion has no iterations.
         let iteration = match stage {
             Stage::Iterate(k) => k,
             _ => 0,
@@ -313,9 +314,10 @@ impl<G: DartGround> DartProcess<G> {
             };
             for (index, (rank, point)) in cell_darts(key, square, draws).enumerate() {
                 let coin = || {
-                    let cell = key.derive_at(square.min.x, square.min.y);
-                    cell.draw(Stream::Thin, index as u32)[0]
+                    let cell_key = key.derive_at(square.min.x, square.min.y);
+                    cell_key.draw(Stream::Thin, index as u32)[0]
                 };
+
                 let (inside, covered) = match self.ground.landing(cell, point, coin) {
                     Landing::Outside => (false, false),
                     Landing::Thinned => continue,
@@ -341,6 +343,7 @@ impl<G: DartGround> DartProcess<G> {
         Ok(darts)
     }
 
+    /// Begins the next level, whose active cells are the quarters of this one's that no single sample covers.
     fn split<T: Recorder>(
         &mut self,
         meter: &mut Meter<'_>,
@@ -350,6 +353,7 @@ impl<G: DartGround> DartProcess<G> {
         self.level += 1;
         self.throw = 0;
         let mut next = Vec::with_capacity(self.active.len());
+        // It grows where more samples lie near a cell.
         let mut near = Vec::with_capacity(32);
 
         for cell in &self.active {
@@ -360,7 +364,8 @@ impl<G: DartGround> DartProcess<G> {
             }
 
             let before = next.len();
-            // Quarters that one sample covers are left out. Those that several cover together throw on, in vain.
+            // Quarters that one sample covers are left out. A quarter that several samples cover together stays active, in
+            // vain.
             self.ground.split(cell, level, &mut near, &mut next);
             recorder.record(RunEvent::Cut {
                 cell: min,
@@ -402,24 +407,24 @@ pub(crate) fn cell_darts(
     let Cell { min, side } = cell;
     // A coordinate has 16 random bits, of which a smaller cell takes the highest.
     let shift = 16 - side.ilog2().min(16);
-    let cell = key.derive_at(min.x, min.y);
-    // A cell of one point throws exactly it, so that the process ends.
+    let cell_key = key.derive_at(min.x, min.y);
+    // A cell of one point throws that point for certain, so that the process ends.
     let count = if side == 1 {
         1
     } else {
-        poisson(cell.words()[0])
+        poisson(cell_key.words()[0])
     };
 
     (0..count).map(move |index| {
         let (rank, right, up) = match draws {
             DartDraws::One => {
-                let [position, rank] = cell.draw(Stream::Dart, index);
-                let (right, up) = (position >> 16, position & 0xffff);
+                let [halves, rank] = cell_key.draw(Stream::Dart, index);
+                let (right, up) = (halves >> 16, halves & 0xffff);
                 (rank, right >> shift, up >> shift)
             }
             DartDraws::Two => {
-                let [x, y] = cell.draw(Stream::Dart, 2 * index);
-                let [rank, _] = cell.draw(Stream::Dart, 2 * index + 1);
+                let [x, y] = cell_key.draw(Stream::Dart, 2 * index);
+                let [rank, _] = cell_key.draw(Stream::Dart, 2 * index + 1);
                 (rank, below(x, side as u32), below(y, side as u32))
             }
         };

@@ -120,7 +120,7 @@ pub(crate) fn first_detectors<T: Recorder>(
         meter.work(1)?;
         if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
             survivors.any_near(point, DETECTOR_REACH, |near| {
-                // The grid finds a square, and detectors lie in its disk.
+                // The grid finds the samples of a square, and the detectors are those in its disk.
                 if near.offset.as_i64vec2().length_squared() <= limit {
                     // The first lost sample that marks it is its reason.
                     if T::ENABLED && !is_detector[near.id as usize] {
@@ -331,7 +331,7 @@ impl<'a> Detection<'a> {
         sites: impl FnOnce() -> Sites,
     ) {
         let examined = self.accept(at, centre, samples);
-        // Only a recording shows places that are refused; without one their sites are not sorted.
+        // Only a recording shows places that are refused. Without one there is no need to sort their sites.
         if !T::ENABLED && examined.is_err() {
             return;
         }

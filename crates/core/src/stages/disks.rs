@@ -133,14 +133,16 @@ impl DiskGrid {
         near.clear();
         let half = cell.side / 2;
         let middle = Point::new(cell.min.x + half, cell.min.y + half);
-        // A sample that covers a quarter covers its corner beside the cell's middle, less than 2 units away. A quarter cut
-        // off by the rectangle may lack that corner, but holds its lowest place.
+        // A sample that covers a quarter covers the quarter's corner beside the cell's middle, less than 2 units away from
+        // it. A quarter that the rectangle cuts off may lack this corner, but it holds its own lowest place, which is at most
+        // half a diagonal of the cell from the middle.
         let is_whole = self.extent(cell) == IVec2::splat(cell.side - 1);
         let reach = self.radius.units + if is_whole { 2 } else { cell.side };
         let limit = i64::from(reach) * i64::from(reach);
 
         self.any_near(middle, reach, |offset| {
             if offset.as_i64vec2().length_squared() <= limit {
+                // From here on offsets begin at the cell's lowest place.
                 near.push(offset + half);
             }
             false

@@ -31,11 +31,11 @@ pub(crate) fn insert<T: Recorder>(
     });
 
     // Drawn for the place, not for the candidate's number: a window that finds fewer candidates inserts the same ones.
-    let key = key.derive(Stream::Iteration, iteration);
+    let order_key = key.derive(Stream::Iteration, iteration);
 
     let mut ranked: Vec<(u32, &Candidate)> = candidates
         .iter()
-        .map(|c| (key.draw_at(c.point.x, c.point.y)[0], c))
+        .map(|c| (order_key.draw_at(c.point.x, c.point.y)[0], c))
         .collect();
     // Places are unique, so that equal draws leave no choice.
     ranked.sort_unstable_by_key(|(rank, c)| (*rank, c.point.row_major()));

@@ -38,7 +38,8 @@ pub(crate) fn tile<T: Recorder>(
     recorder: &mut T,
 ) -> Result<Vec<Tile>, SampleError> {
     // Turning a pattern sorts its samples: that is done once, not for every block.
-    let variants: Vec<PatternVariant> = (0..if dihedral { 8 } else { 1 })
+    let symmetries = if dihedral { 8 } else { 1 };
+    let variants: Vec<PatternVariant> = (0..symmetries)
         .map(|s| pattern.variant(Symmetry(s)))
         .collect();
     let mut clip = Vec::new();
@@ -75,13 +76,13 @@ pub(crate) fn tile<T: Recorder>(
             }
         }
 
-        let samples = first..samples.len() as u32;
+        let ids = first..samples.len() as u32;
         tiles.push(Tile {
             start,
             symmetry: Symmetry(symmetry as u8),
-            samples,
+            samples: ids,
         });
-        // A block of a thousand samples is a long piece.
+        // Tiles count for the progress, but samples for how soon the observer is asked: a tile may hold thousands.
         meter.work(clip.len() as u64)?;
         meter.tick()?;
     }

@@ -53,7 +53,7 @@ pub fn gap_key(key: Key) -> Key {
 fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
     let reach = i64::from(R + SLACK);
 
-    let starts = |x: i32, extent: i32| {
+    let cell_starts = |x: i32, extent: i32| {
         let (low, high) = (i64::from(x) - reach, i64::from(x) + reach);
         let extent = i64::from(extent);
         // 2r and 8 units touch at most six cells of r / 2, and seven where a periodic border cuts the last cell short.
@@ -64,10 +64,10 @@ fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
                 continue;
             }
 
-            let (low, high) = ((low + shift).max(0), (high + shift).min(extent - 1));
-            if low <= high {
+            let (first, last) = ((low + shift).max(0), (high + shift).min(extent - 1));
+            if first <= last {
                 let side = i64::from(GAP_SIDE);
-                starts.extend((low / side..=high / side).map(|k| (k * side) as i32));
+                starts.extend((first / side..=last / side).map(|k| (k * side) as i32));
             }
         }
 
@@ -75,8 +75,8 @@ fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
     };
 
     let max = domain.rect().max;
-    let columns = starts(centre.x, max.x);
-    for y in starts(centre.y, max.y) {
+    let columns = cell_starts(centre.x, max.x);
+    for y in cell_starts(centre.y, max.y) {
         out.extend(columns.iter().map(|&x| Point::new(x, y)));
     }
 }

@@ -48,8 +48,8 @@ impl RelaxedCell {
             if a <= 0.0 {
                 self.clipped.push(v);
             }
-            // Strictly on opposite sides: a vertex on the line was taken above or comes next, and the quotient has no
-            // zero below.
+            // An edge whose ends lie strictly on opposite sides crosses the line. A vertex on the line needs no crossing: it
+            // is taken as a vertex. So a and b have different signs, and the quotient does not divide by 0.
             if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
                 self.clipped.push(v + a / (a - b) * (w - v));
             }

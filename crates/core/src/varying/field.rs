@@ -173,6 +173,8 @@ impl RadiusField {
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
 
+    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. Refuses radii out of range, and
+    /// a periodic domain that is too small for the largest.
     fn new(
         domain: Domain,
         bits: u32,

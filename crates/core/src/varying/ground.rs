@@ -79,16 +79,17 @@ impl DartGround for VaryingGround<'_> {
             return Landing::Outside;
         }
 
-        // A cell throws as many darts as a radius of its base cell's side asks for: where the radius R is larger, a share of
-        // side^2 / R^2 of them stays, so that the intensity depends on R only. Without this, sets are twice as dense on one side
-        // of a place where R passes a power of two as on the other (the test below). A cell of one point throws exactly that
-        // point, which makes the set maximal.
+        // A cell throws as many darts as suit a radius that is its base cell's side. Where the radius is larger, a share of
+        // side^2 / radius^2 of them stays, so that their density depends on the radius alone. Without this, sets are twice as
+        // dense on one side of a place where the radius passes a power of two as on the other (the test below). The dart of a
+        // cell of one point, whose `bits` are 0, always stays, which makes the set maximal.
         let radius = self.field.radius_at(at);
         let base_side = 1_i64 << cell.base_bits;
         if cell.bits > 0 && i64::from(radius) > base_side {
             let coin = i64::from(coin() >> 16);
             let area = i64::from(radius) * i64::from(radius);
-            // coin / 2^16 against side^2 / R^2: four bits less on either side, so that both are below 2^54.
+            // The dart is left out unless coin / 2^16 < side^2 / radius^2. Both sides of the comparison have four bits less,
+            // so that they fit 64 bits.
             if coin * (area >> 4) >= (base_side * base_side) << 12 {
                 return Landing::Thinned;
             }
@@ -115,16 +116,19 @@ impl DartGround for VaryingGround<'_> {
         let square = cell.square();
         let half = square.side / 2;
         let middle = Point::new(square.min.x + half, square.min.y + half);
-        let (least, greatest) = self.bounds(square);
+        let (least_radii, greatest) = self.bounds(square);
 
         near.clear();
-        // A sample that is near all places of a quarter is near its corner beside the middle, too, less than 2 units from that.
+        // A sample that is near all places of a quarter is near the quarter's corner beside the cell's middle, too, and this
+        // corner is less than 2 units from the middle.
+        let slack = 2;
         self.samples
-            .any_near(middle, greatest, 2, cell.sight, |offset, radius| {
+            .any_near(middle, greatest, slack, cell.sight, |offset, radius| {
                 // A reach is at most the mean of both radii, and at most twice the smaller one.
                 let mean = (radius + greatest + 1) / 2;
-                let limit = i64::from(mean.min(2 * radius.min(greatest)) + 2);
+                let limit = i64::from(mean.min(2 * radius.min(greatest)) + slack);
                 if offset.as_i64vec2().length_squared() <= limit * limit {
+                    // From here on offsets begin at the cell's lowest place.
                     let offset = offset + half;
                     near.push(NearDisk { offset, radius });
                 }
@@ -132,14 +136,14 @@ impl DartGround for VaryingGround<'_> {
             });
 
         let rect = self.field.domain().rect();
-        for (quarter, least) in square.quarters().into_iter().zip(least) {
+        for (quarter, least) in square.quarters().into_iter().zip(least_radii) {
             // A quarter that begins beyond the domain has no place of it.
             if !rect.contains(quarter.min) {
                 continue;
             }
 
+            // A sample is near all places of the quarter if it is near the farthest, were the radius there the least.
             let corner = quarter.min - square.min;
-
             let covered = near.iter().any(|disk| {
                 let across = farthest(disk.offset - corner, IVec2::splat(half - 1));
                 is_near(across.as_i64vec2().length_squared(), disk.radius, least)

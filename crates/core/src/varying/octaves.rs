@@ -101,25 +101,25 @@ impl Octaves {
         self.octaves[first..=last]
             .iter()
             .enumerate()
-            .any(|(octave, held)| {
+            .any(|(index, octave)| {
                 // Cell 0 is empty: an octave without another has no sample.
-                if held.cells.len() == 1 {
+                if octave.cells.len() == 1 {
                     return false;
                 }
 
-                // No radius of the octave reaches twice the side of its cells.
-                let end = 2 << (octave + first + usize::from(self.first));
+                // All radii of an octave are below twice the side of its cells.
+                let end = 2 << (index + first + usize::from(self.first));
                 let reach = reach(sight.largest.min(end - 1), radius) + slack;
-                held.grid.any_range(from, reach, |range, shift| {
+                octave.grid.any_range(from, reach, |range, shift| {
                     let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
-                    held.index[range].iter().any(|&listed| {
-                        let mut disks = held.cells[listed as usize]
+                    octave.index[range].iter().any(|&listed| {
+                        let mut disks = octave.cells[listed as usize]
                             .iter()
                             .take_while(|disk| disk.radius > 0);
                         disks.any(|disk| {
-                            let at =
-                                IVec2::new(disk.at.x.wrapping_add(x), disk.at.y.wrapping_add(y));
-                            visit(at, disk.radius)
+                            let Point { x: right, y: up } = disk.at;
+                            let offset = IVec2::new(right.wrapping_add(x), up.wrapping_add(y));
+                            visit(offset, disk.radius)
                         })
                     })
                 })

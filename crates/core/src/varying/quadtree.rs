@@ -48,7 +48,7 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
         let side = 1 << bits;
         let cell = Cell { min, side };
         let class = shape.class(cell);
-        // No dart exists there.
+        // The cell holds no place of the shape, and so no dart.
         if class == Class::Outside {
             continue;
         }
@@ -65,8 +65,8 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
             });
         } else {
             let quarters = cell.quarters().map(|quarter| (quarter.min, bits - 1));
-            // Those beyond the domain's far borders hold no place of it. The sequence of the cells does not matter to
-            // the process of darts.
+            // Quarters beyond the domain's far borders hold no place of it. Cells come off the stack in another order than
+            // their places, which does not matter to the process of darts.
             stack.extend(quarters.into_iter().filter(|(min, _)| rect.contains(*min)));
         }
     }

@@ -155,28 +155,32 @@ struct Polygon {
 }
 
 impl Polygon {
+    /// Returns the polygon of rings, each of which has corners, with its edges by bands.
     fn new(rings: &[Vec<Point>]) -> Self {
         let mut edges = Vec::new();
         for ring in rings {
             for (from, to) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+                // An edge goes from its lower end to its upper one: `inside` asks which rows it crosses, and on which side
+                // of it a place lies.
                 let ends = [from, to].map(|end| [i64::from(end.x), i64::from(end.y)]);
                 let [low, high] = if ends[0][1] <= ends[1][1] {
                     ends
                 } else {
                     [ends[1], ends[0]]
                 };
-                // From the lower end to the upper: `inside` asks which rows an edge crosses, and on which side of it
-                // a place lies.
                 edges.push(Edge { low, high });
             }
         }
 
+        // Without rings there are no rows: the highest one lies below the lowest.
         let lowest = edges.iter().map(|edge| edge.low[1]).min().unwrap_or(0);
         let highest = edges.iter().map(|edge| edge.high[1]).max().unwrap_or(-1);
+        // More bands than edges would be empty for the most part.
         let most = edges.len().clamp(1, MAX_BANDS);
         let count = |bits: u32| ((highest - lowest).max(0) >> bits) as usize + 1;
 
-        // The lowest bands of which there are not too many, so that a place is compared with few edges.
+        // Bands are as low as they can be without being too many, so that a place is compared with few edges. With all bits
+        // there is one.
         let bits = (0..u64::BITS - 1)
             .find(|&bits| count(bits) <= most)
             .unwrap_or(0);

@@ -144,7 +144,7 @@ impl PieceEntry {
     }
 }
 
-/// Returns the parameters of a set for a rectangle; given parameters take precedence.
+/// Returns the parameters of a set for a rectangle. Those in `given` take precedence, over `boundary` too.
 fn parameters(
     boundary: Boundary,
     rect: &Rect,
@@ -162,6 +162,7 @@ fn parameters(
         Domain::of_rect(rect, given_boundary(given)?.unwrap_or(boundary))?.size()
     };
 
+    // The domain of a rectangle has radius 1.
     let base = Parameters {
         width: size[0],
         height: size[1],

@@ -38,7 +38,7 @@ impl PlacedLayout {
     /// continue each other; sets made for a rectangle are not shared. `made` is called with the number of finished
     /// pieces. Uses the current rayon pool.
     ///
-    /// Fails with the error of the first piece, in their sequence, that has one.
+    /// Fails with the error of the first set, in the order of the sets' first pieces, that cannot be made or placed.
     pub fn pieces<E: From<LayoutError> + Send>(
         &self,
         make: impl Fn(&PieceSource) -> Result<Set, E> + Sync,
@@ -46,14 +46,15 @@ impl PlacedLayout {
     ) -> Result<Vec<Piece>, PieceError<E>> {
         let groups = groups_by_set(&self.pieces);
 
-        let sets = groups.par_iter().with_max_len(1).map(|sharing| {
+        // A set may take long: each is a task of its own.
+        let tasks = groups.par_iter().with_max_len(1).map(|sharing| {
             let set = make(&self.pieces[sharing[0]].source);
             made(sharing.len());
             set
         });
-        let sets: Vec<Result<Set, E>> = sets.collect();
+        let sets: Vec<Result<Set, E>> = tasks.collect();
 
-        // In the sequence of the pieces again, whatever thread was first: the error of the first piece is reported.
+        // Sets are looked at in the order of their groups, so that the same error is reported whatever thread was first.
         let mut pieces: Vec<Option<Piece>> = vec![None; self.pieces.len()];
         for (set, sharing) in sets.into_iter().zip(&groups) {
             let in_piece = |piece: usize| move |error: E| PieceError { piece, error };
@@ -72,6 +73,7 @@ impl PlacedLayout {
 /// Returns groups of the indices of pieces that share a set, in the order of their first pieces.
 fn groups_by_set(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
+    // The groups whose set is read from a file.
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
 
     for (k, piece) in pieces.iter().enumerate() {

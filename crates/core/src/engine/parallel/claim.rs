@@ -68,9 +68,9 @@ impl<const TAGS: bool> Region<TAGS> {
 
         let (depth, target) = (i64::from(depth), self.frame.tiled());
 
-        // Nothing can eliminate these: they are copied without a test.
+        // Nothing can eliminate the samples of the interiors: they are copied without a test.
         for block in &blocks {
-            let interior = block.rect.grown(-depth - 1, -depth);
+            let interior = interior(block, depth);
             // A tag is kept beside its slot, so that only samples without tags go to their cells eight at a time.
             if TAGS {
                 clipper.clip(block, &interior, &target, |x, y, id| {
@@ -117,7 +117,7 @@ impl<const TAGS: bool> Region<TAGS> {
         target: &Rect,
     ) {
         self.waiting.clear();
-        for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
+        for part in frame_between(&block.rect, &interior(block, depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
@@ -129,6 +129,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
+    /// Decides the fates of the samples in a block's margin, in the order in which they are clipped.
     #[inline(always)]
     fn claim_margin<S: Simd>(
         &mut self,
@@ -149,13 +150,14 @@ impl<const TAGS: bool> Region<TAGS> {
             if self.frame.holds(x, y) {
                 self.claim_one(simd, x, y, tag);
             } else {
-                // Outside of a bounded domain. It is lost like an eliminated one: places that it covered may now be
+                // A sample outside of a bounded domain is lost like an eliminated one: places that it covered may now be
                 // bare.
                 self.lose(x, y, Loss::Certain);
             }
         }
     }
 
+    /// Decides the fates of all samples near the borders of blocks, in the order of their ranks.
     fn claim_sorted<S: Simd>(
         &mut self,
         simd: S,
@@ -167,7 +169,7 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         let mut contested = std::mem::take(&mut self.contested);
         for block in blocks {
-            let own = frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth));
+            let own = frame_between(&block.rect, &interior(block, depth));
             let margin = frame_between(&block.rect.grown(R.into(), R.into()), &block.rect);
 
             for (part, is_own) in own
@@ -243,6 +245,13 @@ impl<const TAGS: bool> Region<TAGS> {
                 })
             })
     }
+}
+
+/// Returns the places that are more than `depth` units inside a block. The block is half open, so that below and left it takes
+/// a unit more.
+#[inline(always)]
+fn interior(block: &PlacedBlock, depth: i64) -> Rect64 {
+    block.rect.grown(-depth - 1, -depth)
 }
 
 /// Returns four rectangles that together are `outer` without `inner`.

@@ -82,7 +82,8 @@ impl CellPattern {
     }
 
     /// Cuts the rectangle that begins at `start` of the repeated pattern where it crosses the pattern's edges. Calls `visit`
-    /// with each part, in the pattern, and the place of its lowest corner, where that of the rectangle is `corner`.
+    /// with each part, as a rectangle of the pattern, and with the place where its lowest corner is laid. The lowest corner
+    /// of the whole is laid at `corner`.
     #[inline(always)]
     fn pieces(
         &self,
@@ -139,13 +140,14 @@ impl CellPattern {
     }
 
     /// Calls `visit` with the cell and the slot of every sample of `piece`, which is laid at `corner` of `frame`. Eight
-    /// samples are computed at once.
+    /// samples are computed at once. A slot is a place within a cell: 15 bits of x, and above them 15 bits of y.
     #[inline(always)]
     fn slots<S: Simd>(
         &self,
         simd: S,
         frame: &Frame,
-        (piece, corner): (&Rect, Point),
+        piece: &Rect,
+        corner: Point,
         visit: &mut impl FnMut(usize, u32),
     ) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
@@ -154,8 +156,8 @@ impl CellPattern {
         let width = u32x8::splat(simd, piece.width() as u32);
         let height = u32x8::splat(simd, piece.height() as u32);
 
-        let low = R as u32 - 1;
-        // Beyond the padding, so that no coordinate is negative.
+        let place_bits = R as u32 - 1;
+        // Counted from the corner of the padding, so that no coordinate is negative.
         let (right, up) = (corner.x + (PAD << CELL_BITS), corner.y + (PAD << CELL_BITS));
         let stride = u32x8::splat(simd, frame.stride() as u32);
 
@@ -171,19 +173,17 @@ impl CellPattern {
                 let x = u32x8::from_slice(simd, &xs[k..k + LANES]) - piece.min.x as u32;
                 let y = u32x8::from_slice(simd, &ys[k..k + LANES]) - piece.min.y as u32;
                 // As unsigned numbers, so that places left of the piece or below it are not inside either.
-                let inside = (x.simd_lt(width) & y.simd_lt(height)).to_bitmask() as u32;
+                let mut inside = (x.simd_lt(width) & y.simd_lt(height)).to_bitmask() as u32;
 
                 // The last group reads on into the samples of other cells, or into the eight at the end.
                 let rest = to - from - k;
-                let inside = if rest < LANES {
-                    inside & ((1 << rest) - 1)
-                } else {
-                    inside
-                };
+                if rest < LANES {
+                    inside &= (1 << rest) - 1;
+                }
 
                 let (x, y) = (x + right as u32, y + up as u32);
                 let cells = (y >> CELL_BITS) * stride + (x >> CELL_BITS);
-                let slots = ((y & low) << CELL_BITS) | (x & low);
+                let slots = ((y & place_bits) << CELL_BITS) | (x & place_bits);
                 let (cells, slots): ([u32; LANES], [u32; LANES]) = (cells.into(), slots.into());
 
                 // Only groups at the border of the piece have samples outside of it: the others need no look at the
@@ -193,11 +193,12 @@ impl CellPattern {
                         visit(cell as usize, slot);
                     }
                 } else {
-                    let mut inside = inside;
                     while inside != 0 {
-                        let k = inside.trailing_zeros() as usize % LANES;
+                        // The remainder changes nothing, but shows the compiler that the index is in range.
+                        let lane = inside.trailing_zeros() as usize % LANES;
+                        // Takes away the lowest bit that is set.
                         inside &= inside - 1;
-                        visit(cells[k] as usize, slots[k]);
+                        visit(cells[lane] as usize, slots[lane]);
                     }
                 }
             }
@@ -229,7 +230,7 @@ pub struct Clipper {
     counts: Option<Vec<u32>>,
 }
 
-/// A node to visit: the node, the sequence number of its first split, the index of its first leaf.
+/// A node to visit, the index of its first split in the clipper's counts, and the index of its first leaf.
 type Visit = (Node, u32, u32);
 
 impl Clipper {
@@ -298,19 +299,21 @@ impl Clipper {
 
         while let Some((node, split, leaf)) = stack.pop() {
             let images = Images::of(&node.block.rect, frame, &target);
-            // No block below it reaches into the frame, as blocks lie in their nodes.
+            // No block of the node reaches into the frame, as blocks lie in their nodes.
             if images.is_empty() {
                 continue;
             }
 
             if let Some(cut) = node.cut(self.leaf) {
-                let lower = self
+                // The leaves of the lower side. If blocks are not counted, every index is 0.
+                let lower_leaves = self
                     .counts
                     .as_ref()
                     .map_or(0, |counts| counts[split as usize]);
-                // A side of `lower` leaves has one split fewer, and the split between the sides comes before both.
-                // The lower side is pushed last, to be visited first: it has the smaller indices.
-                stack.push((cut.upper, split + lower, leaf + lower));
+
+                // In `counts` the node's own split comes first, then the `lower_leaves - 1` splits of the lower side, then
+                // those of the upper one. The lower side is pushed last, to be visited first: it has the smaller indices.
+                stack.push((cut.upper, split + lower_leaves, leaf + lower_leaves));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
                 self.push_images(&node.block, &images, sequence, leaf, out)?;
@@ -373,7 +376,7 @@ impl Clipper {
         let size = [rect.width(), rect.height()];
         let pattern = &self.variants[block.symmetry as usize];
         pattern.pieces(start_of(block, &rect), size, rect.min, |piece, corner| {
-            pattern.slots(simd, frame, (piece, corner), &mut visit);
+            pattern.slots(simd, frame, piece, corner, &mut visit);
         });
     }
 }
@@ -415,7 +418,7 @@ impl Images {
 
         let shifts = std::array::from_fn(|axis| {
             if frame.periodic {
-                // min + k side < high and low < max + k side.
+                // The image moved by k sides meets the target if min + k side < high and low < max + k side.
                 let side = sides[axis];
                 let first = (low[axis] - reach.max[axis]).div_euclid(side) + 1;
                 let last = (high[axis] - 1 - reach.min[axis]).div_euclid(side);

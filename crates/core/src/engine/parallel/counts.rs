@@ -72,20 +72,22 @@ impl<const TAGS: bool> Region<TAGS> {
             counts.blocks += u64::from(is_inside && counted(min.x as i32, min.y as i32));
         }
 
-        // A sample of unknown fate lies in an unsure cell, and the repairing region counts those.
+        // A sample of unknown fate lies in an unsure cell, and repairing regions count the samples of unsure cells.
         for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
             if self.frame.holds(lost.x, lost.y) {
                 counts.eliminated += u64::from(counted(lost.x, lost.y));
             } else {
-                // A dropped sample lies in no window: that with the nearest place of the domain counts it.
+                // A dropped sample lies in no window: the window with the nearest place of the domain counts it.
                 let [width, height] = self.frame.end;
-                let nearest = [lost.x.clamp(0, width - 1), lost.y.clamp(0, height - 1)];
-                counts.dropped += u64::from(counted(nearest[0], nearest[1]));
+                let (nearest_x, nearest_y) =
+                    (lost.x.clamp(0, width - 1), lost.y.clamp(0, height - 1));
+                counts.dropped += u64::from(counted(nearest_x, nearest_y));
             }
         }
 
         for inserted in &self.gaps.inserted {
             if counted(inserted.x, inserted.y) {
+                // Iterations are numbered from 1.
                 counts.insert(inserted.iteration as usize - 1, 1);
             }
         }

@@ -57,7 +57,7 @@ impl Frame {
 
             frame.goes_on[axis] = [true; 2];
             if !periodic {
-                // No cells beyond a closed border. Where the halo reaches it, the plane does not go on.
+                // The frame has no cells beyond a closed border, and the plane goes on only where the halo ends before it.
                 let last_cell = i64::from((end[axis] - 1) >> CELL_BITS);
                 frame.goes_on[axis] = [first > 0, last < last_cell];
                 first = first.max(0);

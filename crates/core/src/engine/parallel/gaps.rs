@@ -25,7 +25,7 @@ use pixel::{Pixel, pixels_of};
 pub(crate) use pixel::{corner, each_bit};
 
 /// Cells searched around a cell unless that proves too few: all samples within 2r of its places.
-const USUAL: i32 = 2;
+pub(super) const USUAL: i32 = 2;
 
 /// Parameters of the run that gap filling needs.
 pub(crate) struct Rules {
@@ -119,22 +119,24 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
 
         self.mark(&mut gaps, rules);
-        let (first_time, again) = (false, true);
-        self.spread(simd, &mut gaps, rules, first_time);
+        // The first detection checks every cell that is reached by then. Later ones pass reached cells by, so that these are
+        // checked when they are marked.
+        let (unchecked, checked) = (false, true);
+        self.spread(simd, &mut gaps, rules, unchecked);
         self.first_detection(simd, &mut gaps, rules);
 
         let mut iteration = 1;
         loop {
-            let first = gaps.inserted.len();
+            let inserted_before = gaps.inserted.len();
             self.insert_candidates(simd, &mut gaps, rules, iteration);
             // Cells that have become unsure without an insertion must mark their surroundings, too.
-            if gaps.inserted.len() == first && self.spread == self.unsure.len() {
+            if gaps.inserted.len() == inserted_before && self.spread == self.unsure.len() {
                 break;
             }
 
             iteration += 1;
-            self.spread(simd, &mut gaps, rules, again);
-            self.detect_again(simd, &mut gaps, first, rules);
+            self.spread(simd, &mut gaps, rules, checked);
+            self.detect_again(simd, &mut gaps, inserted_before, rules);
         }
 
         self.gaps = gaps;
@@ -146,9 +148,9 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Marks the surroundings of unsure cells as reached: open places there may be filled by unknown samples. With
-    /// `again` the newly reached open cells are checked here; otherwise detection checks them.
+    /// `check` the newly reached cells become hot here if they are open; otherwise detection sees to it.
     #[inline(always)]
-    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, again: bool) {
+    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, check: bool) {
         let reach = rules.reach();
         let known = self.unsure.len();
         let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
@@ -161,7 +163,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     if self.flags[cell] & flag::REACHED == 0 {
                         self.flags[cell] |= flag::REACHED;
                         // Only a cell with an open place depends on samples that are yet unknown.
-                        if again && self.is_still_open(simd, gaps, cell, column, row) {
+                        if check && self.is_still_open(simd, gaps, cell, column, row) {
                             self.make_hot(cell);
                         }
                     }
@@ -190,10 +192,10 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.near
             .gather(&self.slots, self.frame.stride(), cell, USUAL);
         let pixels = pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]);
-        let open = pixels
+        let mask = pixels
             .iter()
-            .fold(0, |open, pixel| open | 1 << pixel.number);
-        gaps.near.any_open(simd, open)
+            .fold(0, |mask, pixel| mask | 1 << pixel.number);
+        gaps.near.any_open(simd, mask)
     }
 }
 

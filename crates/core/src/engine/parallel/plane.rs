@@ -134,8 +134,8 @@ impl Plane {
         depth: usize,
         window: &Rect,
     ) -> Result<WindowCounts, SampleError> {
-        let is_last = depth > MAX_REPAIRS;
-        if is_last && self.whole.is_none() {
+        let is_beyond_repair = depth > MAX_REPAIRS;
+        if is_beyond_repair && self.whole.is_none() {
             return Err(SampleError::Entangled {
                 radii: f64::from(HALO << MAX_REPAIRS),
             });
@@ -148,9 +148,9 @@ impl Plane {
         let region = &mut *scratch.0[depth];
         let frame = Frame::new(&self.domain, window, HALO << depth);
         // Uncertainty may spread around a small periodic domain without end, whatever the halo: such a domain is run
-        // as a whole.
+        // as a whole. The first halo, which nearly always suffices, is tried in any case.
         if let Some(whole) = &self.whole
-            && (is_last || depth > 0 && whole.is_shorter(&frame))
+            && (is_beyond_repair || depth > 0 && whole.is_shorter(&frame))
         {
             return whole.show(region, &self.domain, window);
         }

@@ -222,10 +222,11 @@ impl<const TAGS: bool> Region<TAGS> {
         let window = self.frame.window;
 
         // If a window ends inside its cells, samples of its outermost cells must be tested.
-        let aligned = |v: i32| v & (R - 1) == 0;
-        let whole =
-            [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
+        let at_cells = |v: i32| v & (R - 1) == 0;
+        let ends_at_cells =
+            [window.min.x, window.min.y, window.max.x, window.max.y].map(at_cells) == [true; 4];
 
+        // A cell has at most three samples, and four places are written for it.
         let mut line = vec![Point::default(); 3 * width + 4];
 
         for row in cells.min.y..cells.max.y {
@@ -238,20 +239,22 @@ impl<const TAGS: bool> Region<TAGS> {
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
                 );
 
-                // Slots compare by row, then column, and free ones are the largest. All four are written, and those beyond
-                // the count are overwritten by the next cell. The last slot holds the complement of the count.
+                // Slots compare by row, then column, and free ones are the largest. The last slot holds the complement of
+                // the count: one sample needs no sort.
                 let [mut a, mut b, mut c, last] = *slots;
                 if !last >= 2 {
                     (a, b) = (a.min(b), a.max(b));
                     (b, c) = (b.min(c), b.max(c));
                     (a, b) = (a.min(b), a.max(b));
                 }
-                let slots = [a, b, c, last];
-                let xs = slots.map(|slot| x | slot as i32 & (R - 1));
-                let ys = slots.map(|slot| y | (slot >> CELL_BITS) as i32);
+
+                // All four are written, and the next cell overwrites those beyond the count.
+                let sorted = [a, b, c, last];
+                let xs = sorted.map(|slot| x | slot as i32 & (R - 1));
+                let ys = sorted.map(|slot| y | (slot >> CELL_BITS) as i32);
                 let points = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
                 line[count..count + 4].copy_from_slice(&points);
-                count += !last as usize & 3;
+                count += held(slots);
             }
 
             if TAGS {
@@ -260,9 +263,10 @@ impl<const TAGS: bool> Region<TAGS> {
 
             let line = &line[..count];
             let is_outermost = row == cells.min.y || row == cells.max.y - 1 || width < 2;
-            if whole {
+            if ends_at_cells {
                 out.extend_from_slice(line);
             } else if TAGS || is_outermost {
+                // Tags are filtered by the row.
                 self.emit_inside(line, out, tags);
             } else {
                 // Of an inner row only the first and the last cell may have samples outside of the window.
@@ -369,27 +373,31 @@ pub(crate) const fn unpack(packed: u32, column: i32, row: i32) -> Point {
 /// one. Free slots read as positions more than R away.
 #[inline(always)]
 fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -> bool {
-    // Lengths beyond R + 1 are cut there: the sum stays above R^2 and in 32 bits.
-    const UNSIGNED: i32 = i32::MAX >> (CELL_BITS - 1);
+    // The shift of a negative number fills in ones above: the mask takes them away.
+    const SHIFTED_BITS: i32 = i32::MAX >> (CELL_BITS - 1);
     let [a, b, c] = [slots[first], slots[first + 1], slots[first + 2]];
 
-    // Lanes of the left cell, which begins R before the middle one, and then lanes of that.
+    // What to add to an abscissa in its cell, so that it is counted from the point: four times for the left cell, which begins
+    // R before the middle one, and four times for the middle one.
     let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
     let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
     let two = i32x8::simd_from(simd, packed);
 
+    // Longer lengths count as R + 1, which is too far as well: the squares then fit 32 bits, as does their sum, of which R^2
+    // is taken off in between.
     let most = i32x8::splat(simd, R + 1);
     let across = ((two & (R - 1)) + i32x8::simd_from(simd, left))
         .abs()
         .min(most);
-    let up = (((two >> CELL_BITS) & UNSIGNED) - y).abs().min(most);
+    let up = (((two >> CELL_BITS) & SHIFTED_BITS) - y).abs().min(most);
     let beyond = across * across - R_SQUARED as i32 + up * up;
     let covers = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
 
+    // The same for the right cell, which begins R behind the middle one.
     let third = i32x4::simd_from(simd, c.map(|slot| slot as i32));
     let most = i32x4::splat(simd, R + 1);
     let across = ((third & (R - 1)) + (R - x)).abs().min(most);
-    let up = (((third >> CELL_BITS) & UNSIGNED) - y).abs().min(most);
+    let up = (((third >> CELL_BITS) & SHIFTED_BITS) - y).abs().min(most);
     let beyond = across * across - R_SQUARED as i32 + up * up;
     covers | beyond.simd_le(i32x4::splat(simd, 0)).any_true()
 }

@@ -20,6 +20,8 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
 ) -> Result<Vec<T>, SampleError> {
     let made: Vec<OnceLock<T>> = pieces.iter().map(|_| OnceLock::new()).collect();
     let (next, is_stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+
+    // Each index is taken once, by whichever thread is free.
     let take = || {
         let index = next.fetch_add(1, Ordering::Relaxed);
         (index < pieces.len() && !is_stopped.load(Ordering::Relaxed)).then_some(index)
@@ -29,7 +31,7 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
     };
 
     rayon::in_place_scope(|scope| {
-        // The calling thread takes pieces, too.
+        // One thread less is started, since the calling thread takes pieces, too.
         for _ in 1..rayon::current_num_threads().min(pieces.len()) {
             scope.spawn(|_| {
                 let mut look = |_: Progress| flow(is_stopped.load(Ordering::Relaxed));
@@ -58,6 +60,8 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
         let Progress { stage, .. } = progress(0);
         return Err(SampleError::Cancelled { stage });
     }
+
+    // Nothing was stopped, so that every piece was made.
     Ok(made.into_iter().filter_map(OnceLock::into_inner).collect())
 }
 

@@ -263,7 +263,7 @@ impl<P: WindowMaker> Sweep<P> {
         bands
     }
 
-    /// Computes bands up to the row `end`.
+    /// Returns the samples of the windows of `bands`, which end at the row of cells `end`, in the same arrangement.
     fn compute(
         &self,
         bands: &[Vec<Rect>],
@@ -277,13 +277,14 @@ impl<P: WindowMaker> Sweep<P> {
             done: self.done as u64 + (end - self.done) as u64 * begun as u64 / windows.len() as u64,
             total: self.rows as u64,
         };
+        // A window takes little time, and asks no observer within.
         let pieces = compute_each(&windows, observer, progress, |window, _| {
             let mut piece = self.idle.take();
             self.plane.fill(window, self.sources, &mut piece)?;
             Ok(piece)
         })?;
 
-        // The first error in the order of windows, not in time.
+        // Of several errors the first in the order of the windows is returned, whichever came first in time.
         let pieces: Vec<WindowSamples> = pieces.into_iter().collect::<Result<_, SampleError>>()?;
         let mut pieces = pieces.into_iter();
         Ok(bands

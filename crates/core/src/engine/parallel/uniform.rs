@@ -10,7 +10,7 @@ use crate::stages::disks::Cell;
 use crate::stages::uniform::{SLACK, gap_key};
 
 use super::frame::CELL_BITS;
-use super::gaps::{GapBuffers, Inserted, Rules, corner, each_bit, inserted_tag};
+use super::gaps::{GapBuffers, Inserted, Rules, USUAL, corner, each_bit, inserted_tag};
 use super::region::{Loss, Region, flag, unpack};
 use super::stamp::{PIXEL_SIDE, Stamps};
 
@@ -42,23 +42,23 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
         self.mark(&mut gaps, rules);
 
+        // Unknown samples may fill open places around an unsure cell.
         for k in 0..self.unsure.len() {
             self.reach_around(self.unsure[k] as usize, rules.lost_reach);
         }
         let mut active = self.first_cells(simd, &mut gaps, rules);
 
-        let key = gap_key(rules.key);
+        let process_key = gap_key(rules.key);
         // Cells of level 1 have sides of `GAP_SIDE`, half a radius.
         let mut level = 1;
         while !active.is_empty() {
-            let side = R >> level;
             // From level 1 on a cell throws once, so that its throw is number 0.
-            let key = throw_key(key, level, 0);
-            self.throw(simd, &mut gaps, rules, key, (&active, side, level));
+            let key = throw_key(process_key, level, 0);
+            self.throw(simd, &mut gaps, rules, key, &active, level);
             if level == LAST_LEVEL {
                 break;
             }
-            active = self.quarters(rules, &active, side);
+            active = self.quarters(rules, &active, R >> level);
             level += 1;
         }
 
@@ -97,7 +97,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
             // Unknown samples may fill a reached cell: it is unsure if it has an open place.
             if self.flags[cell] & flag::REACHED != 0 {
-                gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
+                gaps.near
+                    .gather(&self.slots, self.frame.stride(), cell, USUAL);
                 if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
                 }
@@ -111,11 +112,13 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         if !rules.is_exact() {
-            // Such a pattern has gaps of its own, of which only those in these cells are filled: the cells must be those of
-            // the sequential engine.
+            // A pattern that misses lattice points has gaps of its own. The sequential engine fills them only in the cells
+            // around lost samples, so that exactly these cells must be taken here.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
-                let low = [lost.x - R - SLACK, lost.y - R - SLACK];
-                self.cells_in(low, low.map(|v| v + 2 * (R + SLACK) + 1), &mut active);
+                let reach = R + SLACK;
+                let low = [lost.x - reach, lost.y - reach];
+                let high = [lost.x + reach + 1, lost.y + reach + 1];
+                self.cells_in(low, high, &mut active);
             }
         }
 
@@ -130,7 +133,7 @@ impl<const TAGS: bool> Region<TAGS> {
         active
     }
 
-    /// Appends the domain's cells of side [`GAP_SIDE`] that a rectangle of the frame touches.
+    /// Appends the domain's cells of side [`GAP_SIDE`] that a rectangle of the frame touches, which ends before `high`.
     fn cells_in(&self, low: [i32; 2], high: [i32; 2], out: &mut Vec<Active>) {
         // Starts of the domain's cells along an axis: in the frame and in the domain.
         let starts = |axis: usize| {
@@ -143,17 +146,18 @@ impl<const TAGS: bool> Region<TAGS> {
 
             std::iter::from_fn(move || {
                 (at < limit).then(|| {
-                    let plane = frame.origin[axis] + i64::from(at);
-                    let domain = if frame.periodic {
-                        plane.rem_euclid(side.into())
+                    let in_plane = frame.origin[axis] + i64::from(at);
+                    let in_domain = if frame.periodic {
+                        in_plane.rem_euclid(side.into())
                     } else {
-                        plane
+                        in_plane
                     } as i32;
-                    let first = domain / GAP_SIDE * GAP_SIDE;
-                    let start = (at - (domain - first), first);
-                    // The last cell of a periodic axis may be shorter.
-                    at = start.0 + GAP_SIDE.min(extent - first);
-                    start
+
+                    let start_in_domain = in_domain / GAP_SIDE * GAP_SIDE;
+                    let start = at - (in_domain - start_in_domain);
+                    // The next cell follows. The last cell of the domain may be shorter.
+                    at = start + GAP_SIDE.min(extent - start_in_domain);
+                    (start, start_in_domain)
                 })
             })
         };
@@ -168,15 +172,17 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Makes a level's throw.
+    /// Makes a level's throw: throws darts into the active cells, and inserts those that no sample covers, by rank.
     fn throw<S: Simd>(
         &mut self,
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         key: crate::random::Key,
-        (active, side, level): (&[Active], i32, u32),
+        active: &[Active],
+        level: u32,
     ) {
+        let side = R >> level;
         let domain = rules.domain.rect();
         let mut darts = Vec::new();
 

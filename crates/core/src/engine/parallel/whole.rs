@@ -72,8 +72,9 @@ impl Whole {
         });
         let run = run.as_ref().map_err(Clone::clone)?;
 
-        // Without a halo, as all samples are known.
-        region.reset(Frame::new(domain, window, 0), 0);
+        // All samples are known, so that the frame needs no halo, and nothing reaches in from beyond it.
+        let (halo, reach) = (0, 0);
+        region.reset(Frame::new(domain, window, halo), reach);
         let origin = region.frame.origin;
 
         let mut counts = WindowCounts::default();
@@ -88,6 +89,7 @@ impl Whole {
             let tag = match samples.origins[id] {
                 Origin::Tiled { block, pattern, .. } => tiled_tag(block, pattern),
                 Origin::Inserted { iteration, .. } => {
+                    // Iterations are numbered from 1.
                     counts.insert(iteration as usize - 1, 1);
                     inserted_tag(iteration)
                 }

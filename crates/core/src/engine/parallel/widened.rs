@@ -22,12 +22,13 @@ pub struct WidenedWindow {
 }
 
 impl WidenedWindow {
-    /// Returns a window of a set of radius `radius` in units with a margin around it, in which `samples` finds the samples.
+    /// Returns a window with a margin around it, of a set whose radius has `radius` units. `find` returns the samples of a
+    /// window.
     pub(crate) fn of(
         window: &Window,
         domain: &Domain,
         radius: i32,
-        samples: impl FnOnce(&Window) -> Result<Vec<Point>, SampleError>,
+        find: impl FnOnce(&Window) -> Result<Vec<Point>, SampleError>,
     ) -> Result<Self, SampleError> {
         let margin = MARGIN * i64::from(radius);
         let periodic = domain.is_periodic();
@@ -46,14 +47,14 @@ impl WidenedWindow {
 
         let user = |offset: I64Vec2| (offset.as_dvec2() * unit).to_array();
 
-        // A window is at most as long as the domain, and with its margins shorter than two domains of 10 r and more:
-        // no sample has more than two images in it.
+        // A window is at most as long as the domain, and its two margins, 8 r, are shorter than any periodic domain, which
+        // has at least 10 r. Together they are shorter than two domains: a sample has at most two images in them.
         let images = |v: i32, axis: usize| {
             let (side, first) = (i64::from(sides[axis]), i64::from(v) - wide.min[axis]);
             let (first, step) = if periodic {
                 (first.rem_euclid(side), side)
             } else {
-                // One image: the second is far beyond the window.
+                // A bounded domain shows a sample once: the second place is far beyond the window.
                 (first, i64::MAX / 2)
             };
             let length = wide.max[axis] - wide.min[axis];
@@ -70,8 +71,9 @@ impl WidenedWindow {
                 .collect::<Vec<_>>()
         };
 
-        let samples = samples(&wide)?;
-        // The border of a bounded domain is its last unit.
+        let samples = find(&wide)?;
+        // A bounded set ends with its last line of lattice points, one unit before `max`. In a periodic one the next line,
+        // at `max`, is the first again.
         let last = i64::from(!periodic);
         Ok(Self {
             positions: samples.iter().flat_map(shown).collect(),

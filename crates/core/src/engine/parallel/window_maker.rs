@@ -82,23 +82,24 @@ fn samples_of_window<M: WindowMaker>(
     window: &Window,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
-    let parts: Vec<Rect> = parts(maker.domain(), window)
+    let pieces: Vec<Rect> = parts(maker.domain(), window)
         .iter()
         .flat_map(|part| pieces(part, M::MAX_SIDE << CELL_BITS))
         .collect();
 
-    let compute = |part: &Rect| {
+    let compute = |piece: &Rect| {
         let mut found = WindowSamples::default();
         let with_tags = false;
-        maker.fill(part, with_tags, &mut found)?;
+        maker.fill(piece, with_tags, &mut found)?;
         Ok(found.points)
     };
+
     // One piece is in canonical order already.
-    if let [part] = parts.as_slice() {
-        return compute(part);
+    if let [piece] = pieces.as_slice() {
+        return compute(piece);
     }
 
-    let (stage, total) = (Stage::Regions, parts.len() as u64);
+    let (stage, total) = (Stage::Regions, pieces.len() as u64);
     let progress = |done: usize| Progress {
         stage,
         done: done as u64,
@@ -106,11 +107,12 @@ fn samples_of_window<M: WindowMaker>(
     };
 
     let mut points = Vec::new();
-    for part in compute_each(&parts, observer, progress, |part, _| compute(part))? {
-        points.append(&mut part?);
+    for found in compute_each(&pieces, observer, progress, |piece, _| compute(piece))? {
+        points.append(&mut found?);
     }
     Meter::resume(observer, stage, total, total)?;
-    // Pieces lie side by side, so that each has a part of a row.
+
+    // The canonical order goes row by row of cells, and a row crosses several pieces.
     points.par_sort_unstable_by_key(|p| p.canonical());
     Ok(points)
 }
@@ -125,7 +127,8 @@ pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
             // The plane ends at a closed border.
             return vec![(low.max(0), high.min(end))];
         }
-        // No place of the domain is shown twice.
+
+        // A window longer than the domain would show places twice.
         let high = high.min(low + end);
         // Moved by whole sides, the window begins in the domain. A part beyond the end lies at the beginning again.
         let shift = low.div_euclid(end) * end;
@@ -133,6 +136,7 @@ pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
         vec![(0, high - end), (low, high.min(end))]
     });
 
+    // A span that ends before it begins holds no places.
     let mut parts = Vec::new();
     for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
         for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {

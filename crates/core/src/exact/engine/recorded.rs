@@ -36,8 +36,10 @@ pub fn exact_recorded<T: Recorder>(
         // The run has lost samples too, which only an enabled recorder makes the engine keep.
         return exact_recorded(parameters, history, observer, &mut NoEvents);
     }
+
     let domain = parameters.validate_sequential()?;
     let mut clipper = clipper(parameters, history)?;
+    // Origins name blocks by their indices, which blocks have only once they are counted.
     clipper.count_blocks();
 
     let pattern = Arc::clone(history.pattern());
@@ -143,6 +145,7 @@ impl ExactTiling<'_> {
                 Some(pattern) => Origin::Tiled {
                     block: self.tiles[sample.tile as usize].block,
                     pattern,
+                    // Blocks have no margins in exact tiling.
                     own: true,
                 },
                 None => Origin::Inserted {

@@ -60,9 +60,10 @@ impl<const TAGS: bool> Region<TAGS> {
 
         // The definition asks that no sample covers the place, and that none is nearer than its own by more than the
         // slack.
-        let distance = |site: &I64Vec2| site.distance_squared(place);
-        let nearest = sites.iter().map(distance).min().unwrap_or(0);
-        let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
+        let square = |site: &I64Vec2| site.distance_squared(place);
+        // A place has at least one site.
+        let nearest_square = sites.iter().map(square).min().unwrap_or(0);
+        let limit = (nearest_square - NEARER_SLACK).max(R_SQUARED + 1);
 
         let gathered = if searched.wide {
             &gaps.wide
@@ -156,7 +157,9 @@ impl<const TAGS: bool> Region<TAGS> {
             let offset = IVec2::new(lost.x - x, lost.y - y);
             offset.as_i64vec2().length_squared() <= limit
         };
-        // The lost sample that covered the place is nearly always near enough to the site, too.
+
+        // The lost sample that covered the place is nearly always near enough to the site, too. It lies in one of the nine
+        // cells around the place, which are looked at first.
         let stride = self.frame.stride();
         let rows = [cell, cell - stride, cell + stride].into_iter();
         let mut around = rows.flat_map(|row| [row, row - 1, row + 1]);
@@ -169,19 +172,21 @@ impl<const TAGS: bool> Region<TAGS> {
         let [columns, rows] = self.frame.cells;
         let [[left, right], [bottom, top]] = self.frame.goes_on;
 
+        // `DETECTOR_REACH`, 2 r and 4 units, ends at most three cells away.
+        let reach = 3;
         let mut known = Known::No;
         // Beyond the frame nothing is known.
-        if left && column < 3
-            || right && column >= columns - 3
-            || bottom && row < 3
-            || top && row >= rows - 3
+        if left && column < reach
+            || right && column >= columns - reach
+            || bottom && row < reach
+            || top && row >= rows - reach
         {
             known = Known::Unknown;
         }
 
-        // The reach, 2 r and 4 units, ends at most three cells away. Dropped samples lie in the padding.
-        for row in (row - 3).max(-PAD)..=(row + 3).min(rows + PAD - 1) {
-            for column in (column - 3).max(-PAD)..=(column + 3).min(columns + PAD - 1) {
+        // Dropped samples lie in the padding.
+        for row in (row - reach).max(-PAD)..=(row + reach).min(rows + PAD - 1) {
+            for column in (column - reach).max(-PAD)..=(column + reach).min(columns + PAD - 1) {
                 for lost in self.lost_in(self.frame.cell(column, row)) {
                     if reaches(lost) {
                         if lost.loss == Loss::Certain {
@@ -195,7 +200,7 @@ impl<const TAGS: bool> Region<TAGS> {
         known
     }
 
-    /// Inserts candidates in order.
+    /// Inserts the candidates that no sample covers, in the order of a draw for their places.
     #[inline(always)]
     pub(super) fn insert_candidates<S: Simd>(
         &mut self,

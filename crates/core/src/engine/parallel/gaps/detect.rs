@@ -187,7 +187,8 @@ impl<const TAGS: bool> Region<TAGS> {
             reach_cells(self.frame.periodic)
         };
 
-        // The padding is never open: a row of bits has 2 reach + 1 of interest, in one word or two.
+        // Of a row of bits those of 2 reach + 1 cells are of interest, and they lie in one word or two. Bits of the padding
+        // are never set.
         let first = (column + PAD - reach) as usize;
         let ones = (1_u64 << (2 * reach + 1)) - 1;
 
@@ -214,10 +215,10 @@ impl<const TAGS: bool> Region<TAGS> {
                     let (cx, cy) = centre(pixel.number);
                     let squared = (dx - cx) * (dx - cx) + (dy - cy) * (dy - cy);
                     // A pixel that the sample covers as a whole has no open place left. `nearest` was measured before
-                    // later insertions, which can only make it smaller, so that the limit is large enough.
-                    let covers = R as f32 - HALF_DIAGONAL;
-                    let limit = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
-                    if squared > covers * covers && squared <= limit * limit {
+                    // later insertions, which can only make it smaller: no pixel sees farther than `sees_to`.
+                    let covered_to = R as f32 - HALF_DIAGONAL;
+                    let sees_to = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
+                    if squared > covered_to * covered_to && squared <= sees_to * sees_to {
                         todo.push((cell as u32, pixel.number));
                     }
                 }

@@ -21,6 +21,7 @@ impl<const TAGS: bool> Region<TAGS> {
             bits.clear();
             bits.resize(words * rows, value);
         }
+
         if marks_all {
             return;
         }
@@ -28,10 +29,10 @@ impl<const TAGS: bool> Region<TAGS> {
         // A sample covers places of its own cell and of the eight around it. Three cells of a row lie in one word or
         // two.
         for lost in &self.lost {
-            let column = ((lost.x >> CELL_BITS) + PAD - 1) as usize;
+            let first_column = ((lost.x >> CELL_BITS) + PAD - 1) as usize;
             let row = ((lost.y >> CELL_BITS) + PAD) as usize;
 
-            let (word, bit) = (column / 64, column % 64);
+            let (word, bit) = (first_column / 64, first_column % 64);
             for row in row - 1..=row + 1 {
                 let at = row * words + word;
                 gaps.marked[at] |= 0b111 << bit;

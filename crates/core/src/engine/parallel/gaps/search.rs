@@ -97,7 +97,7 @@ impl<const TAGS: bool> Region<TAGS> {
         searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
-        let n = searched.site_count;
+        let count = searched.site_count;
         let offset = |gaps: &GapBuffers, k: usize| {
             if searched.wide {
                 gaps.wide.offset(gaps.sites[k])
@@ -106,11 +106,11 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         };
 
-        for i in 0..n {
-            for m in i + 1..n {
-                for k in m + 1..n {
+        for i in 0..count {
+            for m in i + 1..count {
+                for k in m + 1..count {
                     let three = [offset(gaps, i), offset(gaps, m), offset(gaps, k)];
-                    // A filter in floats: integers compute the centre of those that pass it.
+                    // A filter in floats: integers compute the centres of the triples that pass it.
                     if may_make(three, searched.number) {
                         let sites = three.map(DVec2::as_i64vec2);
                         let [a, b, c] = sites;
