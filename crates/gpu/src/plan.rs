@@ -189,7 +189,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
 
     let mut lengths = vec![
         (Name::TileImages, 4 * u64::from(frame.tiles * TILE_WORDS)),
-        // One more, as the end of the last cell's samples.
+        // A cell's samples end where those of the next begin: one more is the end of the last cell's.
         (Name::Starts, 4 * (cells + 1)),
         (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
         (Name::Places, 4 * tiled),
@@ -232,12 +232,13 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
     let corner = block.rect.min - i64::from(R);
 
-    // The corner of the clip relative to the corner of the enlarged block, in the repeated pattern.
-    let start = |axis: usize, start: i32, low: i32, period: i32| {
-        (i64::from(start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
+    // The pattern's place at the corner of the clip follows from its place at the corner of the enlarged block. The pattern
+    // repeats.
+    let start = |axis: usize, block_start: i32, low: i32, period: i32| {
+        (i64::from(block_start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
     };
 
-    // A few radii beyond the target, farther than any shader reads.
+    // A long block may exceed 32 bits: it is cut off a few radii beyond the target, farther than any shader reads.
     let beyond = 8 * i64::from(R);
     let cut = |v: i64, low: i32, high: i32| {
         v.clamp(i64::from(low) - beyond, i64::from(high) + beyond) as i32
@@ -266,6 +267,7 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     })
 }
 
+/// Returns the constants of a frame as shaders have them, without the capacities of lists.
 fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
     let domain = &setup.domain;
     let [columns, rows] = frame.cells;
@@ -335,8 +337,8 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
     let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
 
-    // Gaps lie along the blocks' borders, so their share falls with the leaf; measured with every order and many
-    // leaves.
+    // Gaps lie along the blocks' borders, so their share of the cells falls as the leaf grows: `per_leaf / leaf`, and `most`
+    // for small leaves. Both numbers of each list were measured with every order and many leaves. 1,024 more cost little.
     let leaf = setup.parameters.leaf;
     let share = |most: f64, per_leaf: f64| {
         (f64::from(frame.cells) * (per_leaf / leaf).min(most)) as u32 + 1024
@@ -345,10 +347,12 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let rim = 2 * (frame.columns + frame.rows) as u32;
 
     Room {
+        // A hundredth more than the density implies, and a sample for each cell at the rim.
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
         // Uniform insertion does not list open cells.
         open: if uniform { 1 } else { share(0.8, 7.0) },
-        // The cells at the frame's edge are unsure from the beginning (survive.wgsl).
+        // The cells at the frame's edge are unsure from the beginning (survive.wgsl). There is as much room again, and room
+        // for one of 64 cells inside.
         unsure: 2 * rim + frame.cells / 64 + 1024,
         proposals: share(0.15, 0.75),
         active: if uniform { share(0.6, 3.2) } else { 1 },
@@ -368,7 +372,8 @@ fn expected_result(setup: &Setup, frame: &Frame) -> u32 {
     (density * width * height + 2.0 * (width + height) + 64.0) as u32
 }
 
-/// Cuts images into pieces of at most 8 x 8 tiles: image, first column, first row, columns and rows.
+/// Returns the images cut into pieces of at most 8 x 8 tiles. The words of a piece are its image, its first column and row of
+/// tiles, and how many columns and rows it has.
 fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
     // Each invocation of a workgroup takes a tile.
     const SIDE: u32 = WORKGROUP.isqrt();
@@ -391,7 +396,7 @@ fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
         let (bottom, top) = tiles(image.own_min_y, image.own_max_y, ends[1]);
         for row in (bottom..top).step_by(SIDE as usize) {
             for column in (left..right).step_by(SIDE as usize) {
-                // Both are at most 8, so they share a word.
+                // Columns and rows, at most 8 of each, share a word: rows are in its upper half.
                 let size = (right - column).min(SIDE) | (top - row).min(SIDE) << 16;
                 pieces.push([index, column, row, size]);
             }

@@ -29,11 +29,13 @@ pub struct RowLocator {
 }
 
 impl RowLocator {
+    /// Reads what places follow from, between two passes. `stage` is that of the inspected pass.
     pub(crate) async fn read(work: &WindowRun, stage: Stage) -> Result<Self, GpuError> {
         let device = &work.device;
         // Read back from the device, since that is what the shaders used.
         let frame = device.bytes(Name::Frame, 0..u64::MAX).await?;
         let mut locator = Self {
+            // Where the buffer is missing, the frame of the plan stands for it.
             frame: bytemuck::try_pod_read_unaligned(&frame).unwrap_or(work.plan.uniform),
             stage,
             level: work.level(),
@@ -96,8 +98,8 @@ impl RowLocator {
             RowPlace::Rect(rect) => rect.min,
         };
 
+        // Words of the frame may have been overwritten to inject a fault: a side may be 0, and a sum below too large.
         let back = |at: i32, side: u32| match side {
-            // Words of the frame may have been overwritten to inject a fault, so a side may be 0 and a sum too large.
             0 => 0,
             side => (i64::from(at).rem_euclid(side.into()) - i64::from(at)) as i32,
         };
@@ -150,8 +152,9 @@ impl RowLocator {
         (row as u64) < u64::from(self.counter(counter))
     }
 
-    /// Adds the places of a row.
+    /// Appends the places of row number `row` of a buffer, whose numbers are `values`, to `places`.
     fn row(&self, name: Name, row: usize, values: &[i64], places: &mut Vec<RowPlace>) {
+        // A missing value counts as -1, as the values of empty slots do.
         let value = |k: usize| values.get(k).copied().unwrap_or(-1);
         let pair = |k: usize| I64Vec2::new(value(k), value(k + 1));
         let in_list =
@@ -171,9 +174,10 @@ impl RowLocator {
             Name::Grid => {
                 // The cell comes first (`RowPlaces::of`).
                 places.extend(self.cell(row as i64));
-                // Past the count, the flags, and the iteration of the slot (`buffer_rows.rs`).
-                let slots = (0..3).map(|slot| 3 + 4 * slot);
-                places.extend(slots.filter_map(|k| self.sample(row as i64, pair(k))));
+                // A row has the count, the flags, and four values for each of three slots: the iteration, x, y, and the mark
+                // of a detector (`buffer_rows.rs`).
+                let columns_of_x = (0..3).map(|slot| 2 + 4 * slot + 1);
+                places.extend(columns_of_x.filter_map(|k| self.sample(row as i64, pair(k))));
                 None
             }
             Name::Places => self.tiled(row, pair(0)),

@@ -131,13 +131,14 @@ impl State {
             run.samples.push(sample.point, sample.origin, fate);
         }
 
-        // The ids are complete only now: a sample may be eliminated by one with a higher id.
+        // All ids are known only now: a sample may be eliminated by one with a higher id.
         for (sample, fate) in tiled.iter().zip(&mut run.samples.fates) {
             if let Fate::Eliminated { by } = fate {
                 // Indices are stored plus one; 0 stands for none.
-                let first = self.by[sample.index as usize].wrapping_sub(1);
+                let winner = self.by[sample.index as usize].wrapping_sub(1);
+                // No sample has the id that stands for a missing one, so that a comparison with the CPU shows the fault.
                 *by = point_of
-                    .get(&first)
+                    .get(&winner)
                     .and_then(|point| ids.get(point))
                     .copied()
                     .unwrap_or(u32::MAX);
@@ -177,13 +178,14 @@ impl State {
                 let word = self.places[index as usize];
                 let [x, y] = unpack(work, cell, word);
                 let inside = plan.frame.holds(x, y);
-                // Samples of the halo repeat those of the window, which is the whole domain. Dropped ones have no
-                // repetition.
+                // The window is the whole domain. Samples of the halo repeat those of the window and are left out; dropped
+                // ones, outside of a bounded domain, repeat none.
                 if inside && !plan.frame.window.contains(Point::new(x, y)) {
                     continue;
                 }
-                let image = &plan.images[self.origins[2 * index as usize] as usize];
 
+                // An origin is two words: the index of the image, and that of the pattern's sample.
+                let image = &plan.images[self.origins[2 * index as usize] as usize];
                 let own = (image.own_min_x..image.own_max_x).contains(&x)
                     && (image.own_min_y..image.own_max_y).contains(&y);
 
@@ -209,7 +211,7 @@ impl State {
         tiled
     }
 
-    /// Fills in an iteration.
+    /// Fills in iteration `k` from the buffers kept after it, with the samples that it inserted and their ids.
     fn iterate(
         &self,
         work: &WindowRun,
@@ -246,12 +248,13 @@ impl State {
             _ if uniform => Vec::new(),
             // From iteration 2 on the samples inserted last are the detectors.
             Some(before) => before.inserted.clone().collect(),
+            // In iteration 1 they are marked in the grid.
             None => Self::detectors(work, &kept.grid, ids),
         };
 
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
-            // Candidates are sorted by position.
+            // Candidates are sorted by position. A sample that is none of them was a dart.
             let made = candidates.binary_search_by_key(&point.row_major(), |c| c.point.row_major());
             let sites = made.map_or(Sites::Dart, |index| candidates[index].sites);
             ids.insert(*point, run.samples.len() as u32);

@@ -222,11 +222,13 @@ async fn begin(
 ) -> Result<WindowRun, GpuError> {
     let mut plan = WindowPlan::new(setup, &setup.domain.rect(), halo, room)?;
     if room.is_none() {
-        // Inspected runs are small, and a restart would discard the reports of the passes so far.
+        // More room costs little, as inspected runs are small, and may spare a restart, which would discard the reports of
+        // the passes so far.
         plan.double_room();
     }
 
-    let mut work = WindowRun::new(gpu, setup, plan, None, Recording::Stages).await?;
+    let no_buffers = None;
+    let mut work = WindowRun::new(gpu, setup, plan, no_buffers, Recording::Stages).await?;
 
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;

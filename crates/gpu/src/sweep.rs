@@ -197,7 +197,7 @@ impl GpuSweep {
         observer: &mut dyn Observer,
     ) -> Result<Sampled, GpuError> {
         let [columns, rows] = self.setup.cells();
-        // Windows of about the same size.
+        // As few windows as `longest` allows, all of about the same size.
         let side = |cells: u32| cells.div_ceil(cells.div_ceil(longest));
         let (width, height) = (side(columns), side(rows));
         let max = self.setup.domain.rect().max;
@@ -239,6 +239,7 @@ impl GpuSweep {
         }
     }
 
+    /// Computes a window once. Returns its samples, or the shortage for which it must be computed again.
     async fn attempt(
         &mut self,
         window: &Rect,
@@ -341,29 +342,30 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
     };
 
     let row_of = |p: &Point| p.y / R;
-    let mut firsts = vec![0; windows.len()];
-    let last = windows
+    let highest_row = windows
         .iter()
         .filter_map(|w| w.points.last())
         .map(row_of)
         .max();
-    let first = windows
+    let lowest_row = windows
         .iter()
         .filter_map(|w| w.points.first())
         .map(row_of)
         .min();
 
-    for row in first.unwrap_or(0)..=last.unwrap_or(-1) {
-        for (window, first) in windows.iter().zip(&mut firsts) {
+    // How many samples of each window are joined. If no window has any, there are no rows.
+    let mut taken = vec![0; windows.len()];
+    for row in lowest_row.unwrap_or(0)..=highest_row.unwrap_or(-1) {
+        for (window, taken) in windows.iter().zip(&mut taken) {
             // The samples of a window are sorted by rows of cells.
-            let rest = &window.points[*first..];
+            let rest = &window.points[*taken..];
             let count = rest.partition_point(|p| row_of(p) <= row);
             joined.points.extend_from_slice(&rest[..count]);
 
             if let Some(sources) = &mut joined.sources {
-                sources.extend_from_slice(&window.sources[*first..*first + count]);
+                sources.extend_from_slice(&window.sources[*taken..*taken + count]);
             }
-            *first += count;
+            *taken += count;
         }
     }
     joined

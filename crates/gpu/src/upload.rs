@@ -33,7 +33,8 @@ pub(crate) fn upload(
                 return Err(GpuError::FirstStage { stage: first });
             }
             write_tiled(work, engine.run(), &mut counters)?;
-            // The list of contested cells was there, which elimination clears.
+            // `write_tiled` has put the list of contested cells into this buffer, and elimination, which would clear it, is
+            // not run.
             let heads = vec![0_u32; work.plan.cells() as usize + 1];
             work.device.write(Name::Heads, bytes(&heads))?;
             write_grid(work, engine.run(), first, &mut counters)?;
@@ -41,7 +42,7 @@ pub(crate) fn upload(
         _ => return Err(GpuError::FirstStage { stage: first }),
     }
 
-    // Copied first, since `write_work` may run the engine one level further.
+    // Copied before `write_work`, which may run the engine one level further.
     let mut base = engine.run().clone();
     if let Stage::Iterate(k) = first
         && k > 1
@@ -92,7 +93,8 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
         starts[sample.cell + 1] += 1;
     }
 
-    // The engine leaves samples without conflicts undecided, too, so every cell that holds samples is listed.
+    // The engine leaves samples without conflicts undecided, too, so every cell that holds samples is listed. The entry
+    // behind a cell has its count, until the counts of all cells before are added.
     let mut contested = Vec::new();
     for cell in 0..cells {
         if starts[cell + 1] > 0 {
@@ -129,21 +131,22 @@ struct TiledWords {
 /// Returns the samples tiled in the frame, in the order of the device's list.
 fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
     let (plan, clipper) = (&work.plan, &work.setup.clipper);
-    let mut ids: HashMap<u32, Vec<(i64, i64)>> = HashMap::new();
+    let mut offsets_by_block: HashMap<u32, Vec<(i64, i64)>> = HashMap::new();
     let mut tiled = Vec::new();
 
     for (placed, index) in plan.placed.iter().zip(0..) {
         let enlarged = placed.rect.grown(R.into(), R.into());
-        // The ids of a block follow its clip row by row.
-        let offsets = ids
+        // The ids of a block's samples follow its clip row by row: the place of an offset among all gives the id.
+        let offsets = offsets_by_block
             .entry(placed.index)
             .or_insert_with(|| clip_of(work, placed));
         let first = run.tiles[placed.index as usize].samples.start;
 
         clipper.clip(placed, &enlarged, &plan.frame.tiled(), |x, y, pattern| {
             let offset = (i64::from(y) - enlarged.min.y, i64::from(x) - enlarged.min.x);
-            let k = offsets.partition_point(|p| *p < offset) as u32;
-            let fate = match run.samples.fates[(first + k) as usize] {
+            let id = first + offsets.partition_point(|p| *p < offset) as u32;
+            let fate = match run.samples.fates[id as usize] {
+                // Without a bit of a fate a sample is undecided.
                 Fate::Undecided => 0,
                 Fate::Kept => FATE_KEPT,
                 Fate::Eliminated { .. } | Fate::Dropped => FATE_LOST,
@@ -198,6 +201,7 @@ fn write_grid(
 ) -> Result<(), GpuError> {
     let frame = &work.plan.frame;
     let cells = work.plan.cells() as usize;
+    // Three free slots, and a word of the count and the flags.
     let mut grid = vec![[u32::MAX, u32::MAX, u32::MAX, 0]; cells];
     let last = run.iterations.len() as u32;
 
@@ -213,7 +217,6 @@ fn write_grid(
             .iter()
             .position(|i| i.inserted.contains(&(id as u32)))
             .map_or(0, |index| index as u32 + 1);
-        // The samples inserted last are the next detectors.
         let detector = if iteration > 0 && iteration == last {
             DETECTOR
         } else {
@@ -321,7 +324,7 @@ fn write_work(
     if work.setup.parameters.insertion == Insertion::Circumcentre {
         let [columns, rows] = work.plan.frame.cells;
         let cell = |row| (0..columns).map(move |column| (column, row));
-        // A cell without an open pixel yields no candidate.
+        // More cells than the open ones do no harm: one without an open pixel yields no candidate.
         let all: Vec<u32> = (0..rows)
             .flat_map(cell)
             .map(|(column, row)| work.plan.frame.cell(column, row) as u32)
@@ -349,6 +352,7 @@ fn write_work(
     counters[counter::ACTIVE as usize] = active.len() as u32;
     work.device
         .write(Name::Active, bytemuck::cast_slice(&active))?;
+    // The pass that would have the host read this counter and keep these cells is not run.
     work.set_counter(counter::ACTIVE, active.len() as u32);
     work.keep_active(k, &active);
     Ok(())

@@ -242,7 +242,7 @@ impl WindowRun {
             }
         }
 
-        // Commands after the last pass of a step belong to that pass.
+        // A swap after the pass belongs to it, and so do all commands after the last pass of a step.
         let is_pass = |command: &Command| matches!(command, Command::Dispatch { .. });
         while matches!(self.queue.front(), Some(Command::SwapActive))
             || !self.queue.is_empty() && !self.queue.iter().any(is_pass)
@@ -311,7 +311,8 @@ impl WindowRun {
         }
     }
 
-    /// Queues the commands of the next step.
+    /// Queues the commands of the next step. From then on `step` is the one that follows, unless counters say otherwise
+    /// (`decide`).
     async fn record(&mut self) -> Result<(), GpuError> {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
         let keeps_stages = self.kept.is_some();
@@ -327,7 +328,7 @@ impl WindowRun {
             self.device.enter(&self.setup, &self.plan, phase).await?;
         }
 
-        // Counters are read only where a loop may end there, or where stages are inspected.
+        // The host reads counters only after steps that may end a loop, or where stages are inspected.
         let (commands, next, reads) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
             Step::Tile => (passes::tile(&self.plan), Step::Eliminate, keeps_stages),
@@ -415,9 +416,11 @@ impl WindowRun {
         Ok(None)
     }
 
-    /// Returns the shortage with which the window cannot go on.
+    /// Returns the shortage for which the window must be computed again, if the counters show one. Fails when a shader has
+    /// reported a fault.
     fn judge(&self) -> Result<Option<Shortage>, GpuError> {
         let room = self.plan.room();
+        // A list that was too short gets an eighth more than its elements need: they may be more the next time.
         let needed = |count: u32, room: u32| {
             if count > room {
                 count + count / 8
@@ -450,6 +453,7 @@ impl WindowRun {
 
         match self.counter(counter::FAULT) {
             0 => {}
+            // Where this fault is, the count of tiled samples has shown above that they need more room.
             FAULT_TILED => return Ok(Some(Shortage::Room(wanted))),
             code => {
                 let stage = self.stage;
@@ -461,7 +465,8 @@ impl WindowRun {
         Ok(is_unsure.then_some(Shortage::Halo))
     }
 
-    /// Chooses the next step from the counters.
+    /// Changes the next step where the counters require it, and keeps buffers of stages. Which step has just ended follows
+    /// from `step`, the next one.
     async fn decide(&mut self) -> Result<(), GpuError> {
         // The number of rounds is even, so that the last one counted in the second counter.
         let undecided = self.counter(counter::UNDECIDED_ODD) > 0;
@@ -476,7 +481,7 @@ impl WindowRun {
             }
             Step::Iterate(1) => {
                 if let Some(kept) = &mut self.kept {
-                    // Detection removes the marks of the detectors.
+                    // The grid is kept before detection, which removes the marks of the detectors.
                     let cells = self.plan.cells();
                     kept.entry(1).or_default().grid =
                         self.device.bytes(Name::Grid, 0..16 * cells).await?;

@@ -36,6 +36,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
             block_on(sweep.attempt(&window, Allowance::new(HALO), &mut Unobserved)).unwrap();
         assert!(expected.is_ok());
 
+        // In each of these one list has far less room than it needs.
         let uniform = insertion == Insertion::Uniform;
         let mut rooms = vec![
             Room { tiled: 99, ..room },
@@ -55,10 +56,14 @@ fn too_little_room_is_noticed_and_made_up_for() {
         for small in rooms {
             let mut allowance = Allowance::new(HALO);
             allowance.room = Some(small);
+            // More room is enough: the halo must not grow.
+            let max_halo = 0;
             let mut tries = 0;
             let found = loop {
                 match block_on(sweep.attempt(&window, allowance, &mut Unobserved)).unwrap() {
-                    Err(shortage @ Shortage::Room(_)) => allowance.grow(shortage, 0).unwrap(),
+                    Err(shortage @ Shortage::Room(_)) => {
+                        allowance.grow(shortage, max_halo).unwrap();
+                    }
                     other => break other,
                 }
                 tries += 1;
