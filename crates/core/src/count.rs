@@ -25,8 +25,8 @@ const STRAIGHT_TRIES: u32 = 4;
 /// Samples that a closed border adds, as a width in radii by which it widens the domain.
 const BORDER_WIDTH: f64 = 0.45;
 
-/// Returns about the radius of a set of `count` samples: from the density of a maximal set, the few samples that seams
-/// add, and those that a closed border adds.
+/// Returns about the radius, in user units, of a set of `count` samples. It follows from the density of a maximal set, the
+/// few samples that seams add, and those that a closed border adds.
 ///
 /// Fails when anything but the radius is wrong with the parameters, and when no radius within the
 /// limits gives so many samples.
@@ -34,8 +34,8 @@ pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, Param
     parameters.validate_but_radius()?;
     let [shortest, longest] = radius_limits(parameters);
 
-    // The estimate may be off, for few samples by more than for many. A count nearer to a limit's than these margins could
-    // need a radius beyond the limit.
+    // The estimate may be off, by more for few samples than for many. Without these margins a count could need a radius
+    // beyond a limit.
     let minimum = (expected(parameters, longest) * 1.1).ceil() as u64;
     let maximum = (expected(parameters, shortest) * 0.98) as u64;
     if !(minimum..=maximum).contains(&count) {
@@ -67,7 +67,7 @@ pub fn search_radius<T, E: From<ParameterError>>(
 ) -> Result<T, E> {
     let [shortest, longest] = radius_limits(parameters);
     let mut radius = radius_estimate(parameters, count)?;
-    // Farther from the count than any set's.
+    // Before the first try: farther from any wanted count than a set's.
     let mut nearest = u64::MAX;
 
     for number in 0..MAX_TRIES {
@@ -135,8 +135,8 @@ pub fn radius_for_count(
     match density {
         // A search would begin with the estimate, and end with it.
         Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => Ok(estimate),
-        // The sequential engine does not make sets of this size, so that no search of its finds a radius from which this
-        // one could differ.
+        // The sequential engine does not make sets of this size: there is no search by whole sets with which the radius must
+        // agree. The estimate is corrected by the probe's density.
         Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
         _ => search_radius(parameters, count, |radius| {
             Ok((count_with(radius)?, radius))

@@ -125,7 +125,7 @@ impl SampleGrid {
 }
 
 /// Returns the inclusive ranges of cells (at most two) that hold coordinates within `reach` of
-/// `centre` on an axis of `extent` lattice points, and how many ranges there are: those behind are to be ignored.
+/// `centre` on an axis of `extent` lattice points, and how many of the two are used.
 #[inline]
 pub(crate) fn spans(
     centre: i32,
@@ -161,8 +161,8 @@ pub(crate) fn spans(
         (low, high - extent)
     };
 
-    // Two ranges that meet in one cell would visit its samples twice. If the upper range begins below 0, the reach is longer
-    // than the axis, and no cell is left out.
+    // Two ranges that share a cell would visit its samples twice: then all cells are one range. So they are where the upper
+    // range begins below 0, as the reach is then longer than the axis.
     if upper_first < 0 || cell(lower_last) >= cell(upper_first) {
         return all;
     }

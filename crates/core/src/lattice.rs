@@ -401,8 +401,8 @@ impl Domain {
     }
 
     /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, in the plane: a
-    /// periodic domain repeats without end, and a bounded one is cut at its borders. A window that ends at its upper
-    /// border includes that border.
+    /// periodic domain repeats without end, and a bounded one is cut at its borders. A window that ends at the upper border
+    /// of a bounded domain includes that border.
     ///
     /// Fails when a side is not finite, not above 0 or longer than the domain's, or begins more than a thousand sides
     /// away.
@@ -557,8 +557,8 @@ fn first_unit(position: f64, side: f64, units: i32) -> i64 {
     first
 }
 
-/// Returns a side's length in lattice units: as many as fit if none is shorter than `radius / R`. `minimum` is the shortest side
-/// in radii. Messages call the side `name`.
+/// Returns a side's length in lattice units: the most for which a unit is not shorter than `radius / R`. `minimum` is the
+/// shortest side in radii. Messages call the side `name`.
 pub(crate) fn side_units(
     name: &'static str,
     side: f64,

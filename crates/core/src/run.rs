@@ -145,7 +145,7 @@ impl Run {
             fates: vec![Fate::Kept; count],
         };
 
-        // Only the result is kept, so that ids are places in it.
+        // There are no samples but those of the result, so that an id is an index in it.
         self.result = (0..count as u32).collect();
         self.counted = Some(counted);
     }

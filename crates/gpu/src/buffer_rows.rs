@@ -135,7 +135,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         Name::Frame => signed(row, Frame::FIELDS.1),
         Name::Images => signed(row, Image::FIELDS.1),
         Name::Proposals => signed(row, Proposal::FIELDS.1),
-        // Cells may begin left of the frame or below it. Points of `Result` lie in the domain.
+        // Cells may begin left of the frame or below it. Points of `Result`, below, lie in the domain and are not negative.
         Name::Active | Name::NextActive => row.iter().map(|&w| i64::from(w as i32)).collect(),
         Name::Job
         | Name::Pieces

@@ -148,6 +148,7 @@ fn signed() -> Vec<(&'static str, i32)> {
 
 /// Returns the constants that shaders declare as `u32`.
 fn unsigned() -> Vec<(&'static str, u32)> {
+    // Shaders alone use the values that have no constant of their own in Rust.
     let mut all = vec![
         ("WORKGROUP", WORKGROUP),
         ("GROUP_COLUMNS", GROUP_COLUMNS),

@@ -356,6 +356,7 @@ impl Device {
 
     /// Adds the report of a pass, if passes are reported.
     fn report(&mut self, pass: &'static Pass, size: Size, stage: Stage) {
+        // Lengths are read before the reports are borrowed.
         let bindings = pass
             .bindings
             .iter()

@@ -101,7 +101,7 @@ pub(crate) fn plan(
         })
     };
 
-    // First the checks that need no memory that grows with the window. The grid takes 16 bytes a cell.
+    // The first checks need no plan, whose memory grows with the window. The grid takes 16 bytes a cell.
     let (cell_bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(
@@ -119,8 +119,8 @@ pub(crate) fn plan(
             (side + around).min(cells(0, domain))
         }
     };
-    let frame = frame_side(width, max.x) * frame_side(height, max.y);
-    let frame_bytes = cell_bytes * frame;
+    let frame_cells = frame_side(width, max.x) * frame_side(height, max.y);
+    let frame_bytes = cell_bytes * frame_cells;
     check(frame_bytes, "the engine's frames", cell_bytes * MAX_CELLS)?;
     check(frame_bytes, "maxStorageBufferBindingSize", binding)?;
 

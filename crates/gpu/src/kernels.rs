@@ -36,6 +36,7 @@ impl Kernels {
 }
 
 impl Kernel {
+    /// Returns a pass compiled for a device. Its bindings are numbered in their order, as in the declarations of its shader.
     fn new(device: &wgpu::Device, pass: &Pass, checks: Checks) -> Self {
         let numbered = pass.bindings.iter().zip(0..);
         let entries: Vec<_> = numbered

@@ -78,7 +78,7 @@ async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// Returns what is known of an adapter before it is opened, with its own limits.
+/// Returns the report of an adapter that need not be open, with its own limits.
 fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
     let info = adapter.get_info();
     let limits = adapter.limits();
@@ -141,7 +141,7 @@ impl Gpu {
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
 
         // Asks for what WebGPU guarantees, and for more only where more lets the engine compute larger parts of the domain
-        // at once.
+        // at once. The resolution is that of textures, which the engine does not use.
         let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
         limits.max_buffer_size = report.limits.max_buffer_size;
         limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;

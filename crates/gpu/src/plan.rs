@@ -189,7 +189,8 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
 
     let mut lengths = vec![
         (Name::TileImages, 4 * u64::from(frame.tiles * TILE_WORDS)),
-        // A cell's samples end where those of the next begin: one more is the end of the last cell's.
+        // A cell's samples end where those of the next begin: one entry more is the end of the last cell's. At last `Heads`
+        // has such entries for the result.
         (Name::Starts, 4 * (cells + 1)),
         (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
         (Name::Places, 4 * tiled),

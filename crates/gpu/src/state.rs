@@ -254,7 +254,7 @@ impl State {
 
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
-            // Candidates are sorted by position. A sample that is none of them was a dart.
+            // Candidates are sorted by position. If the sample is not among them, it was a dart.
             let made = candidates.binary_search_by_key(&point.row_major(), |c| c.point.row_major());
             let sites = made.map_or(Sites::Dart, |index| candidates[index].sites);
             ids.insert(*point, run.samples.len() as u32);

@@ -39,7 +39,10 @@ pub(crate) fn upload(
             work.device.write(Name::Heads, bytes(&heads))?;
             write_grid(work, engine.run(), first, &mut counters)?;
         }
-        _ => return Err(GpuError::FirstStage { stage: first }),
+        // A device that makes all stages needs no upload, and has no regions.
+        Stage::Pattern | Stage::Blocks | Stage::Regions => {
+            return Err(GpuError::FirstStage { stage: first });
+        }
     }
 
     // Copied before `write_work`, which may run the engine one level further.

@@ -318,6 +318,7 @@ impl WindowRun {
         let keeps_stages = self.kept.is_some();
         self.stage = self.stage_of(self.step);
 
+        // These steps begin phases, which need other buffers than the phase before.
         let phase = match self.step {
             Step::Survive => Some(Phase::Fill),
             Step::Level(1) => Some(Phase::Levels),

@@ -251,7 +251,7 @@ pub(super) async fn visit(
 }
 
 impl Arrival {
-    /// Takes the run to the goal, and returns what was read there or why nothing was.
+    /// Takes the run to the goal, and returns the buffers read there, or why the work ended early.
     async fn go(
         &mut self,
         subject: &DeviceRun,

@@ -42,7 +42,7 @@ impl Passes {
 
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
-        // The selected pass stays selected as far as the new list has it. Before one is selected, the first is.
+        // The selected pass stays selected as far as the new list has it. If none was selected, the first is.
         self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
         self.is_wanted = self.selected.is_some();
 

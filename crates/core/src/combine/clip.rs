@@ -25,6 +25,7 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
         .collect()
 }
 
+/// Returns the contribution of `piece`; samples more than `reach` units inside its rectangle are deep.
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let continuations = continuations(domain, pieces, piece);

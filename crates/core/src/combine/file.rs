@@ -165,7 +165,7 @@ impl Layout {
         }
     }
 
-    /// Returns the rectangles of columns and rows.
+    /// Returns the domain and the rectangles that columns and rows of these lengths make, row by row.
     fn grid(&self, columns: &[f64], rows: &[f64]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let (across, up, pieces) = (columns.len(), rows.len(), self.pieces.len());
         // Where `usize` has 32 bits, the product may be too large for it.

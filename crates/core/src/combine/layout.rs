@@ -72,7 +72,7 @@ pub(super) fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineErro
     each.try_for_each(|(piece, placed)| check_set(piece, placed))
 }
 
-/// For each strip of rows between two edges, checks that the rectangles in it follow each other.
+/// Checks for each strip of rows between two edges that the rectangles in it follow each other without gaps or overlaps.
 fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
     let all = domain.rect().max;
     let mut by_column: Vec<usize> = (0..rects.len()).collect();
@@ -237,8 +237,8 @@ const fn across(axis: Axis, p: Point) -> i32 {
     }
 }
 
-/// Returns the seam between two pieces whose edges lie on one line across `axis`, once the second is moved along `axis` by
-/// `shift` units.
+/// Returns the seam between two pieces, if there is one. The second piece, moved along `axis` by `shift` units, begins on the
+/// line on which the first one ends.
 fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Option<Seam> {
     let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
     let shift = i64::from(shift);
@@ -249,7 +249,7 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
 
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));
-    // No seam: the pieces do not lie beside each other, or show one set, which has no conflicts where it continues.
+    // There is no seam if the pieces do not lie beside each other, or show one set, which has no conflicts where it continues.
     if from >= to || continues(a, b, offset) {
         return None;
     }

@@ -48,8 +48,8 @@ impl AsPrinted {
         }
     }
 
-    /// Carries out lines 2 to 12: the samples of the conflict area, `contested`, claim their disks in order. Returns what
-    /// was inserted, as iteration 1.
+    /// Carries out lines 2 to 12: the samples of the conflict area, `contested`, claim their disks in order. Returns
+    /// iteration 1 with the samples inserted.
     pub fn first_loop<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -60,15 +60,19 @@ impl AsPrinted {
         let first = samples.len() as u32;
 
         for &pivot in contested {
-            let sample = pivot;
             // A sample that was eliminated takes no turn, although line 2 names all.
             let valid = is_valid(samples.fates[pivot as usize]);
-            recorder.record(RunEvent::Take { sample, valid });
+            recorder.record(RunEvent::Take {
+                sample: pivot,
+                valid,
+            });
 
             if valid {
                 samples.fates[pivot as usize] = Fate::Kept;
-                let rest = false;
-                recorder.record(RunEvent::Keep { sample, rest });
+                recorder.record(RunEvent::Keep {
+                    sample: pivot,
+                    rest: false,
+                });
                 // Line 3 marks the pivot, whether it has conflicts or not.
                 self.mark(pivot, pivot, recorder);
                 self.claim(samples, pivot, recorder);
@@ -90,8 +94,8 @@ impl AsPrinted {
         })
     }
 
-    /// Carries out one round of lines 13 to 25: every marked sample looks for gaps and fills them. Returns the marked samples
-    /// and what was inserted.
+    /// Carries out one round of lines 13 to 25: every marked sample looks for gaps and fills them. Returns the iteration with
+    /// its marked samples and the samples inserted.
     pub fn second_loop<T: Recorder>(
         &mut self,
         iteration: u32,

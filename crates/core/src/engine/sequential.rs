@@ -91,8 +91,8 @@ impl Sequential {
             return Ok(None);
         };
 
-        // This engine is given its pattern and has no regions: `Pattern` and `Regions` stand beside the stages that come
-        // next, but never occur.
+        // Two stages never occur, as this engine is given its pattern and has no regions. Each is treated as the stage that
+        // would follow it.
         match stage {
             Stage::Pattern | Stage::Blocks => self.split(observer, recorder)?,
             Stage::Tile => self.tile(observer, recorder)?,
@@ -137,6 +137,7 @@ impl Sequential {
         meter.end()
     }
 
+    /// Clips the pattern for every block: the samples and tiles of the run.
     fn tile<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,
@@ -166,6 +167,7 @@ impl Sequential {
         Ok(())
     }
 
+    /// Decides all fates, and prepares to fill gaps as the parameters ask. Algorithm 4 as printed also makes iteration 1.
     fn eliminate<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,

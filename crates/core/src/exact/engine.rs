@@ -301,7 +301,7 @@ impl<'a> ExactTiling<'a> {
             && self.history.arrival(pattern).level() >= LATE_LEVEL
     }
 
-    /// Decides again about the darts whose first blocker, a sample of the pattern, is missing at `place` of the ground or
+    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place` of the ground, is missing or
     /// doubtful. `behind` is the blocker's id, or the largest number if it was not laid down.
     fn wake<T: Recorder>(
         &mut self,
@@ -367,6 +367,7 @@ impl<'a> ExactTiling<'a> {
 
         match self.present.presence(dart, sample.tile) {
             Presence::Certain => {
+                // No sample of another block could cover it: it is one of the rest, which elimination does not concern.
                 let rest =
                     T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
                 recorder.record(RunEvent::Keep { sample: id, rest });

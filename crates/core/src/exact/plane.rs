@@ -126,6 +126,7 @@ impl WindowMaker for ExactPlane<'_> {
             }
 
             if halo == MAX_HALO {
+                // Cells are as wide as the radius.
                 let radii = f64::from(halo);
                 return Err(SampleError::Entangled { radii });
             }

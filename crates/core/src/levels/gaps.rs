@@ -144,7 +144,8 @@ impl LevelRegion {
 
     /// Returns the pixels of dirty cells that no sample covers whole.
     fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
-        // In a strip of width R along the frame's edges tiled samples beyond may have been lost: nothing can be known there.
+        // A tiled sample beyond the frame may have been lost, and have covered places up to R inside its edges: nothing can be
+        // known there.
         let inside = self.frame.inside(self.grid.radius().units);
 
         let mut pixels = Vec::new();
@@ -239,7 +240,8 @@ impl LevelRegion {
             is_due: true,
         };
 
-        // Four units more for the rounding of squares.
+        // Samples farther from the centre than this are no sites of a candidate in the pixel (see the head). Four units are
+        // added for the rounding of squares.
         let sight = nearest.sqrt() + (2.0 * pixel.half_diagonal() + PIXEL_SLACK) as f32 + 4.0;
         if sight < gathered(radius) as f32 {
             pixel.sight = sight.into();
@@ -256,7 +258,7 @@ impl LevelRegion {
         around.pixels.push(pixel);
     }
 
-    /// Takes out the pixels in which something unknown may happen.
+    /// Takes out the pixels in which something unknown may happen, and makes unknowns of them.
     fn doubt_pixels(&mut self, pixels: &mut Vec<GapPixel>) {
         let radius = self.grid.radius();
         let farthest = self.frame.sight(radius);
@@ -268,7 +270,7 @@ impl LevelRegion {
                 let middle = (pixel.side - 1) / 2;
                 let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
 
-                // What lies beyond the farthest sight is not looked up: the pixel counts as unknown.
+                // Nothing is looked up beyond the farthest sight: a pixel that sees farther counts as unknown.
                 let is_far = pixel.sight > f64::from(farthest);
                 // The lattice point is up to half a unit off the pixel's centre on either axis: two units more make up for
                 // it, and for the fraction that is cut off.

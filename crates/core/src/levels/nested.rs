@@ -200,6 +200,7 @@ struct Farthest<'a> {
 }
 
 impl<'a> Farthest<'a> {
+    /// Returns the samples of a level, `points` in the order drawn, with their distances to the samples of coarser levels.
     fn new(domain: &'a Domain, before: &SampleGrid, points: &'a [Point]) -> Self {
         let mut grid = SampleGrid::with_capacity(*domain, points.len());
         for (id, &point) in (0..).zip(points) {
@@ -230,9 +231,10 @@ impl<'a> Farthest<'a> {
         }
     }
 
+    /// Returns the sample that is farthest from all samples of coarser levels and all taken before it, or `None` at the end.
     fn take(&mut self) -> Option<Point> {
         while let Some((square, Reverse(id))) = self.queue.pop() {
-            // The sample has come nearer to those taken since, and stands in the queue again.
+            // A sample taken since lies nearer, or is this one. In the first case it stands in the queue again.
             if self.squares[id as usize] != square {
                 continue;
             }

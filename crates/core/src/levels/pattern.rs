@@ -16,7 +16,7 @@ use crate::stages::disks::DiskGrid;
 
 use super::check_levels;
 
-/// The shortest side of a pattern, in radii of its coarsest level.
+/// The shortest side of a pattern, in radii of its coarsest level: more than the 10 that a periodic domain needs.
 const SHORTEST_SIDE: f64 = 12.0;
 
 /// A nested pattern, from which blocks clip all levels at one place.
@@ -105,6 +105,7 @@ pub(super) struct LevelClip {
 }
 
 impl LevelClip {
+    /// Returns the samples of a variant sorted into cells of 2^`bits` units.
     fn new(variant: &PatternVariant, bits: u32) -> Self {
         let columns = ((variant.width - 1) >> bits) as usize + 1;
         let cell = |p: Point| (p.y >> bits) as usize * columns + (p.x >> bits) as usize;

@@ -576,7 +576,8 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
     let domain = parameters.validate()?;
     check_levels(levels)?;
 
-    // Nested levels are defined for the default of each choice alone (see the head of `levels`).
+    // Nested levels are defined for the default of each choice alone (see the head of `levels`). Names are those of the error's
+    // message.
     let choices = [
         ("exact tiling", parameters.method != TilingMethod::default()),
         (

@@ -155,6 +155,7 @@ impl LevelRegion {
             }
         }
 
+        // The lists of unknowns are made anew, by `doubt`, for the cells of this level's frame.
         let before = std::mem::take(&mut self.unknown);
         self.unknown_next.clear();
         self.unknown_in.clear();

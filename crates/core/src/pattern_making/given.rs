@@ -92,7 +92,7 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
 
     for (&p, id) in samples.iter().zip(0..) {
         let mut other = None;
-        // Compared with those before it, so that every pair is compared once.
+        // The grid holds the samples before this one, so that every pair is compared once.
         grid.any_near(p, R, |near| {
             let covered = covers_offset(near.offset);
             if covered {

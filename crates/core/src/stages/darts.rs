@@ -73,7 +73,7 @@ pub trait DartGround {
     /// Returns the square of an active cell of a level.
     fn square(&self, cell: &Self::Cell, level: u32) -> Cell;
 
-    /// Returns where a dart of a cell falls. `coin` is the random word that decides about thinning.
+    /// Returns where a dart of a cell falls. `coin` draws the random word that decides about thinning.
     fn landing(
         &self,
         cell: &Self::Cell,

@@ -27,8 +27,8 @@ pub(crate) fn contested(
             continue;
         };
 
-        // Margins end r inside a neighbour, so that deeper samples are farther than r from every margin sample: outside
-        // of the conflict area nothing is eliminated (paper, section 3.2.3).
+        // The margins of other blocks end r inside a block. A sample deeper than 2 r in its block is farther than r from
+        // them, and is in conflict with nothing (paper, section 3.2.3).
         let may_conflict = !own || blocks.leaves[block as usize].rect.depth(point) <= 2 * R;
         if may_conflict && samples.fates[id as usize] != Fate::Dropped {
             ranked.push((ranking.rank(point, own), id));

@@ -16,8 +16,8 @@ pub fn unique(candidates: &mut Vec<Candidate>) {
 
 /// Inserts candidates into `samples` and `survivors` and returns the ids of the inserted ones.
 ///
-/// Candidates are taken in the order of a draw keyed by `iteration` and position; one that no sample inserted before it
-/// covers is inserted. They must be unique and uncovered. Reports events to `recorder`.
+/// Candidates are taken in the order of a draw keyed by `iteration` and position. Each is inserted unless a sample that was
+/// inserted before it covers it. They must be unique, and uncovered at first. Reports events to `recorder`.
 pub(crate) fn insert<T: Recorder>(
     samples: &mut Samples,
     survivors: &mut SampleGrid,
@@ -55,7 +55,7 @@ pub(crate) fn insert<T: Recorder>(
                 by,
             });
         } else {
-            // In the grid at once, since the next insertions must not be in conflict with it.
+            // The sample goes into the grid at once, since later ones must not be in conflict with it.
             let id = samples.len() as u32;
             survivors.insert(id, candidate.point);
             let origin = Origin::Inserted {

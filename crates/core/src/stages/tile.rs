@@ -82,7 +82,8 @@ pub(crate) fn tile<T: Recorder>(
             symmetry: Symmetry(symmetry as u8),
             samples: ids,
         });
-        // Tiles count for the progress, but samples for how soon the observer is asked: a tile may hold thousands.
+        // The progress is counted in tiles, but the time until the observer is asked again in samples: a tile may hold
+        // thousands.
         meter.work(clip.len() as u64)?;
         meter.tick()?;
     }

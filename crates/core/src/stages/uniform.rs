@@ -13,8 +13,7 @@ pub const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.
 ///
-/// An uncovered place was covered by one of those, so the base cells that their disks touch
-/// contain every gap.
+/// A place that no survivor covers was covered by such a sample, so that the cells that their disks touch hold every gap.
 #[must_use]
 pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
     let mut disks = DiskGrid::new(domain);
@@ -25,7 +24,6 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
             let fits = disks.insert(point);
             debug_assert!(fits, "survivors are conflict-free");
         } else {
-            // A place that no survivor covers was covered by a sample that was eliminated or dropped.
             touched_cells(&domain, point, &mut cells);
         }
     }

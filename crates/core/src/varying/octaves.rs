@@ -86,8 +86,8 @@ impl Octaves {
         free.map(|disk| *disk = Disk { at, radius }).is_some()
     }
 
-    /// Calls `visit` with the offset and the radius of all samples in sight that are near a place of this radius at most
-    /// `slack` units from `from` on both axes, and of some others, until it returns `true`; returns whether it did.
+    /// Calls `visit` with the offset from `from` and the radius of samples in sight, until it returns `true`; returns whether
+    /// it did. No sample is left out that is near a place of this radius at most `slack` units from `from` on both axes.
     #[inline]
     pub fn any_near(
         &self,

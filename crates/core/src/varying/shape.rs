@@ -179,8 +179,8 @@ impl Polygon {
         let most = edges.len().clamp(1, MAX_BANDS);
         let count = |bits: u32| ((highest - lowest).max(0) >> bits) as usize + 1;
 
-        // Bands are as low as they can be without being too many, so that a place is compared with few edges. With all bits
-        // there is one.
+        // Bands are as low as they can be without being too many, so that a place is compared with few edges. With enough
+        // bits there is a single one.
         let bits = (0..u64::BITS - 1)
             .find(|&bits| count(bits) <= most)
             .unwrap_or(0);

@@ -155,7 +155,7 @@ fn parameters(
         return Err(LayoutError::Lengths);
     }
 
-    // Lengths that are given replace this placeholder below; otherwise the rectangle has them.
+    // Given lengths replace the placeholders when they are merged below. Otherwise the set is as large as its rectangle.
     let size = if lengths[0] {
         [1.0; 2]
     } else {

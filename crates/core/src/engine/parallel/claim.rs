@@ -58,8 +58,8 @@ impl<const TAGS: bool> Region<TAGS> {
     #[inline(always)]
     pub(crate) fn claim<S: Simd>(&mut self, simd: S, clipper: &Clipper, turns: &Turns<'_>) {
         let blocks = std::mem::take(&mut self.blocks);
-        // No other block's samples come within r of samples deeper than 2 r: its margin ends r inside. Where margins yield to
-        // own samples, only the own ones of other blocks matter, and r is deep enough.
+        // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper than
+        // 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
         let depth = if matches!(turns, Turns::OwnFirst) {
             R
         } else {
@@ -71,7 +71,8 @@ impl<const TAGS: bool> Region<TAGS> {
         // Nothing can eliminate the samples of the interiors: they are copied without a test.
         for block in &blocks {
             let interior = interior(block, depth);
-            // A tag is kept beside its slot, so that only samples without tags go to their cells eight at a time.
+            // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag is kept
+            // beside the slot.
             if TAGS {
                 clipper.clip(block, &interior, &target, |x, y, id| {
                     self.insert(x, y, tiled_tag(block.index, id));
@@ -157,7 +158,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Decides the fates of all samples near the borders of blocks, in the order of their ranks.
+    /// Decides the fates of all samples of margins, and of those at most `depth` units inside their blocks, in the order of
+    /// their ranks.
     fn claim_sorted<S: Simd>(
         &mut self,
         simd: S,

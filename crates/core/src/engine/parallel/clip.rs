@@ -47,6 +47,7 @@ impl CellPattern {
         for (p, _) in &samples {
             starts[cell(*p) + 1] += 1;
         }
+
         for k in 1..starts.len() {
             starts[k] += starts[k - 1];
         }
@@ -299,7 +300,7 @@ impl Clipper {
 
         while let Some((node, split, leaf)) = stack.pop() {
             let images = Images::of(&node.block.rect, frame, &target);
-            // No block of the node reaches into the frame, as blocks lie in their nodes.
+            // Blocks lie in their nodes: a node that does not reach into the frame has no block that does.
             if images.is_empty() {
                 continue;
             }
@@ -410,20 +411,21 @@ struct Images {
 }
 
 impl Images {
+    /// Returns the images of `rect` that reach into a frame whose tiled samples lie in `target`.
     fn of(rect: &Rect, frame: &Frame, target: &Rect) -> Self {
         let rect = Rect64::from(*rect).moved(-frame.origin);
         let sides = I64Vec2::from(frame.sides.map(i64::from));
-        let reach = rect.grown(R.into(), R.into());
+        let grown = rect.grown(R.into(), R.into());
         let (low, high) = (I64Vec2::from(target.min), I64Vec2::from(target.max));
 
         let shifts = std::array::from_fn(|axis| {
             if frame.periodic {
                 // The image moved by k sides meets the target if min + k side < high and low < max + k side.
                 let side = sides[axis];
-                let first = (low[axis] - reach.max[axis]).div_euclid(side) + 1;
-                let last = (high[axis] - 1 - reach.min[axis]).div_euclid(side);
+                let first = (low[axis] - grown.max[axis]).div_euclid(side) + 1;
+                let last = (high[axis] - 1 - grown.min[axis]).div_euclid(side);
                 [first, last]
-            } else if reach.min[axis] < high[axis] && low[axis] < reach.max[axis] {
+            } else if grown.min[axis] < high[axis] && low[axis] < grown.max[axis] {
                 [0, 0]
             } else {
                 // No image: the last shift is below the first.

@@ -56,12 +56,13 @@ impl WindowCounts {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Returns the counts of the window without those of the cells `but`, which the repairing regions count.
-    pub(super) fn count(&self, but: &[Rect]) -> WindowCounts {
+    /// Returns the counts of the window without the cells in `repaired`, which the repairing regions count.
+    pub(super) fn count(&self, repaired: &[Rect]) -> WindowCounts {
         let window = self.frame.window;
         let counted = |x: i32, y: i32| {
             let cell = Point::new(x >> CELL_BITS, y >> CELL_BITS);
-            window.contains(Point::new(x, y)) && !but.iter().any(|cells| cells.contains(cell))
+            let is_repaired = repaired.iter().any(|cells| cells.contains(cell));
+            window.contains(Point::new(x, y)) && !is_repaired
         };
 
         let mut counts = WindowCounts::default();

@@ -213,8 +213,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Appends the window's samples in canonical order to `out`, and after each row of cells the length of
-    /// `out` to `rows`.
+    /// Appends the window's samples in canonical order to `out`, with `TAGS` their tags to `tags`, and after each row of cells
+    /// the length of `out` to `rows`.
     #[inline(always)]
     pub(crate) fn emit(&self, out: &mut Vec<Point>, tags: &mut Vec<u64>, rows: &mut Vec<u32>) {
         let cells = self.frame.window_cells();
@@ -266,7 +266,7 @@ impl<const TAGS: bool> Region<TAGS> {
             if ends_at_cells {
                 out.extend_from_slice(line);
             } else if TAGS || is_outermost {
-                // Tags are filtered by the row.
+                // With tags all of the row is tested, since the tags to be left out are sought among those of the row.
                 self.emit_inside(line, out, tags);
             } else {
                 // Of an inner row only the first and the last cell may have samples outside of the window.

@@ -21,8 +21,8 @@ use crate::stages::blocks::split_recorded;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
 
-/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The samples are the same; the run has all of them, also those
-/// that were lost, with the sample that covers each of these first.
+/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also has the
+/// samples that were lost, each with the first sample that covers it.
 ///
 /// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
 /// or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival is an event.
@@ -170,7 +170,7 @@ impl ExactTiling<'_> {
             .filter(on_ground)
             .map(|block| block.start);
 
-        // Tiles have their samples one after the other, and before all that were inserted.
+        // The samples of the tiles come first, tile by tile, and then all that were inserted.
         let samples = self.present.samples();
         let tiled = samples.partition_point(|sample| sample.pattern().is_some());
         let first_of = |tile| samples[..tiled].partition_point(|sample| sample.tile < tile) as u32;

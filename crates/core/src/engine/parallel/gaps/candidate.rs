@@ -58,8 +58,8 @@ impl<const TAGS: bool> Region<TAGS> {
             return;
         }
 
-        // The definition asks that no sample covers the place, and that none is nearer than its own by more than the
-        // slack.
+        // The definition asks that no sample covers the place, and that none is nearer to it than its sites by more than
+        // the slack.
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
@@ -70,6 +70,7 @@ impl<const TAGS: bool> Region<TAGS> {
         } else {
             &gaps.near
         };
+        // Compiled for the instructions of `simd`, whichever this function is compiled for.
         if simd.vectorize(
             #[inline(always)]
             || gathered.any_nearer(simd, place, limit),
