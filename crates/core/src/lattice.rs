@@ -483,6 +483,7 @@ impl Domain {
         }
     }
 
+    /// Returns how many lattice points the domain has along an axis.
     const fn rect_side(&self, axis: usize) -> i32 {
         let max = self.rect().max;
         if axis == 0 { max.x } else { max.y }

@@ -1,5 +1,8 @@
 //! The plan of a window: the frame around it, the blocks that reach it, and the length of every buffer. Plans need no
 //! device.
+//!
+//! An *image* is a block where it lies in the frame; in a periodic plane, which repeats, a block may have several. A list has
+//! *room* for the elements that its buffer can hold.
 
 use tilescope_core::windows::{Frame as CoreFrame, PAD, PlacedBlock, Rect64};
 use tilescope_core::{R, Rect, SampleError};

@@ -1,5 +1,8 @@
 //! Reads the state on the device back as a `Run` of core: samples with ids, origins and fates, iterations, the result.
 //! Ids follow from block and position, not from the order in buffers, which depends on atomics.
+//!
+//! The window is the whole domain. The halo around it, in the frame, repeats samples of a periodic domain. An *image* is a
+//! block where it lies in the frame.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;

@@ -1,5 +1,8 @@
 //! Uploads a state of the sequential engine in the device's layout. Used for runs whose first stages the CPU computes,
 //! to find the stage in which a difference begins.
+//!
+//! The window is the whole domain. The halo around it, in the frame, repeats samples of a periodic domain. An *image* is a
+//! block where it lies in the frame.
 
 use std::collections::HashMap;
 

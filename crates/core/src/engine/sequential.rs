@@ -195,7 +195,7 @@ impl Sequential {
         }
 
         self.filling = match (variant, insertion) {
-            // Lines 2 to 11 of Algorithm 4, which eliminate and insert in turn.
+            // Lines 2 to 12 of Algorithm 4, which eliminate and insert in turn.
             (Variant::AsPrinted, _) => {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
                 run.iterations.push(printed.first_loop(

@@ -1,5 +1,8 @@
 //! The cells that throw darts of the later levels: where a dart's fate may be another than in the pattern, and where no
 //! single sample is known to cover the whole cell.
+//!
+//! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest sample of
+//! the pattern that covers it. A *doubtful* sample depends on the plane beyond the ground.
 
 use std::ops::Range;
 

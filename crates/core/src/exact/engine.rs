@@ -3,6 +3,9 @@
 //!
 //! It works on a whole domain or on a part of the plane, beyond which nothing is known. There, a dart that no certain sample
 //! covers is *doubtful* if something unknown or something doubtful that is earlier may cover it.
+//!
+//! A *tile* is the part of a block on the ground, and a *piece* the part of a tile that one copy of the pattern fills. The *first
+//! blocker* of a dart is the earliest sample of the pattern that covers it. *Late* darts are those of [`LATE_LEVEL`] and after.
 
 pub(super) mod recorded;
 

@@ -251,7 +251,7 @@ impl LevelRegion {
             let sites = squares.filter(|&square| square <= sight * sight).count();
             pixel.is_due = sites >= 3 || self.frame.border.meets(&pixel.rect());
         } else {
-            // Its sites may lie beyond the samples gathered around the cell.
+            // Its sites may lie beyond the samples gathered around the cell: `look` asks the grid, and sets the sight.
             self.look(&mut pixel, &mut Vec::new());
         }
 

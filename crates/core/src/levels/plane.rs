@@ -605,16 +605,16 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
-    let coarsest = f64::from(1_u32 << (levels - 1)).sqrt();
+    let coarsest_radius = f64::from(1_u32 << (levels - 1)).sqrt();
 
     for (name, units) in [("width", domain.width()), ("height", domain.height())] {
         let radii = f64::from(units) / f64::from(R);
-        if radii < least * coarsest {
+        if radii < least * coarsest_radius {
             return Err(ParameterError::TooManyLevels {
                 name,
                 levels,
                 radii,
-                minimum: least * coarsest,
+                minimum: least * coarsest_radius,
             });
         }
     }

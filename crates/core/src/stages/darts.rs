@@ -320,6 +320,7 @@ impl<G: DartGround> DartProcess<G> {
 
                 let (inside, covered) = match self.ground.landing(cell, point, coin) {
                     Landing::Outside => (false, false),
+                    // Only sets of varying radius are thinned, and those are not recorded.
                     Landing::Thinned => continue,
                     Landing::Inside(place) => {
                         let covered = self.ground.covers(point, place);

@@ -1,6 +1,10 @@
 //! Uniform insertion in a region: the dart process of `stages::darts`, restricted to the gaps and to the frame. Its
 //! cells are those of the domain, with the same keys. Which covered cells are visited does not matter, since no dart in
 //! them becomes a sample.
+//!
+//! Cells of the frame, of side R, have flags, as in [`super::gaps`]. Samples that depend on the plane beyond the frame are
+//! *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and *hot* if one
+//! may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
 
 use fearless_simd::Simd;
 

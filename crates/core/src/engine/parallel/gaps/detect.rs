@@ -1,4 +1,8 @@
 //! Detection in a region: chooses the pixels to be searched in each iteration.
+//!
+//! A pixel is *open* if no single sample is known to cover it, and a cell if one of its pixels is. Samples that depend on the
+//! plane beyond the frame are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may take part
+//! in its candidates, and *hot* if one may yet be inserted in it or beside it.
 
 use fearless_simd::Simd;
 
