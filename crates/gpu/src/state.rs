@@ -63,6 +63,7 @@ impl State {
 
         if at_least(Stage::Tile) {
             state.starts = device.words(Name::Starts, 0..cells + 1).await?;
+            // The samples of the last cell end with the list.
             let tiled = state.starts.last().copied().unwrap_or(0).into();
             state.places = device.words(Name::Places, 0..tiled).await?;
             // Recorded runs have sources, so an origin has two words.

@@ -329,57 +329,63 @@ impl WindowRun {
             self.device.enter(&self.setup, &self.plan, phase).await?;
         }
 
-        // The host reads counters only after steps that may end a loop, or where stages are inspected.
-        let (commands, next, reads) = match self.step {
-            Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
-            Step::Tile => (passes::tile(&self.plan), Step::Eliminate, keeps_stages),
-            Step::Eliminate => (passes::eliminate(), Step::EliminateMore, true),
-            Step::EliminateMore => (passes::rounds(), Step::EliminateMore, true),
+        self.reads = self.reads_after(self.step);
+        // Cells of level k have sides of 2^side_bits(k) units.
+        let side_bits = |k: u32| LAST_LEVEL - k;
+        let (commands, next) = match self.step {
+            Step::Blocks => (passes::blocks(&self.plan), Step::Tile),
+            Step::Tile => (passes::tile(&self.plan), Step::Eliminate),
+            Step::Eliminate => (passes::eliminate(), Step::EliminateMore),
+            Step::EliminateMore => (passes::rounds(), Step::EliminateMore),
             Step::Survive => {
                 let next = if uniform {
                     Step::Start
                 } else {
                     Step::Detectors
                 };
-                (
-                    passes::survive(&self.plan, keeps_stages),
-                    next,
-                    keeps_stages,
-                )
+                (passes::survive(&self.plan, keeps_stages), next)
             }
-            Step::Detectors => (
-                passes::detectors(&self.plan),
-                Step::Iterate(1),
-                keeps_stages,
-            ),
-            Step::Iterate(k) => (self.iteration(k), Step::ChooseMore(k), true),
-            Step::ChooseMore(k) => (passes::choose(k), Step::ChooseMore(k), true),
+            Step::Detectors => (passes::detectors(&self.plan), Step::Iterate(1)),
+            Step::Iterate(k) => (self.iteration(k), Step::ChooseMore(k)),
+            Step::ChooseMore(k) => (passes::choose(k), Step::ChooseMore(k)),
             Step::Start => {
                 let reach = self.setup.first_reach();
-                (passes::start(&self.plan, reach), Step::Level(1), true)
+                (passes::start(&self.plan, reach), Step::Level(1))
             }
             Step::Level(k) => {
                 // From level 1 on a cell throws once, so its throw is number 0.
                 let key = throw_key(gap_key(self.setup.key), k, 0).words();
-                (
-                    passes::level(k, LAST_LEVEL - k, key),
-                    Step::ChooseMore(k),
-                    true,
-                )
+                (passes::level(k, side_bits(k), key), Step::ChooseMore(k))
             }
-            Step::Split(k) => (passes::split(LAST_LEVEL - k), Step::Level(k + 1), true),
-            Step::Finish => (
-                passes::finish(&self.plan, self.setup.sources),
-                Step::Done,
-                true,
-            ),
-            Step::Done => (Vec::new(), Step::Done, false),
+            Step::Split(k) => (passes::split(side_bits(k)), Step::Level(k + 1)),
+            Step::Finish => {
+                let commands = passes::finish(&self.plan, self.setup.sources);
+                (commands, Step::Done)
+            }
+            Step::Done => (Vec::new(), Step::Done),
         };
 
         self.queue.extend(commands);
         self.step = next;
-        self.reads = reads;
         Ok(())
+    }
+
+    /// Returns whether the host reads the counters after a step.
+    const fn reads_after(&self, step: Step) -> bool {
+        match step {
+            Step::Blocks | Step::Done => false,
+            // No step depends on the counters of these. Where stages are inspected, they are read as part of the state.
+            Step::Tile | Step::Survive | Step::Detectors => self.kept.is_some(),
+            // A loop may end with these steps, or a list may have been too short.
+            Step::Eliminate
+            | Step::EliminateMore
+            | Step::Iterate(_)
+            | Step::ChooseMore(_)
+            | Step::Start
+            | Step::Level(_)
+            | Step::Split(_)
+            | Step::Finish => true,
+        }
     }
 
     fn iteration(&self, k: u32) -> Vec<Command> {

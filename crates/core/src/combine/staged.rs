@@ -65,7 +65,7 @@ impl Combined {
 fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
     let [width, height] = domain.size();
 
-    // A leaf says how short edges may be: the pieces' shortest.
+    // A leaf says how short edges may be: the pieces' shortest. There is at least one piece.
     let sides = pieces.iter().map(|piece| {
         let rect = piece.rect;
         rect.width().min(rect.height())
