@@ -299,6 +299,8 @@ fn images(work: &WindowRun, point: Point) -> Vec<[i32; 2]> {
         if !domain.is_periodic() {
             return vec![from as i32];
         }
+
+        // In a periodic domain the frame shows the point again after each side.
         let first = from.rem_euclid(side);
         (first..end)
             .step_by(side as usize)

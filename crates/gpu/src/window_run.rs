@@ -427,7 +427,7 @@ impl WindowRun {
     /// reported a fault.
     fn judge(&self) -> Result<Option<Shortage>, GpuError> {
         let room = self.plan.room();
-        // A list that was too short gets an eighth more than its elements need: they may be more the next time.
+        // A list that was too short gets room for all its elements, and an eighth to spare.
         let needed = |count: u32, room: u32| {
             if count > room {
                 count + count / 8

@@ -370,7 +370,7 @@ impl<'a> ExactTiling<'a> {
 
         match self.present.presence(dart, sample.tile) {
             Presence::Certain => {
-                // No sample of another block could cover it: it is one of the rest, which elimination does not concern.
+                // Where no sample of another block could cover it, it is one of the rest, which stay.
                 let rest =
                     T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
                 recorder.record(RunEvent::Keep { sample: id, rest });

@@ -249,9 +249,9 @@ impl LevelRegion {
                 continue;
             };
 
-            // A tiled sample deeper than r in its block is copied: other samples within r of it are of the block's own
-            // pattern, or of margins, which yield. Where there are other ones, foreign samples of coarser levels and
-            // unknowns, the cells are contested.
+            // A tiled sample deeper than r in its block, which is half open, is copied: other samples within r of it are of
+            // the block's own pattern, or of margins, which yield. Where there are others, foreign samples of coarser
+            // levels and unknowns, the cells are contested.
             let deep = block.rect.grown(-reach - 1, -reach).within(&inside);
             let safe = deep.unwrap_or_default();
 

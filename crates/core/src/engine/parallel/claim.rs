@@ -139,6 +139,7 @@ impl<const TAGS: bool> Region<TAGS> {
         block: &PlacedBlock,
         target: &Rect,
     ) {
+        // All are clipped before the first is decided, since a decision needs the whole region.
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(R.into(), R.into()), &block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {

@@ -72,8 +72,7 @@ impl WidenedWindow {
         };
 
         let samples = find(&wide)?;
-        // A bounded set ends with its last line of lattice points, one unit before `max`. In a periodic one the next line,
-        // at `max`, is the first again.
+        // A bounded set is closed: it ends with its last line of lattice points, one unit before `max`.
         let last = i64::from(!periodic);
         Ok(Self {
             positions: samples.iter().flat_map(shown).collect(),
