@@ -207,7 +207,7 @@ impl Run {
     /// Returns the stages that have run, in order.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
-        // Pattern, blocks, tiling, elimination and finish besides the iterations.
+        // There are five stages besides the iterations: pattern, blocks, tiling, elimination and finish.
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
         stages.push(Stage::Pattern);
 

@@ -168,7 +168,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("FATE_KEPT", FATE_KEPT),
         ("FATE_LOST", FATE_LOST),
         ("FATE_UNKNOWN", FATE_MASK),
-        // Larger than any position, so that free slots are sorted to the end (gather.wgsl).
+        // A free slot is larger than any position, so that it is sorted to the end (gather.wgsl).
         ("FREE", u32::MAX),
         ("DETECTOR", DETECTOR),
         // The mark of a detector, moved up by one bit: a site's key takes the 31 below.

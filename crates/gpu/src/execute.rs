@@ -85,7 +85,7 @@ impl Device {
         // Recorded runs keep every buffer, since each can be inspected up to the end.
         lengths.retain(|(name, _)| keeps_stages || phase.needs(*name, setup.sources));
 
-        // Free first, to have the memory.
+        // Buffers are freed before others are allocated, so that their memory can be used.
         self.buffers.retain(|name, (_, have)| {
             lengths
                 .iter()

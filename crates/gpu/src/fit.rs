@@ -154,7 +154,7 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
             max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
         };
 
-        // Leave room for a halo that must be doubled once.
+        // A window must fit with twice the usual halo, as the halo may have to be doubled.
         match plan(setup, &window, Allowance::new(2 * HALO), limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {

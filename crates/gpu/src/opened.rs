@@ -140,8 +140,8 @@ impl Gpu {
         // Without timestamps the reports have no times, and all else is the same.
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
 
-        // Asks for what WebGPU guarantees, and for more only where more lets the engine compute larger parts of the domain
-        // at once. The resolution is that of textures, which the engine does not use.
+        // The limits are those that WebGPU guarantees, and higher only where this lets the engine compute larger parts of the
+        // domain at once. The resolution is that of textures, which the engine does not use.
         let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
         limits.max_buffer_size = report.limits.max_buffer_size;
         limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;

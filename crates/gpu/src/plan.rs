@@ -259,7 +259,7 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
         clip_min_y: clip.min.y,
         clip_max_x: clip.max.x,
         clip_max_y: clip.max.y,
-        // Modulo 2^32, which is exact for what shaders compute from it: positions in a clip (turn.wgsl).
+        // The corner is given modulo 2^32. Shaders compute only positions in a clip from it, which stay exact (turn.wgsl).
         corner_x: corner.x as u32,
         corner_y: corner.y as u32,
         start_x: start(0, block.start.x, clip.min.x, shape.width),

@@ -32,7 +32,7 @@ impl RowLocator {
     /// Reads what places follow from, between two passes. `stage` is that of the inspected pass.
     pub(crate) async fn read(work: &WindowRun, stage: Stage) -> Result<Self, GpuError> {
         let device = &work.device;
-        // Read back from the device, since that is what the shaders used.
+        // The frame is read back from the device, since shaders use that one.
         let frame = device.bytes(Name::Frame, 0..u64::MAX).await?;
         let mut locator = Self {
             // Where the buffer is missing, the frame of the plan stands for it.
@@ -162,7 +162,7 @@ impl RowLocator {
 
         let place = match name {
             Name::Images => self.rect(pair(0), pair(2)),
-            // Columns in the lower half of the word, rows in the upper (`plan.rs`).
+            // The word has columns in its lower half and rows in its upper half (`plan.rs`).
             Name::Pieces => self.tiles(pair(1), I64Vec2::new(value(3) & 0xffff, value(3) >> 16)),
             Name::TileImages => self.tile(row),
             Name::Heads if self.heads_are_listed() => {

@@ -194,7 +194,7 @@ impl State {
                     && (image.own_min_y..image.own_max_y).contains(&y);
 
                 tiled.push(Tiled {
-                    // Modulo 2^32, as on the device: positions in a clip are smaller.
+                    // Differences are taken modulo 2^32, as on the device: positions in a clip are smaller.
                     order: (
                         image.block,
                         (y as u32).wrapping_sub(image.corner_y),

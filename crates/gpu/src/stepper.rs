@@ -49,7 +49,7 @@ impl Stepper {
         pattern: &Arc<Pattern>,
         first_gpu_stage: Stage,
     ) -> Result<Self, GpuError> {
-        // With sources, since they give samples their ids (`state.rs`).
+        // Sources give samples their ids (`state.rs`).
         let sources = true;
         let setup = Arc::new(Setup::new(parameters, pattern, sources)?);
         let first = match first_gpu_stage {

@@ -177,7 +177,7 @@ impl GpuSweep {
                 // Other programs may hold the memory, or a wider halo may not fit; smaller windows may still fit.
                 Err(GpuError::OutOfMemory) if side > MIN_SIDE => {
                     side = (side / 2).max(MIN_SIDE);
-                    // Free the buffers, and keep to smaller windows for the rest of the run.
+                    // The buffers are freed, and windows stay smaller for the rest of the run.
                     self.idle = None;
                     self.side = side;
                 }
@@ -197,7 +197,7 @@ impl GpuSweep {
         observer: &mut dyn Observer,
     ) -> Result<Sampled, GpuError> {
         let [columns, rows] = self.setup.cells();
-        // As few windows as `longest` allows, all of about the same size.
+        // There are no more windows than `longest` requires, all of about the same size.
         let side = |cells: u32| cells.div_ceil(cells.div_ceil(longest));
         let (width, height) = (side(columns), side(rows));
         let max = self.setup.domain.rect().max;
@@ -214,7 +214,7 @@ impl GpuSweep {
             windows.push(self.window(&window, observer).await?);
         }
 
-        // Counted only now, so that a band that fails can be computed again.
+        // Windows are counted when all of the band are made, so that a band that fails can be computed again.
         for window in &windows {
             self.counts.add(&window.counts);
             self.count += window.points.len() as u64;

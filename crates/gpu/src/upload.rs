@@ -48,7 +48,7 @@ pub(crate) fn upload(
         }
     }
 
-    // Copied before `write_work`, which may run the engine one level further.
+    // The run is copied before `write_work`, which may run the engine one level further.
     let mut base = engine.run().clone();
     if let Stage::Iterate(k) = first
         && k > 1

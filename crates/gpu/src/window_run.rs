@@ -453,7 +453,7 @@ impl WindowRun {
             result: needed(self.counter(counter::KEPT), room.result),
         };
 
-        // Compared before faults and unsure cells, which may follow from a list that was too short.
+        // Room is judged before faults and unsure cells, which may follow from a list that was too short.
         if wanted != room {
             return Ok(Some(Shortage::Room(wanted)));
         }

@@ -60,7 +60,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         }
     });
 
-    // Sorted as the clips of blocks are, so that ids follow the rows of the piece.
+    // Samples are sorted as in the clips of blocks, so that ids follow the rows of the piece.
     near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
     Clip { near, deep }
 }

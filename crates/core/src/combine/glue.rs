@@ -158,7 +158,7 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
         }
 
         tiles.push(Tile {
-            // As for blocks, the place of the set on the corner of the enlarged rectangle.
+            // As for blocks, a tile starts with the place of the set on the corner of the enlarged rectangle.
             start: Point::new(
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),

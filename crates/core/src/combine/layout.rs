@@ -171,7 +171,7 @@ fn covers_line(
     let mut covered: Vec<(i64, i64)> = samples
         .filter_map(|(along, across)| {
             let apart = i64::from(across) - i64::from(line);
-            // Half of the chord that the disk cuts from the line, rounded down: its lattice points are covered.
+            // The disk cuts a chord from the line. Half of its length is rounded down, as only whole units are covered.
             let half_squared = R_SQUARED - apart * apart;
             let half = (half_squared >= 0).then(|| half_squared.isqrt())?;
             Some((i64::from(along) - half, i64::from(along) + half))

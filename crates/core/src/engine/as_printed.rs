@@ -118,7 +118,7 @@ impl AsPrinted {
 
         for &detector in &detectors {
             let at = samples.points[detector as usize];
-            // Line 17 with 4r, and 7r near a closed border, around the detector itself.
+            // Line 17 searches 4r far; near a closed border 7r are needed. The search is around the detector itself.
             let radius = Reach::new(&self.domain, self.search, at).search;
 
             recorder.record(RunEvent::Detect { sample: detector });
@@ -185,7 +185,7 @@ impl AsPrinted {
         let centre = samples.points[conflict as usize];
         let at = samples.points[pivot as usize];
 
-        // Line 7 with 4 units more than 2r, since patterns cover lattice points alone.
+        // Line 7 searches 2r far. Here it is 4 units more, since patterns cover lattice points alone.
         let mut buffer = self.radius_search(samples, centre, DETECTOR_REACH);
         record_search(conflict, DETECTOR_REACH, &buffer, recorder);
 

@@ -195,7 +195,7 @@ impl Sequential {
         }
 
         self.filling = match (variant, insertion) {
-            // Lines 2 to 12 of Algorithm 4, which eliminate and insert in turn.
+            // The first loop is lines 2 to 12 of Algorithm 4, which eliminate and insert in turn.
             (Variant::AsPrinted, _) => {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
                 run.iterations.push(printed.first_loop(
@@ -354,7 +354,7 @@ pub(crate) fn uniform<T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Iteration, SampleError> {
-    // Read before the step, which may cut them. In the event the active cells are counted in place of detectors.
+    // The cells are read before the step, which may cut them. The event counts them in place of detectors.
     let cells: Vec<_> = process.active_cells().collect();
     recorder.record(RunEvent::Iteration {
         number: k,

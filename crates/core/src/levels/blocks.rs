@@ -102,7 +102,7 @@ impl BlockDraws {
                 // The image moved by k sides meets the target if low + k side < end and first < high + k side.
                 ((first - high).div_euclid(side) + 1)..=((end - 1 - low).div_euclid(side))
             } else {
-                // Shift 0, or none: 0..=-1 is empty.
+                // The rectangle itself, shift 0, or nothing: 0..=-1 is empty.
                 0..=i64::from(low < end && first < high) - 1
             }
         });

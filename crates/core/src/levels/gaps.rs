@@ -312,7 +312,7 @@ impl LevelRegion {
         let offset_of_asked = pixel.side / 2;
         let asked = Point::new(pixel.min.x + offset_of_asked, pixel.min.y + offset_of_asked);
 
-        // Far enough for nearly all pixels, whose nearest sample is about R away.
+        // This reaches far enough for nearly all pixels, whose nearest sample is about R away.
         let mut reach = radius.units + radius.units / 2;
         let limit = loop {
             sites.clear();
@@ -341,7 +341,8 @@ impl LevelRegion {
         pixel.sight = limit;
         sites.retain(|site| square(site) <= limit * limit);
 
-        // Open unless one sample covers it: d + h <= R - 2, with two units for rounding (d and h as in the head).
+        // The pixel is open unless one sample covers it: unless d + h <= R - 2, with two units for rounding (the head defines d
+        // and h).
         limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
     }
 
@@ -378,7 +379,7 @@ impl LevelRegion {
     /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
     fn insert(&mut self, key: Key, found: &[Point]) {
         let ranked = |&p: &Point| {
-            // By place in the domain, so that every frame draws the same.
+            // A rank is drawn for the place in the domain, so that every frame draws the same.
             let place = self.frame.in_domain(p);
             (key.draw_at(place.x, place.y)[0], place.row_major(), p)
         };

@@ -182,7 +182,7 @@ impl Nested {
             first = end;
         }
 
-        // Only now, so that a stop leaves the order as it was.
+        // The order changes only when all is done, so that a stop leaves it as it was.
         self.points = ordered;
         meter.end()
     }

@@ -235,7 +235,7 @@ impl NestedPlane {
             },
             levels,
             key,
-            // Turned once, for all windows.
+            // The pattern is turned once, for all windows.
             variants: (0..symmetries)
                 .map(|s| pattern.variant(Symmetry(s)))
                 .collect(),

@@ -233,7 +233,7 @@ impl LevelRegion {
         variants: &[Vec<LevelClip>],
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
-        // Taken out of the region, to which samples are added meanwhile.
+        // These lists are taken out of the region, to which samples are added meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
         let mut claimants = std::mem::take(&mut self.claimants);
         claimants.clear();
@@ -283,7 +283,7 @@ impl LevelRegion {
                 && tiled.contains(Point::new(claimant.x, claimant.y))
         }));
 
-        // The order of elimination: own samples before those of margins, then by block, row and column.
+        // Claimants compare by the order of elimination: own samples before those of margins, then by block, row and column.
         claimants.sort_unstable();
         for batch in claimants.chunks(CLAIMED) {
             for claimant in batch {

@@ -125,7 +125,7 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
         shift: 0,
     };
 
-    // In 64 bits: a place and its reach may lie beyond the ends of the integers.
+    // Sums need 64 bits: a place and its reach may lie beyond the ends of the 32-bit integers.
     let (min, max) = (i64::from(held.start), i64::from(held.end));
     let (low, high) = (
         i64::from(from) - i64::from(reach),
@@ -133,7 +133,7 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
     );
 
     let last = max - 1;
-    // Clamped to one beyond either end, so that a span that misses the held places is empty.
+    // Bounds are clamped to one beyond either end, so that a span that misses the held places is empty.
     let here = AxisSpan {
         first: low.clamp(min, max) as i32,
         last: high.clamp(min - 1, last) as i32,

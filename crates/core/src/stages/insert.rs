@@ -30,7 +30,8 @@ pub(crate) fn insert<T: Recorder>(
         candidates: candidates.len() as u32,
     });
 
-    // Drawn for the place, not for the candidate's number: a window that finds fewer candidates inserts the same ones.
+    // Ranks are drawn for places, not for the numbers of candidates: a window that finds fewer candidates inserts the same
+    // ones.
     let order_key = key.derive(Stream::Iteration, iteration);
 
     let mut ranked: Vec<(u32, &Candidate)> = candidates

@@ -177,7 +177,7 @@ fn parameters(
     };
     let mut all = serde_json::to_value(base).map_err(form)?;
 
-    // Merged by name, so that a part of the pattern can be given without the rest.
+    // Values are merged by name, so that a part of the pattern can be given without the rest.
     for (name, value) in given {
         let Some(known) = all.get_mut(name) else {
             let name = name.clone();

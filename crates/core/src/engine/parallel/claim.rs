@@ -187,7 +187,7 @@ impl<const TAGS: bool> Region<TAGS> {
                         return;
                     }
                     contested.push(Contested {
-                        // Drawn for the place in the domain, so that all windows rank a sample alike.
+                        // The rank is drawn for the place in the domain, so that all windows rank a sample alike.
                         rank: ranking.rank(self.frame.point(x, y), is_own),
                         sequence: block.sequence,
                         row: i64::from(y) - block.rect.min[1],

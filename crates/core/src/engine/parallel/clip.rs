@@ -40,7 +40,7 @@ impl CellPattern {
         let (columns, rows) = (cells(shape.width), cells(shape.height));
         let cell = |p: Point| (p.y >> CELL_BITS) as usize * columns + (p.x >> CELL_BITS) as usize;
 
-        // Sorted by cell; a cell's samples begin where those of all cells before it end.
+        // Samples are sorted by cell: a cell's begin at the sum of the counts of all cells before it.
         let mut samples = std::mem::take(&mut shape.samples);
         samples.sort_by_key(|(p, _)| cell(*p));
         let mut starts = vec![0_u32; columns * rows + 1];
@@ -158,7 +158,7 @@ impl CellPattern {
         let height = u32x8::splat(simd, piece.height() as u32);
 
         let place_bits = R as u32 - 1;
-        // Counted from the corner of the padding, so that no coordinate is negative.
+        // Coordinates count from the corner of the padding, so that none is negative.
         let (right, up) = (corner.x + (PAD << CELL_BITS), corner.y + (PAD << CELL_BITS));
         let stride = u32x8::splat(simd, frame.stride() as u32);
 
@@ -173,7 +173,7 @@ impl CellPattern {
             for k in (0..to - from).step_by(LANES) {
                 let x = u32x8::from_slice(simd, &xs[k..k + LANES]) - piece.min.x as u32;
                 let y = u32x8::from_slice(simd, &ys[k..k + LANES]) - piece.min.y as u32;
-                // As unsigned numbers, so that places left of the piece or below it are not inside either.
+                // Unsigned, offsets of places left of the piece or below it are too large to be inside.
                 let mut inside = (x.simd_lt(width) & y.simd_lt(height)).to_bitmask() as u32;
 
                 // The last group reads on into the samples of other cells, or into the eight at the end.

@@ -74,7 +74,7 @@ impl<const TAGS: bool> Region<TAGS> {
         } else {
             &gaps.near
         };
-        // Compiled for the instructions of `simd`, whichever this function is compiled for.
+        // The search is compiled for the instructions of `simd`, whichever this function is compiled for.
         if simd.vectorize(
             #[inline(always)]
             || gathered.any_nearer(simd, place, limit),
@@ -88,7 +88,7 @@ impl<const TAGS: bool> Region<TAGS> {
             Known::Yes => {
                 let point = self.frame.point(x, y);
                 gaps.candidates.push(RankedCandidate {
-                    // Drawn when all are found (`insert_candidates`).
+                    // Ranks are drawn when all candidates are found (`insert_candidates`).
                     rank: 0,
                     row_major: point.row_major(),
                     x,

@@ -150,7 +150,8 @@ impl<const TAGS: bool> Region<TAGS> {
             self.concerned_pixels(gaps, x, y, &mut todo);
         }
 
-        // Pixels by cell, so that the samples around a cell are gathered once. Two new samples may concern one pixel.
+        // Pixels are sorted by cell, so that the samples around a cell are gathered once. Two new samples may concern one
+        // pixel, which is searched once.
         gaps.detectors.sort_unstable();
         todo.sort_unstable();
         todo.dedup();
@@ -199,7 +200,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for row in row - reach..=row + reach {
             let start = (row + PAD) as usize * words + first / 64;
             let low = gaps.open[start] >> (first % 64);
-            // In two steps, as a shift by 64 is not allowed.
+            // The shift is in two steps, since one by 64 is not allowed.
             let high = gaps
                 .open
                 .get(start + 1)
