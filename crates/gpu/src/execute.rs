@@ -247,7 +247,7 @@ impl Device {
         match *command {
             Command::Clear(name, words) => {
                 if let Some((buffer, _)) = self.buffers.get(&name) {
-                    // In bytes, four a word. Without a length all of the buffer is cleared.
+                    // Bounds are in bytes, four a word. Without a length all of the buffer is cleared.
                     let (first, length) = words.map_or((0, None), |(start, end)| {
                         (4 * u64::from(start), Some(4 * u64::from(end - start)))
                     });

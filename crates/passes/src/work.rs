@@ -109,7 +109,7 @@ impl Passes {
                 self.shown.enter(&visit);
                 self.visit = Some(visit);
             }
-            // Another pass was selected meanwhile, or the visit was cancelled.
+            // Another pass was selected meanwhile, and is visited next. If the user cancelled, none is.
             Err(Stop::Cancelled) => {}
             Err(Stop::Failed(why)) => {
                 self.is_wanted = false;

@@ -119,7 +119,7 @@ fn glue_within(
 
     // Ids from here on are those of inserted samples.
     let first_inserted = glued.samples.len();
-    sieve(&domain, pieces, options, &mut glued.samples, observer)?;
+    decide_fates(&domain, pieces, options, &mut glued.samples, observer)?;
 
     match options.insertion {
         Insertion::Circumcentre => fill(domain, options, &mut glued, observer)?,
@@ -191,8 +191,8 @@ pub(super) fn blocks(pieces: &[Piece], key: Key) -> Blocks {
     }
 }
 
-/// Eliminates: pieces are the blocks.
-fn sieve(
+/// Decides the fates of all samples, as the stage of elimination does where the pieces are the blocks.
+fn decide_fates(
     domain: &Domain,
     pieces: &[Piece],
     options: &CombineOptions,

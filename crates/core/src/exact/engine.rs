@@ -187,7 +187,7 @@ impl<'a> ExactTiling<'a> {
             // In a recording the cuts for a level belong to the iteration before it.
             self.cut(level, recorder);
             self.end(recorder);
-            // No cell throws any more, and no sample is to be decided about.
+            // Nothing is left to do: no cell throws, and no question waits for this level or a later one.
             if self.open.cells.is_empty() && self.agenda.is_empty_from(level) {
                 return Ok(());
             }
@@ -404,7 +404,7 @@ impl<'a> ExactTiling<'a> {
         }
     }
 
-    /// Makes a dart a sample if it is none, and no earlier one covers it.
+    /// Makes a dart a sample, unless it is one or an earlier sample covers it.
     fn decide_dart<T: Recorder>(&mut self, dart: &PlacedDart, tile: u32, recorder: &mut T) {
         // The dart of a present sample does not become a second sample.
         if self.present.has(dart, tile) {

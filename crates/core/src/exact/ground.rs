@@ -154,7 +154,7 @@ impl Ground {
         );
 
         let part = |min: i32, max: i32, shift: i32, end: i32| {
-            // A domain may end where the integers do.
+            // A domain may end where the 32-bit integers do, so that a place moved by a side needs more bits.
             let moved = |v: i32| (i64::from(v) - i64::from(shift)).clamp(0, end.into()) as i32;
             moved(min)..moved(max)
         };

@@ -218,7 +218,7 @@ fn blocked(
     // Level 1 has four times the cells of level 0.
     let mut meter = Meter::begin(observer, Stage::Pattern, 5 * cells as u64)?;
 
-    // Four throws into these cells and one into four times as many, of 0.85 darts.
+    // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in all.
     let mut blocked = Vec::with_capacity(7 * cells);
 
     for level in 0..LATE_LEVEL {
