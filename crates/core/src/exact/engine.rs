@@ -215,6 +215,7 @@ impl<'a> ExactTiling<'a> {
         self.open.cells.clear();
         self.side = R;
 
+        // The list is taken out of the tiling, which changes meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
         let all = self.present.ground().rect();
         let mut meter = Meter::begin(observer, Stage::Tile, blocks.len() as u64)?;

@@ -57,7 +57,9 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Tiles the frame and decides the fates of all tiled samples, as far as they can be known from the frame.
     #[inline(always)]
     pub(crate) fn claim<S: Simd>(&mut self, simd: S, clipper: &Clipper, turns: &Turns<'_>) {
+        // The list is taken out of the region, which changes meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
+
         // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper than
         // 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
         let depth = if matches!(turns, Turns::OwnFirst) {
@@ -170,6 +172,7 @@ impl<const TAGS: bool> Region<TAGS> {
         depth: i64,
         target: &Rect,
     ) {
+        // The buffer is taken out of the region, which changes meanwhile.
         let mut contested = std::mem::take(&mut self.contested);
         for block in blocks {
             let own = frame_between(&block.rect, &interior(block, depth));

@@ -115,6 +115,7 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Fills the gaps by circumcentres, except where the result depends on the plane beyond the frame.
     #[inline(always)]
     pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
+        // The buffers are taken out of the region, which is read while they change.
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
 

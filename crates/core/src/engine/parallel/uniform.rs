@@ -42,6 +42,7 @@ struct RankedDart {
 impl<const TAGS: bool> Region<TAGS> {
     /// Fills the gaps with keyed darts, except where the result depends on the plane beyond the frame.
     pub(crate) fn fill_uniformly<S: Simd>(&mut self, simd: S, rules: &Rules) {
+        // The buffers are taken out of the region, which is read while they change.
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
         self.mark(&mut gaps, rules);

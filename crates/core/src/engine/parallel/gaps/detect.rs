@@ -37,6 +37,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
         self.find_open(gaps);
         let mut unsure = Vec::new();
+        // The list of open cells is taken out of the buffers, which change meanwhile.
         let masks = std::mem::take(&mut gaps.masks);
 
         for &(cell, open) in &masks {
@@ -137,6 +138,7 @@ impl<const TAGS: bool> Region<TAGS> {
         first: usize,
         rules: &Rules,
     ) {
+        // The list of pixels to search is taken out of the buffers, which change meanwhile.
         let mut todo = std::mem::take(&mut gaps.todo);
         let mut unsure = Vec::new();
         todo.clear();
