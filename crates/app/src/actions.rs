@@ -331,8 +331,8 @@ impl Action {
 }
 
 impl List {
-    /// Gives Escape to one action: it closes or leaves the first of these that is there, a caption, a selection, a brush, an open
-    /// panel, the projector mode.
+    /// Gives Escape to one action, so that each press closes or leaves one thing: the caption, the selection, the brush, the
+    /// open panel or the projector mode, whichever of them comes first.
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance().look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
@@ -340,7 +340,7 @@ impl List {
             .scenes()
             .shown
             .map(|_| Command::Scene(SceneCommand::Leave));
-        // Escape closes one thing at a time, and in this order.
+        // What lies on the picture comes before a panel, and a mode of the whole window comes last.
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
@@ -348,9 +348,10 @@ impl List {
         ];
 
         for way in caption.into_iter().chain(ways).chain(projector) {
+            // A refused action has nothing to close, so that the key goes to the next one.
             let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
             if let Some(action) = self.actions.iter_mut().find(is_way) {
-                // Escape does not replace the key that menus show.
+                // A key that menus show already stays the first one of its action.
                 let key = match action.shortcut {
                     Some(_) => &mut action.also,
                     None => &mut action.shortcut,
@@ -378,17 +379,18 @@ fn edit(list: &mut List, state: &State) {
     list.add("Reset parameters", Command::Form(FormCommand::Reset));
 
     let run = &state.runs().first;
-    let is_nothing = run.selected.is_none() && run.place.is_none();
+    // A selection is a sample, or a place without one.
+    let nothing_selected = run.selected.is_none() && run.place.is_none();
 
     list.group();
-    // The keyboard's way to select: a click selects at the pointer.
+    // The keyboard has no pointer, at which a click selects: it selects at the centre.
     let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
     list.add("Select at the centre of the view", middle)
         .on_key(Key::M)
         .refused(no_session(state));
     let deselect = Command::View(Which::First, ViewCommand::Pick(Selection::Nothing));
     list.add("Deselect", deselect)
-        .refused(is_nothing.then_some("Nothing is selected."));
+        .refused(nothing_selected.then_some("Nothing is selected."));
 
     list.group();
     let finder = Command::Window(WindowCommand::ToggleFinder);
@@ -408,7 +410,7 @@ fn help(list: &mut List) {
 
 /// Adds going through the scenes, and making one.
 fn scenes(list: &mut List, state: &State) {
-    // The scenes of the tour can be gone through as well, by a user who has none.
+    // A user without scenes can still go through those of the tour, of which one is shown then.
     let has_scenes =
         state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
@@ -482,7 +484,7 @@ fn view(list: &mut List, state: &State) {
     full.is_on = state.window().is_full;
 
     let drawer = &state.window().drawer;
-    // In a small window one panel is open at a time, and the canvas has all of the room without one.
+    // Only a small window has a panel that closes, which gives its room to the canvas. Others hide panels one by one.
     if drawer.arrangement.is_compact() {
         let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
@@ -511,11 +513,11 @@ fn panels(list: &mut List, state: &State) {
         // The projector mode has room for the analysis alone.
         let action = list.add(format!("Panel: {}", panel.name()), command);
         action.refused(no_panels.filter(|_| panel != Panel::Analysis));
-        // The key never hides the panel: a digit that is typed beside a field takes no panel away.
+        // The key only shows its panel. If it hid the panel as well, a digit typed beside a field would take it away.
         if let Some(key) = Key::from_name(panel.key()) {
             action.on_key(key);
         }
-        // While it is shown, the same keys hide it: see `hidden_panels`.
+        // `hidden_panels` gives the same keys to the action that hides the timeline, while that is in view.
         if panel == Panel::Timeline && !window.can_hide(panel) {
             action.on_keys(TIMELINE_KEYS.0, TIMELINE_KEYS.1);
         }
@@ -563,7 +565,7 @@ fn layers(list: &mut List, state: &State) {
         .appearance()
         .layers(state.runs().first.current_stage());
     let is_nested = state.runs().first.kind() == SessionKind::Nested;
-    // The open question of a lesson hides layers that would show its answer.
+    // While a lesson's question is open, layers that would show its answer are hidden.
     let hidden = state
         .lessons()
         .hidden_layers(state.runs().first.current_stage());
@@ -704,7 +706,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 fn debug(list: &mut List, state: &State) {
     list.menu = Menu::Debug;
     let no_events = no_events(state);
-    // At the end of the run no line is next, so that there is none to stop at.
+    // At the end of the run there is no next event, and so no line to stop at.
     if let Some(debugger) = &state.runs().first.debugger
         && let Some(event) = debugger.event()
     {

@@ -131,7 +131,7 @@ impl App {
 
     /// Shows one frame: advances the state, shows the panels and carries out the commands that they issue.
     pub fn show(&mut self, ui: &mut Ui) {
-        // The time of a frame is one time, so that all that moves is at the same moment.
+        // The time is read once for each frame, so that everything that moves shows the same moment.
         self.state.begin_frame(FrameStart {
             now: now(),
             is_full: ui.input(|input| input.viewport().fullscreen),
@@ -164,9 +164,9 @@ impl App {
         self.take_keys(ui);
         self.show_panels(ui);
 
+        // While the run plays, values change in every frame: announcing each would drown everything else.
         let is_playing = self.state.time().playback.is_playing();
         ui.ctx()
-            // While the run plays, values that change in every frame are not announced.
             .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
         focus::ring(
             ui.ctx(),
@@ -191,7 +191,8 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // The keys of this frame have issued commands already, of which a frame on another page allows some.
+            // A lesson beside the canvas, and files that were dropped, have issued commands already. Those that open what this
+            // part of the window does not show are left out.
             self.commands.retain(|command| command.rules().in_frame);
             panels::show_embedded(
                 ui,
@@ -200,7 +201,7 @@ impl App {
                 &mut self.canvas,
                 &mut self.commands,
             );
-            // The canvas has issued commands, too: a long press would open a panel, which a frame does not have.
+            // The canvas has issued commands since: a long press, for instance, would open a panel.
             self.commands.retain(|command| command.rules().in_frame);
         } else if self.state.window().drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
@@ -313,8 +314,8 @@ impl App {
         let mut layout = before.clone();
 
         let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
-        // Tiles have minimum sizes for the window at hand. A tile that is enlarged for them keeps its share in the layout
-        // itself.
+        // Panels get their least sizes in a copy of the layout, so that a small window does not change the shares that the
+        // user has chosen.
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
 
@@ -326,7 +327,7 @@ impl App {
             commands: &mut self.commands,
             edited: false,
             moved: false,
-            // A whole layout has the tabs of all panels, which need the room.
+            // A whole layout has the tabs of all panels: less padding leaves room for more of them in a row.
             spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
@@ -337,10 +338,12 @@ impl App {
         let (edited, moved) = (shower.edited, shower.moved);
         // Only what the user dragged changes the layout.
         if edited {
-            // Remove empty tab containers, left when the last panel was dragged out.
+            // Dragging the last panel out of a row of tabs leaves the row empty.
             tree.simplify(&shower.simplification_options());
-            let tree = tiles::with_shares_of(tree, &tiles::tree(before), &tiles::tree(&layout));
-            if let Some(layout) = tiles::layout(&tree).filter(Layout::is_whole) {
+            // Where nothing was resized, the shares are those from before the panels got their least sizes.
+            let kept = tiles::with_shares_of(tree, &tiles::tree(before), &tiles::tree(&layout));
+            // A layout that lacks panels was made for a part of a window, and stays as it was made.
+            if let Some(layout) = tiles::layout(&kept).filter(Layout::is_whole) {
                 self.state.replace_layout(layout, moved);
             }
         }
@@ -349,7 +352,7 @@ impl App {
     /// Does what the state asks the window for.
     fn follow_requests(&mut self, ctx: &Context) {
         let requests = self.state.take_requests();
-        // A page copies by a function of its own; where there is none, egui copies.
+        // A page copies by a function of its own. Where that returns false, egui copies.
         if let Some(text) = requests.copied
             && !(self.copier)(&text)
         {
@@ -401,7 +404,8 @@ impl App {
     /// is.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
-        // The projector mode enlarges points, so that the same window has fewer of them: here its size without that counts.
+        // The projector mode enlarges points, so that a window has fewer of them. The arrangement is chosen by the window's size
+        // without that enlargement.
         if self.state.appearance().look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
@@ -439,13 +443,14 @@ impl App {
         }
 
         theme::restyle(ctx, look, input_style);
+        // A small window has no room for the projector's larger type.
         let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
         let (before, after) = (
             zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );
 
-        // Only a change of the look changes the zoom: one that was set otherwise stays.
+        // The zoom is set only where these two differ. Otherwise a zoom that was set elsewhere stays, as that of a talk's stage.
         if before.to_bits() != after.to_bits() {
             ctx.set_zoom_factor(after);
         }
@@ -604,18 +609,20 @@ impl Behavior<Panel> for Shower<'_> {
             });
         }
 
+        // The number of frames since the panel came forward, up to `TAB_FRAMES`, is kept under this id.
         let id = egui::Id::unique("seen tab").with(tile);
-        // A panel behind another tab forgets that its tab was seen, so that the tab is scrolled to once the panel comes forward.
+        // A panel behind another tab is counted anew, so that its tab is scrolled to when the panel comes forward again.
         if !self.state.window().layout.shows(panel) {
             button.ctx.data_mut(|data| data.remove::<u8>(id));
             return button;
         }
 
-        let frames = (button.ctx)
+        let seen_frames = (button.ctx)
             .data(|data| data.get_temp::<u8>(id))
             .unwrap_or_default();
-        if frames < TAB_FRAMES {
-            button.ctx.data_mut(|data| data.insert_temp(id, frames + 1));
+        if seen_frames < TAB_FRAMES {
+            let counted = seen_frames + 1;
+            button.ctx.data_mut(|data| data.insert_temp(id, counted));
             button.scroll_to_me_animation(None, egui::style::ScrollAnimation::none());
             button.ctx.request_repaint();
         }

@@ -18,7 +18,7 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 const SEEDS: u64 = 2;
 /// The frames until a panel that has opened is laid out.
 const FRAMES: usize = 3;
-/// The most runs that are made until one has the moment of a question.
+/// The most waits for work until a run has the moment of a question: more than the seeds that practice tries for it.
 const MAX_RUNS: usize = 60;
 
 /// Returns all texts of a frame: those that are drawn, and those of the accessibility tree if it is on.
@@ -73,7 +73,7 @@ impl Unseen {
         for _ in 0..MAX_RUNS {
             self.app.state.settle();
             let open = self.app.state.lessons().open.as_ref();
-            // In practice a run without the moment of the question is followed by another.
+            // While a learner practises, a run that lacks the question's moment is followed by the run of another seed.
             if open.is_none_or(|open| open.fault.is_some() || open.learner.scene().is_some()) {
                 break;
             }
@@ -134,7 +134,7 @@ pub fn asked(name: &str, text: &str) -> Result<Vec<Asked>, String> {
             let texts = window.texts();
             let open = window.app.state.lessons().open.as_ref();
             let question = open.and_then(|open| open.learner.question().cloned());
-            // A run without the moment is a fault that the check names elsewhere.
+            // A run that lacks the question's moment opens no question. Another check names that as a fault.
             all.extend(question.map(|question| Asked {
                 line: gate.line,
                 question,

@@ -138,6 +138,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tilescope")
             .with_inner_size(options.size)
+            // The width of a small phone, for which the narrowest arrangement is laid out.
             .with_min_inner_size([360.0, 360.0]),
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
@@ -189,7 +190,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         )
     };
 
-    // Windowing systems may report a failure by a panic.
+    // Some windowing systems report a failure by a panic, which must not end a caller that can go on without a window.
     outcome(catch_unwind(AssertUnwindSafe(run)), &frames)
 }
 

@@ -68,8 +68,10 @@ pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Width of the analysis in projector mode, in its larger screen points.
 const PROJECTED: f32 = 290.0;
-/// The largest share of the window for it.
+/// The largest share of the window's width for the analysis: the canvas keeps two thirds.
 const PROJECTED_PART: f32 = 0.33;
+/// Margins of the timeline's panel in projector mode, in screen points: at its sides, and above and below.
+const PROJECTOR_MARGINS: [i8; 2] = [14, 8];
 
 /// Shows the projector mode: canvas, sentence, controls and timeline, and the analysis if its panel is open.
 pub fn show_projector(
@@ -80,14 +82,15 @@ pub fn show_projector(
 ) {
     let palette = Palette::of(state.appearance().look);
     let frame = Frame::new().fill(palette.panel);
-    // The timeline is as wide as the window without the margins of its panel.
-    let width = ui.available_width() - 2.0 * 14.0;
+    // The timeline's height depends on its width, which is that of the window without the margins of its panel.
+    let [beside, above] = PROJECTOR_MARGINS;
+    let width = ui.available_width() - 2.0 * f32::from(beside);
     let height = timeline::height(ui.ctx(), &TimeContext::of(state), width);
 
     egui::Panel::bottom("projector")
         .resizable(false)
-        .exact_size(height + 2.0 * 8.0)
-        .frame(frame.inner_margin(Margin::symmetric(14, 8)))
+        .exact_size(height + 2.0 * f32::from(above))
+        .frame(frame.inner_margin(Margin::symmetric(beside, above)))
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             timeline::show(ui, &TimeContext::of(state), commands);
@@ -110,11 +113,11 @@ pub fn show_projector(
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
         canvas.show(ui, &CanvasContext::of(state), commands);
     });
-    leave_projector(ui, palette, commands);
+    corner_buttons(ui, palette, commands);
 }
 
 /// Shows small buttons in the corner of the canvas that change the colours and leave the projector mode.
-fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
+fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
     Area::new(Id::unique("leave projector"))
         .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))
         .show(ui.ctx(), |ui| {
@@ -122,7 +125,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 let other = if palette.dark { "light" } else { "dark" };
                 let text = RichText::new(other).small().color(palette.muted);
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
-                // The text on the button is short; screen readers and the tooltip have the whole name.
+                // The buttons have short texts, to cover little of the canvas. Screen readers and tooltips tell whole names.
                 let name = format!("Projector mode, {other}");
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
                 button.known_as("other-projector");

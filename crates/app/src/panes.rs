@@ -103,6 +103,7 @@ impl Canvas {
         // The two pictures leave a gap, in which this colour is seen as a line between them.
         ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
+        // A heading takes the upper edge of its half, and returns what is left for the picture.
         let left = PaneSide {
             rect: titles::heading(ui, left, context, &titles::first_title(context)),
             which: Which::First,
@@ -171,8 +172,8 @@ impl PaneSide<'_> {
         painter.rect_filled(rect, 0.0, palette.outside);
 
         let Some(subject) = &self.subject else {
-            let waits = run.is_some_and(|run| run.sampling.is_some());
-            overlay::waiting(&painter, rect, waits, palette);
+            let is_sampling = run.is_some_and(|run| run.sampling.is_some());
+            overlay::waiting(&painter, rect, is_sampling, palette);
             return response;
         };
 
@@ -180,20 +181,20 @@ impl PaneSide<'_> {
         let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
-        // The entries of the menu lead to panels, which a frame and a stage lack.
+        // The entries of the menu lead to panels, which an embedded window and the stage of a talk lack.
         if !context.is_embedded && !context.is_stage {
             menu::show(ui, &response, subject, self.which, commands);
         }
 
-        let note = pane.paint(ui, rect, subject, palette);
-        // The passes are those of run A.
+        let of_samples = pane.paint(ui, rect, subject, palette);
+        // Only run A has passes of the GPU, whose buffers have rows.
         let rows = match self.which {
             Which::First => context.rows,
             Which::Second => None,
         };
         let note = match rows {
-            Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note),
-            None => note,
+            Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, of_samples),
+            None => of_samples,
         };
 
         overlay::scale_bar(&painter, rect, subject, palette);
@@ -206,9 +207,10 @@ impl PaneSide<'_> {
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
 
-        let brief = context.look.is_projector();
+        // A projector's type is large, so that a whole card would cover the picture.
+        let is_brief = context.look.is_projector();
         if pointer.is_some() {
-            hover::show(ui, &painter, &response, subject, palette, brief);
+            hover::show(ui, &painter, &response, subject, palette, is_brief);
         }
         response
     }

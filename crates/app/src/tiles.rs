@@ -78,6 +78,7 @@ impl Maker {
                 tabs.active = active;
                 Container::Tabs(tabs)
             }
+            // Panels were inserted above.
             layout::LayoutTile::Panel(_) => return id,
         };
 
@@ -108,6 +109,7 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
         Tile::Container(Container::Tabs(tabs)) => {
             let open = |id: &TileId| Some(*id) == tabs.active;
             layout::LayoutTile::Tabs {
+                // Where egui has no open tab, the first one opens.
                 open: tabs.children.iter().position(open).unwrap_or_default(),
                 tiles: tabs.children.iter().map(inner).collect::<Option<_>>()?,
             }

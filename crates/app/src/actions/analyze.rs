@@ -15,8 +15,8 @@ use tilescope_workbench::state::State;
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Analyze;
     let analysis = state.analysis();
-    // Where there are tiles, tabs lead away from the analysis. The projector mode and small windows have none, so that this action
-    // also hides it.
+    // Where there are tiles, a tab of another panel leads away from the analysis. Small windows and the projector mode have no
+    // tiles, so that this action also hides the analysis: the projector mode shows no other panel, and opens it by opening one.
     let (name, command) = if !state.window().shows(Panel::Analysis) {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     } else if state.window().drawer.arrangement.is_compact() {
@@ -56,7 +56,8 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Adds brushing by keyboard.
 fn brushes(list: &mut List, state: &State) {
-    // Without a pointer no range can be dragged; the panel has fields for any other range.
+    // Without a pointer no range can be dragged on a chart: these are the ranges most looked at. The panel has fields for others.
+    // Below the first peak the power of a maximal set is least, and just above r its pairs are most.
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",

@@ -45,7 +45,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         match kind {
             ExportKind::Result => action.on_keys(COMMAND, Key::E),
             ExportKind::Picture => action.on_keys(COMMAND | SHIFT, Key::E),
-            _ => action,
+            ExportKind::Samples | ExportKind::Scenes | ExportKind::Animation => action,
         };
     }
 

@@ -75,7 +75,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     });
 }
 
-/// Adds stepping, with a debugger's usual keys; one more modifier steps backwards.
+/// Adds stepping, with the keys that debuggers usually have. With one more modifier the same keys step backwards.
 fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
     let back = direction == Direction::Backwards;
     let way = if back { " backwards" } else { "" };

@@ -85,12 +85,13 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
 
-    // Each press carries its own modifiers, since a slow frame may hold presses and releases of several.
-    let asked = ahead(ctx, state);
+    // Events from `from` on belong to the list of actions. Each press carries the modifiers of its moment, since a slow frame may
+    // hold presses and releases of several.
+    let typed_ahead = ahead(ctx, state);
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
-        let end = asked
+        let end = typed_ahead
             .as_ref()
-            .map_or(input.events.len(), |asked| asked.from);
+            .map_or(input.events.len(), |typed| typed.from);
         input.events[..end].iter().filter_map(press).collect()
     });
 
@@ -109,7 +110,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         if is_text || closes_popup || presses_button || moves_picture {
             continue;
         }
-        // An open sheet comes first: Escape closes it, and letters go to it.
+        // An open sheet takes Escape, which closes it, and letters. Only keys with Ctrl pass.
         if has_sheet(state) && !pressed.command {
             continue;
         }
@@ -121,7 +122,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         any = true;
     }
 
-    for command in asked.map_or_else(Vec::new, |asked| asked.commands(state)) {
+    for command in typed_ahead.map_or_else(Vec::new, |typed| typed.commands(state)) {
         state.apply(command);
         any = true;
     }
@@ -130,15 +131,15 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 
 /// Returns what a press does in the current state, and the modifiers of its shortcut.
 fn meant_by(key: Key, pressed: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
-    let listed = state.window().finder.is_some();
+    let is_listed = state.window().finder.is_some();
     actions(state).into_iter().find_map(|action| {
         let shortcut = action.keys().find(|shortcut| {
             shortcut.logical_key == key && pressed.matches_exact(shortcut.modifiers)
         })?;
-        // While the list of actions is open, text is typed into it: only its own key counts.
-        let is_open = !listed || action.command == Command::Window(WindowCommand::ToggleFinder);
+        // While the list of actions is open, text is typed into it: only the key that closes the list counts.
+        let is_heard = !is_listed || action.command == Command::Window(WindowCommand::ToggleFinder);
         let is_here = state.window().embedding.is_none() || action.command.rules().in_frame;
-        let can = action.refusal.is_none() && is_open && is_here;
+        let can = action.refusal.is_none() && is_heard && is_here;
         can.then_some((action.command, shortcut.modifiers))
     })
 }
@@ -165,7 +166,9 @@ struct Ahead {
     is_closed: bool,
 }
 
+/// Takes from the frame's input the text that is meant for the list of actions, and returns it; `None` if there is none.
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
+    // A sheet takes the text itself, and an embedded window has no list of actions.
     if has_sheet(state) || state.window().embedding.is_some() {
         return None;
     }
@@ -183,12 +186,12 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
                         key == Key::K && pressed.matches_exact(COMMAND)
                     })
                 };
-                // Behind the key that opens the list.
+                // The text follows the key that opens the list.
                 input.events.iter().position(opens)? + 1
             }
         };
 
-        let mut asked = Ahead {
+        let mut typed = Ahead {
             from,
             text: open.map_or_else(String::new, |open| open.text.clone()),
             is_entered: false,
@@ -198,31 +201,31 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
         for event in &input.events[from..] {
             match event {
                 // After the key that closes the list, text is no longer for it.
-                _ if asked.is_entered || asked.is_closed => {}
-                Event::Text(text) => asked.text.push_str(text),
-                event if press(event) == Some((Key::Enter, NONE)) => asked.is_entered = true,
-                event if press(event) == Some((Key::Escape, NONE)) => asked.is_closed = true,
+                _ if typed.is_entered || typed.is_closed => {}
+                Event::Text(text) => typed.text.push_str(text),
+                event if press(event) == Some((Key::Enter, NONE)) => typed.is_entered = true,
+                event if press(event) == Some((Key::Escape, NONE)) => typed.is_closed = true,
                 _ => {}
             }
         }
 
-        // Nothing was typed since the frame before.
-        if !asked.is_closed && open.is_some_and(|open| open.text == asked.text) {
+        // In an open list this frame typed nothing, so that its text stays as it is.
+        if !typed.is_closed && open.is_some_and(|open| open.text == typed.text) {
             return None;
         }
 
-        // Consume the events, so that no other widget reacts to them.
+        // The events are consumed, so that no other widget reacts to them. Those before `from` are not for the list, and stay.
         let mut count = 0;
-        let taken = [
-            asked.is_entered.then_some((Key::Enter, NONE)),
-            asked.is_closed.then_some((Key::Escape, NONE)),
+        let end_keys = [
+            typed.is_entered.then_some((Key::Enter, NONE)),
+            typed.is_closed.then_some((Key::Escape, NONE)),
         ];
         input.events.retain(|event| {
             count += 1;
-            let ends = taken.iter().flatten().any(|key| press(event) == Some(*key));
-            count <= from || !(ends || matches!(event, Event::Text(_)))
+            let is_end = (end_keys.iter().flatten()).any(|key| press(event) == Some(*key));
+            count <= from || !(is_end || matches!(event, Event::Text(_)))
         });
-        Some(asked)
+        Some(typed)
     })
 }
 

@@ -77,7 +77,7 @@ pub(super) fn add(list: &mut List, state: &State) {
 /// While a lesson is open, removes its keys from other actions; while a question is open, refuses the actions that would
 /// show its answer.
 pub(super) fn lead(list: &mut List, state: &State) {
-    // During a talk, its keys count instead.
+    // During a talk, the keys of the talk replace all others instead.
     if state.lessons().open.is_none() || state.talks().open.is_some() {
         return;
     }
@@ -89,7 +89,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .filter_map(|action| action.shortcut)
         .collect();
 
-    // Digits choose answers: they open no panels meanwhile.
+    // Digits choose answers while a lesson is open, and open no panels.
     let is_digit =
         |keys: KeyboardShortcut| keys.modifiers == NONE && DIGITS.contains(&keys.logical_key);
     let is_veiled = state.lessons().veil().is_some();

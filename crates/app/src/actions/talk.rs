@@ -116,7 +116,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .flat_map(|action| action.keys().collect::<Vec<_>>())
         .collect();
 
-    // Keys of the debugger, for instance, would show later steps.
+    // Other keys are removed, since those of the debugger, for instance, would show the class what comes later.
     for action in &mut list.actions {
         let is_own = matches!(action.command, Command::Talk(_));
         let stays = stays(&action.command);

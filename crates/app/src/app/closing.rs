@@ -57,7 +57,7 @@ impl App {
 
         let palette = Palette::of(self.state.appearance().look);
         // Of what would be lost, scenes can be saved; an export that is running cannot.
-        let saves = self.state.files().unsaved_scenes(&self.state.runs().first) > 0
+        let can_save = self.state.files().unsaved_scenes(&self.state.runs().first) > 0
             && self.state.runs().first.save_refusal().is_none();
 
         let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
@@ -73,7 +73,8 @@ impl App {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
                 let stay = ui.button("Keep it open").known_as("closing.stay").clicked();
-                let save = saves && ui.button("Save\u{2026}").known_as("closing.save").clicked();
+                let save =
+                    can_save && ui.button("Save\u{2026}").known_as("closing.save").clicked();
                 let close = ui
                     .button("Close anyway")
                     .known_as("closing.close")

@@ -46,7 +46,8 @@ impl App {
             return;
         };
 
-        // The first window cannot be closed: if its content is closed, that of the other window moves there.
+        // The first window shows the stage, unless the two are exchanged or the notes alone are open: that window cannot be
+        // closed, so that what is open moves there.
         let windows = talk.windows;
         let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],
@@ -60,8 +61,8 @@ impl App {
 
         let [root, other] = roles;
         // On a page there is no second window.
-        let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
-        if ui.input(|input| input.viewport().close_requested()) && other.is_some() {
+        let second = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
+        if ui.input(|input| input.viewport().close_requested()) && second.is_some() {
             // Only the content is closed: this window then shows the content of the other one, and the talk continues.
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
@@ -69,11 +70,11 @@ impl App {
         }
 
         self.show_role(ui, root);
-        if let Some(role) = other {
+        if let Some(role) = second {
             let builder = self.window_of(role);
             let id = ViewportId::from_hash_of("the other window of a talk");
             ctx.show_viewport_immediate(id, builder, |ui, class| {
-                // Without windows of its own a system would have one role drawn over the other.
+                // A system that opens no second window would have this content drawn over that of the first one.
                 if class == ViewportClass::EmbeddedWindow {
                     return;
                 }
@@ -97,7 +98,7 @@ impl App {
                 stage::show(ui, &self.state, &mut self.canvas, &mut self.commands);
             }
             Role::Notes => {
-                // Redraws the clock.
+                // The clock of the notes shows seconds, also while nothing else changes.
                 let second = std::time::Duration::from_secs(1);
                 ui.ctx().request_repaint_after(second);
                 notes::show(ui, &self.state, &mut self.commands);
@@ -133,7 +134,7 @@ impl App {
         if self.stage.before.is_none() {
             self.stage.before = Some((ctx.zoom_factor(), self.state.appearance().look));
             let screen = ctx.input(|input| input.viewport().monitor_size);
-            // The zoom changes with the stage; the size stays, so that the window is not resized later.
+            // The size is fixed now, in points of the present zoom: the stage changes the zoom, and must not resize this window.
             let size = SECOND_SIZE / ctx.zoom_factor();
             self.stage.second_size = screen.map_or(size, |screen| size.min(0.9 * screen));
             self.stage.was_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
@@ -175,6 +176,8 @@ fn fit_stage(ui: &Ui) {
     let pixels = ui.available_height() * ctx.pixels_per_point();
     let native = ctx.native_pixels_per_point().unwrap_or(1.0);
     let zoom = pixels / (stage::HEIGHT * native);
+    // Each change of the zoom lays the window out anew, so that 0.2% of the height, one point, may differ. A window without
+    // height has no zoom.
     if (zoom / ctx.zoom_factor() - 1.0).abs() > 0.002 && zoom > 0.05 {
         ctx.set_zoom_factor(zoom);
         ctx.request_repaint();

@@ -28,8 +28,10 @@ use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::{RunView, State};
 
-/// Minimum width for two columns.
+/// Minimum width of the panel for two columns of charts, in screen points.
 const TWO_COLUMNS: f32 = 620.0;
+/// The distances, in r, that a brush selects first: the pair correlation of a maximal set is highest just above r.
+const JUST_ABOVE_R: [f64; 2] = [1.0, 1.05];
 
 /// Returns the line of run B.
 const fn line_of_second(palette: &Palette) -> (Dash, Color32) {
@@ -68,23 +70,25 @@ impl<'a> RunMeasures<'a> {
         let measuring = &run.measuring;
         let now = measuring.of(shown).map(|known| &*known.measured);
         let is_whole = now.is_some_and(|now| missing(now).is_none());
+        // Other measures stand in until those at rest are whole. Where measuring fails, they would hide the failure.
         let is_wanted = !is_whole && measuring.failure(shown).is_none();
         let before = measuring.last(shown).map(|known| &*known.measured);
         Self {
             now,
             live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
+            // A run whose measures move with it needs none of another moment.
             before: before.filter(|_| is_wanted && run.live.refusal().is_some()),
         }
     }
 
     /// Returns a part of the measures, and whether it is outdated.
     fn part<T>(&self, part: impl Fn(&'a MeasuredSet) -> Option<T>) -> Option<(T, bool)> {
-        let now = self
+        let present = self
             .now
             .and_then(&part)
             .or_else(|| self.live.and_then(&part))
             .map(|found| (found, false));
-        now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
+        present.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
     }
 
     fn spectrum(&self) -> Option<(&'a Arc<Spectrum>, bool)> {
@@ -146,7 +150,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
-    // The commands of this panel alone: at the end they become commands of the window.
+    // The parts of this panel issue commands of the analysis alone, which become commands of the window at the end.
     let mut own = Vec::new();
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);
@@ -170,7 +174,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
     commands.extend(own.into_iter().map(Command::Analysis));
 }
 
-/// Shows the numbers and the settings.
+/// Shows the brush, the numbers, and the choice of a file to compare with.
 fn rest(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -195,7 +199,8 @@ fn status(
     own: &mut Vec<AnalysisCommand>,
 ) {
     ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
-    // On a line of its own, since narrow panels have no room for it beside the heading.
+    // The progress has its own line, since a narrow panel has no room for it beside the heading. The line keeps its height
+    // when the progress ends.
     ui.horizontal(|ui| {
         ui.set_height(26.0);
         progress(ui, context, shown, own);
@@ -207,8 +212,8 @@ fn status(
     };
     let text = told(context.run, shown, &sets.first);
     let second = context.second.and_then(|run| Some((run, run.shown()?)));
+    // Screen readers are told of the event by the sentence below the canvas already: no text here is announced again.
     let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
-        // The event is announced by the sentence below the canvas, so it is not repeated here.
         lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
         return;
     };
@@ -229,7 +234,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
         let counts = measures.now.map(numbers::counts).unwrap_or_default();
         return format!("{name}: {counts}");
     }
-    // The measures that move with the run are at this moment before the others, though perhaps with fewer frequencies.
+    // While the run moves, its live measures are of this moment already, though perhaps with fewer frequencies.
     if let Some(live) = measures.live {
         let share = share(run.live.share(shown));
         return format!("{name}: {} {share}", numbers::counts(live));
@@ -240,6 +245,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
         Some(known) => format!(" Faded: {}.", known.name),
         None => String::new(),
     };
+    // A run whose measures cannot move with it says why not.
     let why = run.live.refusal().unwrap_or_default();
     let doing = if measuring.is_stopped(shown) {
         "not measured."
@@ -253,6 +259,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
 fn share(shown: Option<f64>) -> String {
     match shown.map(f64::recip) {
         None => "The spectrum follows.".to_owned(),
+        // Rounded, the sentence would say "1 in 1".
         Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
         Some(in_all) => format!("1 in {in_all:.0} frequencies is shown."),
     }
@@ -311,8 +318,8 @@ fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
 fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     let palette = sets.palette;
     let spectrum = sets.first.spectrum();
-    let band = spectrum.is_some_and(|(spectrum, _)| spectrum.bands.is_some());
-    let this = match (sets.second, band) {
+    let has_band = spectrum.is_some_and(|(spectrum, _)| spectrum.bands.is_some());
+    let this = match (sets.second, has_band) {
         (None, true) => "this moment, with its 95% band",
         (None, false) => "this moment",
         (Some(_), true) => "run A at this moment, with its 95% band",
@@ -343,7 +350,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
             let judged = radius.map_or_else(String::new, |r| format!(", judged at r = {r}"));
             let name = format!("file: {}{guessed}{judged}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
-            // The file keeps its own unit, in which r has another length.
+            // The file keeps its own unit. It is judged by the run's r, whose length in that unit is `sets.unit`.
             if let Some(reason) = numbers::unjudged(&file.measured.with_radius(sets.unit)) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
@@ -398,20 +405,21 @@ fn file(
 /// Shows the brushed range as numbers, for the keyboard.
 fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCommand>) {
     let (palette, brush) = (context.palette, context.analysis.brush);
-    for (axis, name, sign, start) in [
-        (BrushAxis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
-        (BrushAxis::Distance, "Distances", " r", [1.0, 1.05]),
+    // A range that is switched on begins where the curves of maximal sets are highest.
+    for (axis, name, start) in [
+        (BrushAxis::Frequency, "Frequencies", FIRST_PEAK),
+        (BrushAxis::Distance, "Distances", JUST_ABOVE_R),
     ] {
         let range = Brush::along(brush, axis);
         ui.horizontal(|ui| {
             let mut on = range.is_some();
             let [mut low, mut high] = range.unwrap_or(start);
-            // The fields of both rows begin at the same place.
-            let room = ui.max_rect().left() + 108.0;
+            // The fields of both rows begin at the same place, right of the longer name.
+            let fields_left = ui.max_rect().left() + 108.0;
             let switch = ui.checkbox(&mut on, name);
             let id = format_args!("brush.{}", Kebab(axis));
             let mut changed = switch.known_as(id).changed();
-            ui.add_space((room - ui.cursor().left()).max(0.0));
+            ui.add_space((fields_left - ui.cursor().left()).max(0.0));
 
             for (value, which) in [(&mut low, "from"), (&mut high, "to")] {
                 let field = DragValue::new(value)
@@ -420,10 +428,10 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                     .fixed_decimals(3);
                 let field = match axis {
                     BrushAxis::Frequency => field.prefix("\u{3bd} "),
-                    BrushAxis::Distance => field.suffix(sign),
+                    BrushAxis::Distance => field.suffix(" r"),
                 };
                 let field = ui.add_enabled(on, field);
-                // The text of a field is a number alone, so that it is named for screen readers.
+                // Its text is a number alone, which says nothing of what it is: screen readers get a name.
                 let label = format!("Brush: {name} {which}");
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
                 field.known_as(format_args!("brush.{}.{which}", Kebab(axis)));
@@ -438,7 +446,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
         });
     }
     ui.horizontal(|ui| {
-        // The row is there without a search, too, so that nothing below it moves when one begins.
+        // Without a search the row is empty, so that nothing below it moves when one begins.
         ui.set_height(24.0);
         if let Some(fraction) = context.analysis.marks.progress() {
             let bar = ProgressBar::new(fraction).desired_height(6.0);

@@ -108,6 +108,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         (canvas.width() - 24.0, ABOVE_EDGE[1])
     };
+    // A card narrower than 200 points would be read word by word, even over a narrower canvas.
     let width = room.clamp(200.0, widest);
     let at = pos2(canvas.center().x, canvas.bottom() - above);
 
@@ -124,6 +125,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
                 .shadow(ui.visuals().window_shadow)
                 .inner_margin(Margin::symmetric(16, 12))
                 .show(ui, |ui| {
+                    // The frame has margins of 16 points at both sides.
                     ui.set_width(width - 32.0);
                     card.contents(ui, commands);
                 });
@@ -140,8 +142,8 @@ pub fn height_below(ctx: &egui::Context, state: &State, width: f32) -> f32 {
     };
     let text = split_caption(&card.scene.caption).0.to_owned();
     let font = FontId::proportional(card.size);
-    let wrapped = width - 2.0 * BELOW_MARGIN.x;
-    let lines = ctx.fonts_mut(|fonts| fonts.layout(text, font, card.palette.text, wrapped));
+    let text_width = width - 2.0 * BELOW_MARGIN.x;
+    let lines = ctx.fonts_mut(|fonts| fonts.layout(text, font, card.palette.text, text_width));
     let has_offers = card.of_tour.is_some_and(|scene| !scene.offers.is_empty());
     let [around, more] = AROUND_TEXT;
     (lines.size().y + around + if has_offers { more } else { 0.0 }).ceil()
@@ -198,7 +200,7 @@ fn offers(
 fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>) {
     let is_tour = shown.list == SceneList::Tour;
     let is_last = shown.index + 1 == len;
-    // A finger has no keys.
+    // Where fingers are used there are no keys to name.
     let named = |name: &str, key: &str| {
         if is_for_fingers(ui.ctx()) {
             name.to_owned()

@@ -46,7 +46,7 @@ pub fn progress(
     height: f32,
     palette: &Palette,
 ) -> Response {
-    // An activity may be a sentence; here a number follows it.
+    // An activity may be a sentence. Its stop and dots are cut, since a number follows.
     let activity = capital(activity.trim_matches(['.', ' ']));
     let percent = fraction * 100.0;
     let mut text = match activity.as_str() {
@@ -61,7 +61,7 @@ pub fn progress(
     let text = RichText::new(text).small().color(palette.text);
     let bar = ProgressBar::new(fraction)
         .desired_height(height)
-        // The text lies on the bar: it has to be read on both of its parts.
+        // The text lies on the bar, and has to be read on its filled part and on its empty part.
         .fill(palette.accent.gamma_multiply(0.35))
         .text(text);
     ui.add(bar)

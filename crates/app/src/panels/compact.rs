@@ -94,14 +94,14 @@ impl PartRects {
         if is_landscape {
             canvas.max.x = column.left();
         } else {
-            // An open panel leaves half of the height to the canvas, unless it was made tall, and both keep their least
-            // heights.
+            // An open panel leaves half of the height to the canvas, unless the user made it tall. Panel and canvas keep their
+            // least heights.
             let rest = room.height() - bar - controls - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
                 _ if caption::is_below(state) => {
                     let needed = caption::height_below(ctx, state, room.width());
-                    // The canvas keeps its half beside the card of the tour.
+                    // The card of the tour takes what its text needs, and also leaves half of the height to the canvas.
                     needed.min(rest - half)
                 }
                 (None, _) => 0.0,
@@ -110,10 +110,12 @@ impl PartRects {
                     rest - half.min(rest - MIN_DRAWER_HEIGHT).max(MIN_CANVAS_HEIGHT)
                 }
             };
+            // In so low a room that nothing is left for a panel, the canvas gives up none of its height.
             canvas.min.y = room.top() + bar;
             canvas.max.y = (canvas.top() + rest - panel.max(0.0)).round();
         }
 
+        // The parts lie one below the other, and none reaches beyond the column.
         let slice = |top: f32, height: f32| {
             let bottom = (top + height).min(column.bottom());
             Rect::from_min_max(pos2(column.left(), top), pos2(column.right(), bottom))
@@ -175,21 +177,21 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             vec2(0.0, 0.0),
             Color32::TRANSPARENT,
             |ui| {
-                // The canvas, over which the wheel zooms, is not part of what scrolls.
+                // The wheel may scroll everywhere here: the canvas, which it zooms, stands beside the column.
                 let by_wheel = true;
-                scrolled(ui, tall_room, by_wheel, |ui, tall_room| {
-                    let rects = PartRects::of(ui.ctx(), tall_room, state);
+                scrolled(ui, tall_room, by_wheel, |ui, moved| {
+                    let rects = PartRects::of(ui.ctx(), moved, state);
                     shown.bar(ui, &rects);
                     shown.below(ui, &rects);
                 });
             },
         );
     } else {
-        // All of it scrolls, by the wheel where the pointer is not over the canvas: there the wheel zooms.
+        // The whole window scrolls. The wheel scrolls it only while the pointer is not over the canvas, which the wheel zooms.
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let by_wheel = pointer.is_none_or(|pointer| !state.runs().first.viewport.contains(pointer));
-        scrolled(ui, tall_room, by_wheel, |ui, tall_room| {
-            shown.all(ui, &PartRects::of(ui.ctx(), tall_room, state));
+        scrolled(ui, tall_room, by_wheel, |ui, moved| {
+            shown.all(ui, &PartRects::of(ui.ctx(), moved, state));
         });
     }
 }
@@ -339,7 +341,7 @@ fn drawer(
     };
 
     match panel {
-        // These two are in view already, so that their tabs open the rest of their controls.
+        // Canvas and timeline are in view already, so that their tabs open the rest of their controls.
         Panel::Canvas => scrolled(ui, &mut |ui, commands| {
             layers::show(ui, &PanelContext::of(state), commands);
         }),
@@ -366,17 +368,19 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let open = state.window().drawer.open;
 
         // Beside the button that closes an open panel, a portrait window has one for the panel's height.
-        let buttons = match (open, state.window().drawer.arrangement) {
+        let button_count = match (open, state.window().drawer.arrangement) {
             (None, _) => 0.0,
             (Some(_), Arrangement::Portrait) => 2.0,
             (Some(_), _) => 1.0,
         };
-        let width = ui.available_width() - buttons * (FINGER + 4.0);
+        // Each takes a finger's width and a gap.
+        let width = ui.available_width() - button_count * (FINGER + 4.0);
 
         ScrollArea::horizontal()
             .id_salt("tabs")
             .max_width(width)
             .auto_shrink([false, true])
+            // Fingers drag the row: a bar would cover the tabs.
             .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
             .show(ui, |ui| {
                 ui.horizontal(|ui| {
@@ -442,7 +446,8 @@ fn tab(
     }
     painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
 
-    // Also scroll to the tab of a panel that was opened by a command or link.
+    // A panel may be opened by a command or a link while its tab is out of view: the tab is scrolled to once, as is one that
+    // gets the focus.
     let seen = ui.scope_id().with("seen");
     let is_new = is_open && ui.data(|data| data.get_temp(seen)) != Some(panel);
     if is_new {

@@ -53,17 +53,17 @@ impl<'a> CompareContext<'a> {
 /// Shows the comparison, or what a second run would show.
 pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    // The commands of this panel alone: at the end they become commands of the window.
+    // The parts of this panel issue commands of the comparison alone, which become commands of the window at the end.
     let mut own = Vec::new();
     if let Some((side, comparison)) = context.second {
         second(ui, side, palette, commands);
-        // Runs can be compared once both are made.
+        // There is nothing to compare before both runs are made.
         if let (Some(a), Some(b)) = (&context.first.session, &side.session) {
             heading(ui, "What differs in the parameters");
             let differing = contrast_of(a, b);
             let remark = match &differing {
                 None => "A combination is made from a layout: it has no parameters to compare.",
-                Some(none) if none.is_empty() => "Nothing: the parameters are the same.",
+                Some(rows) if rows.is_empty() => "Nothing: the parameters are the same.",
                 Some(_) => "",
             };
             if !remark.is_empty() {
@@ -116,7 +116,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
         }
     });
 
-    // The bar's height is reserved, with or without progress.
+    // Without progress the bar's height is left free, so that nothing below moves when sampling ends.
     match &side.sampling {
         Some(job) => {
             let bar = ProgressBar::new(job.fraction()).desired_height(6.0);
@@ -170,16 +170,16 @@ fn parting(
         return;
     };
 
-    for (k, line) in description(divergence).into_iter().enumerate() {
-        ui.label(line).known_as(format_args!("parting-{k}"));
+    for (index, line) in description(divergence).into_iter().enumerate() {
+        ui.label(line).known_as(format_args!("parting-{index}"));
     }
 
-    // A recording that exceeds its budget leaves out tests, which are then not compared in either run.
-    let thinned = [a, b].into_iter().any(|session| {
+    // A recording that exceeds its budget leaves out tests. Tests are then compared in neither run.
+    let is_thinned = [a, b].into_iter().any(|session| {
         let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
         session.recording().is_some_and(left_out)
     });
-    if thinned {
+    if is_thinned {
         let text = "Some events were not recorded: only recorded ones are compared.";
         ui.label(RichText::new(text).color(palette.muted));
     }
@@ -189,7 +189,7 @@ fn parting(
     primary_button(ui, "Go there in both", refusal, palette).issues("compare.go", command, own);
 }
 
-/// Describes where two runs diverge.
+/// Returns sentences on where two runs diverge: what is the same before, then what each run does.
 fn description(divergence: &Divergence) -> Vec<String> {
     match divergence {
         Divergence::Same => {
@@ -208,6 +208,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
             sentence_b,
             ..
         } => vec![
+            // Events are counted from 0, so that the index of the first one that differs is the number of equal ones.
             match a {
                 1 => "The first event is the same. Then:".to_owned(),
                 _ => format!("The first {} events are the same. Then:", grouped(*a)),
@@ -221,6 +222,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
             event,
             sentence,
         } => vec![
+            // The index of the first additional event is the number of events that the runs share.
             match event {
                 1 => "The one event of the shorter run is the same.".to_owned(),
                 _ => format!(
@@ -252,7 +254,7 @@ fn now(
         return;
     };
 
-    // The differences are searched for in the background: a dash stands for them until then.
+    // The differences are searched for in the background. A dash stands for each number until it is there.
     let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);
     let found = comparison.differences.of(&a, &b);
     if difference::comparable(&a, &b) {

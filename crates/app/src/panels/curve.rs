@@ -18,11 +18,11 @@ use tilescope_workbench::command::{AppearanceCommand, Command, TimeCommand};
 use tilescope_workbench::curve::{CurveFormat, CurveNumber, CurvePoints};
 use tilescope_workbench::files::FileCommand;
 
-/// Between the curve and the controls below.
+/// The gap between the curve and the controls below it, in screen points.
 const APART: f32 = 6.0;
 /// The height of the border that changes the curve's height.
 const BORDER: f32 = 6.0;
-/// Less room beside the curve has no chooser.
+/// The least width beside the curve in which the number is chosen.
 const MIN_BESIDE: f32 = 150.0;
 
 /// Returns the room that the curve takes; none if no number is chosen.
@@ -47,7 +47,7 @@ pub fn show(
 
     let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
     let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
-    // Where it does not fit, the actions of the View menu choose the number.
+    // Where the chooser does not fit, the actions of the View menu choose the number.
     if beside.width() >= MIN_BESIDE {
         let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
         chooser(&mut side, context, commands);
@@ -138,7 +138,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
         ui.label(RichText::new(ui.words("Save as")).small());
         for format in CurveFormat::ALL {
             let button = Button::new(format.name()).small();
-            // There is nothing to save before the curve is made.
+            // Before the curve is made there is nothing to save.
             let save = ui.add_enabled(points.is_some(), button);
             let id = format_args!("curve.save-{}", format.extension());
             save.issues(id, Command::File(FileCommand::SaveCurve(format)), commands);
@@ -166,7 +166,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
     if let Some(pointer) = response.interact_pointer_pos()
         && response.dragged()
     {
-        // Clamped first, so that the cast changes nothing but the fraction.
+        // The range of the target type comes first, so that the cast drops nothing but the fraction.
         let height = (chart.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
         commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
     }
@@ -239,7 +239,7 @@ impl CurveFrame<'_> {
         commands: &mut Vec<Command>,
     ) {
         let palette = context.palette;
-        // A curve has no text: screen readers read a table of it.
+        // A curve has no text: screen readers read a table of its values instead.
         self.table(ui, session);
         let id = Id::unique("curve of the run");
         let response = ui.interact(self.rect, id, Sense::CLICK | Sense::DRAG);
@@ -286,7 +286,7 @@ impl CurveFrame<'_> {
 
     /// Tells screen readers the values at the end of each stage, a row for each.
     fn table(&self, ui: &Ui, session: &Session) {
-        let before = |cursor: usize| value_of(self.points, self.number, cursor);
+        let value_at = |cursor: usize| value_of(self.points, self.number, cursor);
         for (index, segment) in self.segments.iter().enumerate() {
             let rect = Rect::from_x_y_ranges(segment.left..=segment.right, self.rect.y_range());
             let row = ui.interact(
@@ -303,8 +303,8 @@ impl CurveFrame<'_> {
             let text = ui.words(format!(
                 "{name}: {} {} at its start, {} at its end, event {}",
                 self.number.name,
-                before(events.start),
-                before(events.end),
+                value_at(events.start),
+                value_at(events.end),
                 grouped(events.end)
             ));
             row.widget_info(|| WidgetInfo::labeled(Role::Row, true, &text));
@@ -370,15 +370,19 @@ impl CurveFrame<'_> {
                 [a.min(value), b.max(value)]
             });
             if low <= high {
-                // The last value is the one that the next column goes on from.
-                let next = values[values.len() - 1];
-                let end = if next.is_finite() { next } else { high };
-                let values = if low < high {
+                // The next column begins with this column's last value, so that the line ends there.
+                let last_value = values[values.len() - 1];
+                let end = if last_value.is_finite() {
+                    last_value
+                } else {
+                    high
+                };
+                let drawn = if low < high {
                     &[low, high, end][..]
                 } else {
                     &[end][..]
                 };
-                line.extend(values.iter().map(|value| pos2(x, self.y_of(*value))));
+                line.extend(drawn.iter().map(|value| pos2(x, self.y_of(*value))));
             }
             (first, x) = (last, x + 1.0);
         }

@@ -32,7 +32,7 @@ pub fn show(
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let height = player.map_or(0.0, |_| player_height(ui.ctx(), room.size(), state));
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
-    // The Tab key follows the order in which they are shown.
+    // The Tab key visits the parts in the order in which they are shown: the canvas comes first.
     part(
         ui,
         "canvas",
@@ -53,13 +53,13 @@ pub fn show(
             player.show(ui, &TimeContext::of(state), commands);
         });
     }
-    // A canvas without controls shows errors and nothing else.
-    let is_wrong = state
+    // A canvas without controls shows errors, and no other notices.
+    let is_error = state
         .messages()
         .notice
         .as_ref()
         .is_some_and(|notice| notice.is_error);
-    if embedding == Embedding::Player || is_wrong {
+    if embedding == Embedding::Player || is_error {
         notice::show(ui, state, commands);
     }
 }
@@ -78,7 +78,7 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         .max_rect(corner)
         .layout(egui::Layout::right_to_left(egui::Align::Min));
     ui.scope_builder(builder, |ui| {
-        // The ground lies below the button, whose size is known once it is shown.
+        // The ground lies below the button, and is as large as the button, whose size is known only once it is shown.
         let ground = ui.painter().add(egui::Shape::Noop);
         let name = "Fit the domain (F)";
         let response = icon_button(ui, Icon::Fit, name, None, palette);

@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     let mut text = context.run.query.text.clone();
     let mut chosen = None;
-    let is_changed = ui.horizontal(|ui| {
+    let typing = ui.horizontal(|ui| {
         let field = TextEdit::singleline(&mut text)
             .align(egui::Align2::LEFT_CENTER)
             .hint_text("insert iteration>1 block=7")
@@ -46,7 +46,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         response.changed()
     });
 
-    if is_changed.inner {
+    let is_changed = typing.inner;
+    if is_changed {
         chosen = Some(text);
     }
     if let Some(text) = chosen.or_else(|| completions(ui, &context.run.query.text)) {
@@ -60,7 +61,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             palette.muted,
         ),
         (None, FoundEvents::Pending(_)) => ("looking\u{2026}".to_owned(), palette.muted),
-        // There may be more of them: the search ends at this number.
+        // The search ends at this number of events, so that there may be more.
         (None, FoundEvents::Events(events)) if events.len() == MAX_FOUND => (
             format!("the first {} events", grouped(MAX_FOUND)),
             palette.muted,
@@ -152,7 +153,7 @@ fn list(
     found: Option<&[usize]>,
     commands: &mut Vec<Command>,
 ) {
-    // The cursor is the number of events that have happened: the last one is before it.
+    // The cursor is the number of events that have happened. Events are counted from 0, so that the last one is one less.
     let last = debugger.state().cursor().checked_sub(1);
     let rows = context.run.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
@@ -170,7 +171,8 @@ fn list(
         }),
     };
 
-    // Of the events that were found, the last one that has happened is current; in the tree it may be folded away.
+    // The row of the last event that has happened is current. Of found events it is the last one up to that event; in the tree
+    // the event may be folded away, and the row of an event around it is current.
     let here = match (found, last) {
         (Some(events), Some(last)) => events
             .partition_point(|&event| event <= last)
@@ -195,7 +197,8 @@ fn list(
             }
         }
         focus::follow(ui);
-        // An offset set before the rows would be limited to the rows of the previous frame.
+        // The current row is scrolled to when it or the number of rows changes, so that a user may scroll on from there. It is
+        // done after the rows: before them it would be limited to the rows of the previous frame.
         let now = (here, count);
         if ui.data(|data| data.get_temp::<(Option<usize>, usize)>(seen)) != Some(now) {
             ui.data_mut(|data| data.insert_temp(seen, now));
@@ -253,8 +256,13 @@ fn show_row(
     }
 
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let past = index < debugger.state().cursor();
-    let ink = if past { palette.text } else { palette.muted };
+    // Events that are still to come are muted.
+    let has_happened = index < debugger.state().cursor();
+    let ink = if has_happened {
+        palette.text
+    } else {
+        palette.muted
+    };
     let number = painter.text(
         rect.right_center() - vec2(2.0, 0.0),
         Align2::RIGHT_CENTER,
@@ -265,7 +273,7 @@ fn show_row(
 
     let left = rect.left() + 18.0 + indent;
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), ink);
-    // A long text ends with an ellipsis, and the tooltip has all of it.
+    // A text that would run into the number ends with an ellipsis. The tooltip has all of it.
     job.wrap = TextWrapping::truncate_at_width((number.left() - 6.0 - left).max(0.0));
     let galley = painter.layout_job(job);
     let at = pos2(left, rect.center().y - 0.5 * galley.size().y);
@@ -281,6 +289,7 @@ fn show_row(
     }
 }
 
+/// Shows the arrow that expands or collapses an event of the tree, at the left of its row `rect`.
 fn arrow(
     ui: &Ui,
     rect: egui::Rect,

@@ -108,7 +108,7 @@ impl Sheet<'_> {
                 let refusal = (self.source.kind_refusal(kind)).map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
                 let button = Button::selectable(chosen, kind.name());
-                // The choice stays readable; the reason is shown below.
+                // A kind that is chosen stays enabled, and readable, when it cannot be written: the reason is shown below.
                 let response = ui.add_enabled(chosen || refusal.is_none(), button);
                 response.known_as(format_args!("export.{}", Kebab(kind)));
                 let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
@@ -158,6 +158,7 @@ impl Sheet<'_> {
     }
 
     fn file(&mut self, ui: &mut Ui) {
+        // A browser chooses the folder itself, so that there is nothing to browse for.
         let web = self.in_browser;
         let label = ui.label(if web { "File name" } else { "File" });
         ui.horizontal(|ui| {
@@ -169,9 +170,10 @@ impl Sheet<'_> {
                 .desired_width(
                     ui.available_width()
                         - if web {
+                            // Room for the margins of the field.
                             16.0
                         } else {
-                            // Room for the button that browses.
+                            // Room for the margins of the field and the button that browses.
                             67.0 + 2.0 * ui.spacing().button_padding.x
                         },
                 );
@@ -202,7 +204,7 @@ impl Sheet<'_> {
             let format = (self.form.kind.format(&self.form.file())).unwrap_or_default();
             let folder = self.folder();
             let file = self.form.file();
-            // The ending is added to a name that has none.
+            // A name without an ending gets that of the format. The text then tells the whole name.
             let is_typed = Path::new(self.form.path.trim()) == file;
             let name = file.file_name().filter(|_| !is_typed);
             let added = name.map_or_else(String::new, |name| {
@@ -426,8 +428,8 @@ impl Sheet<'_> {
             .known_as("export.prospect");
     }
 
-    /// Button and progress take the same room, so that nothing moves; Cancel is elsewhere, so that a double click on
-    /// the button does not hit it.
+    /// Shows the button that writes the file, or the progress of writing. Both take the same room, so that nothing moves.
+    /// Cancel is below them, so that a double click on the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
             let activity = job.activity();
@@ -450,7 +452,7 @@ impl Sheet<'_> {
         let refusal = (self.exports.prospect(self.source).err()).map(|refusal| refusal.to_string());
         let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
         button.known_as("export.write");
-        // The second click of a double click must not answer the question.
+        // The first click may ask whether to replace a file. The second click of a double click must not answer that.
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);
         }

@@ -52,7 +52,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     ui.add_space(8.0);
     file(ui, state, form, own);
 
-    // The line's height is reserved, with or without a question.
+    // Without a question the line is blank, so that nothing below moves when one is asked.
     let saves = form.purpose == Purpose::Save;
     let missing = no_folder(form.path.trim()).filter(|_| saves);
     let question = if form.asked {
@@ -74,7 +74,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     let refusal = refusal(state, form);
     let button = primary_button(ui, verb, refusal.as_deref(), palette);
     button.known_as("file.go");
-    // The second click of a double click must not answer the question.
+    // The first click may ask whether to replace a file. The second click of a double click must not answer that.
     if button.clicked() && !(form.asked && button.double_clicked()) {
         own.push(FileCommand::Go);
     }
@@ -104,18 +104,21 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
 /// dialog.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let (web, saves) = (state.files().in_browser(), form.purpose == Purpose::Save);
+    let can_type = saves || !web;
     let label = ui.label(if web && saves { "File name" } else { "File" });
     ui.horizontal(|ui| {
         let mut path = form.path.clone();
         let edit = TextEdit::singleline(&mut path)
             .font(egui::TextStyle::Monospace)
             .margin(egui::Margin::symmetric(8, 6))
-            .interactive(saves || !web)
+            .interactive(can_type)
+            // Room for the button that browses.
             .desired_width(ui.available_width() - 110.0);
         let response = ui.add(edit).labelled_by(label.id);
         response.known_as("file.path");
 
-        if just_opened(ui, form.purpose.title()) && (saves || !web) {
+        // Typing replaces the proposed name.
+        if just_opened(ui, form.purpose.title()) && can_type {
             select_all(ui, &response, path.chars().count());
         }
         if response.changed() {
@@ -135,7 +138,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
 
 fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let path = form.path.trim();
-    // The first reason counts, in the order in which a user can mend them.
+    // Only the first reason is told. They are in the order in which a user can mend them.
     let reason = if busy(state).is_some() {
         "A file is being read or written."
     } else if path.is_empty() {

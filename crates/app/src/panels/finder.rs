@@ -30,33 +30,34 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let mut found = Vec::new();
     let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
         ui.set_width(sheet::width(ui, 480.0));
-        // Text typed in the same frame counts before Enter.
+        // Text and Enter may come in one frame: the text filters the list first.
         let (field, open) = field(ui, open, commands);
         found = actions::found(&open, state);
-        // There may be fewer actions than before the last letter.
+        // The last letter may have left fewer actions than the choice counts.
         let choice = open.choice.min(found.len().saturating_sub(1));
 
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
-        // Only a new choice is brought into view: a user may scroll on from there.
+        // Only a new choice is brought into view, so that a user may scroll on from there.
         let has_moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
         ui.data_mut(|data| data.insert_temp(seen, choice));
 
-        // Without the field, the margins, and some room around all of it.
+        // The field, the margins, and some room above and below the list take 110 points.
         let room = ui.ctx().content_rect().height() - 110.0;
         let enters = keys(ui, choice, found.len(), commands);
-        // Ignore Enter until something was typed or selected.
+        // Enter is ignored until something was typed or selected: the first action was not chosen by anyone.
         let is_meant = choice > 0 || !open.text.trim().is_empty();
-        let mut done = (enters && is_meant).then_some(choice);
+        let mut run_row = (enters && is_meant).then_some(choice);
 
         ScrollArea::vertical()
+            // A dozen rows are enough to choose from: more letters leave fewer.
             .max_height(room.min(12.0 * ROW))
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 for (index, action) in found.iter().enumerate() {
                     if show_action(ui, state, action, field, index == choice, has_moved) {
-                        done = Some(index);
+                        run_row = Some(index);
                     }
                 }
                 if found.is_empty() {
@@ -66,13 +67,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     );
                 }
             });
-        done
+        run_row
     });
 
     let chosen = modal.inner.and_then(|index| found.get(index));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
         commands.push(Command::Window(WindowCommand::CloseFinder));
-        // The list is closed by now: this action would open it again.
+        // This action opens and closes the list, which is closed by now: it would open again.
         if action.command != Command::Window(WindowCommand::ToggleFinder) {
             commands.push(action.command.clone());
         }

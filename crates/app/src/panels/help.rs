@@ -13,8 +13,9 @@ use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::state::State;
 
-/// Width of the sheet, in screen points; the keys have two columns.
+/// Width of the sheet, in screen points.
 const WIDTH: f32 = 620.0;
+/// Width of the sheet of keys, which have two columns.
 const WIDTH_OF_KEYS: f32 = 880.0;
 /// Room from which on the keys have two columns.
 const TWO_COLUMNS: f32 = 720.0;

@@ -25,7 +25,7 @@ pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 /// Shows the inspector, of a sample, a place or neither.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    // The pointer comes first: one looks around, and the selection stays.
+    // The sample under the pointer is shown while the pointer rests on it, and the selection again afterwards.
     let (id, name) = match (context.run.hovered, context.run.selected) {
         (Some(id), _) => (Some(id), "Sample under the pointer"),
         (None, Some(id)) => (Some(id), "Selected sample"),
@@ -76,8 +76,12 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     let cursor = debugger.state().cursor();
     for &event in events.iter().take(MAX_ROWS) {
         // Events that are still to come are muted.
-        let past = event < cursor;
-        let ink = if past { palette.text } else { palette.muted };
+        let has_happened = event < cursor;
+        let ink = if has_happened {
+            palette.text
+        } else {
+            palette.muted
+        };
         event_row(ui, debugger.recording(), event, ink, commands);
     }
 
@@ -141,11 +145,12 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
 fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
+    // A sample covers 1 r around it. Its distance is told up to 3.5 r away, so that a gap's width can be read.
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
         // Only samples that cover their disks at this moment count.
-        if shown.covers(seen.id) && nearest.is_none_or(|(best, _)| distance < best) {
+        if shown.covers(seen.id) && nearest.is_none_or(|(least, _)| distance < least) {
             nearest = Some((distance, seen.id));
         }
     });
@@ -201,13 +206,13 @@ fn sample(
         } => {
             // The samples of a combination come from its pieces instead of blocks.
             let glued = session.combination.is_some();
-            let (of, index, inside) = if glued {
+            let (source_name, index_name, inside) = if glued {
                 ("Of piece", "Sample of its set", "inside its rectangle")
             } else {
                 ("Tiled into block", "Pattern sample", "inside its block")
             };
-            row(ui, of, &block.to_string(), palette);
-            row(ui, index, &grouped(pattern as usize), palette);
+            row(ui, source_name, &block.to_string(), palette);
+            row(ui, index_name, &grouped(pattern as usize), palette);
             let lies = if own { inside } else { "in the margin" };
             row(ui, "Lies", lies, palette);
         }

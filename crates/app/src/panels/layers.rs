@@ -20,9 +20,9 @@ pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
-        let layers = context.appearance;
-        let shown = layers.layers(context.run.current_stage());
-        let is_automatic = layers.chosen_layers.is_none();
+        let appearance = context.appearance;
+        let shown = appearance.layers(context.run.current_stage());
+        let is_automatic = appearance.chosen_layers.is_none();
         let automatic = ui
             .add(chip((None, "Automatic"), is_automatic, context.palette))
             .on_hover_text(ui.words(AUTOMATIC));
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (Some((layer, kind)), layer.name_in(kind));
             let is_on = shown.has(layer);
-            // It may show the answer to the open question of a lesson.
+            // A layer that would show the answer to a lesson's open question cannot be switched on.
             let is_free = !context.hidden_layers.has(layer);
             let chip = ui
                 .add_enabled(is_free, chip(named, is_on, context.palette))

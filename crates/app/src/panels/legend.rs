@@ -40,7 +40,7 @@ pub fn show(
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     let shown = context.appearance.layers(context.run.current_stage());
-    // Nets are rarely on, and would make the list longer than the panel.
+    // The layers of nets are rarely on: listed always, they would make the list longer than the panel.
     let is_listed =
         |layer: &Layer| layer.is_of(kind) && (!Layer::NETS.contains(layer) || shown.has(*layer));
     for layer in Layer::ALL.into_iter().filter(is_listed) {
@@ -61,6 +61,7 @@ pub fn show(
 
 /// Shows the marks of the brush.
 fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
+    // Each entry has a colour, the radius of its circle, and a meaning. On the canvas, too, a larger circle adds more.
     let entries: &[_] = match cause {
         Cause::Pairs { .. } => &[(palette.margin, 0.0, "brushed pair of samples")],
         Cause::Shares { .. } => &[
@@ -145,7 +146,7 @@ fn colouring(
         ),
         (Colouring::Level, "by level", glossary::LEVEL.meaning),
     ];
-    // A colouring that this kind of session lacks is drawn as another one.
+    // A colouring that this kind of session lacks would be drawn as another one, and is not offered.
     let offered = (choices.into_iter()).filter(|(colouring, ..)| colouring.of(kind) == *colouring);
 
     ui.horizontal_wrapped(|ui| {
@@ -203,7 +204,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         band(at(k), at(k + 1), at(k));
     }
 
-    // A gap in the ramp separates tiled samples from inserted ones.
+    // A gap of 3% of the ramp separates tiled samples from inserted ones.
     let start = LAST_TILED + 0.03;
     for k in 0..ages.iterations {
         let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;
@@ -211,6 +212,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
     }
 
     let font = FontId::proportional(11.5);
+    // The ramp of nested levels is one order from end to end, without tiled samples.
     let first = if tiled < 1.0 { "tiled first" } else { "first" };
     let inserted = match ages.iterations {
         0 => String::new(),

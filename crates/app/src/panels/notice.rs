@@ -53,7 +53,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         palette.accent
     };
 
-    // Clear of the time controls, which are below the canvas on a small window; an embedded window has no bar.
+    // The notice keeps clear of the time controls: a small window has them below the canvas, so that the notice hangs under the
+    // bar there. An embedded window has no bar. In other windows the notice stands above the timeline.
     let (corner, offset) = if state.window().embedding.is_some() {
         (Align2::CENTER_TOP, vec2(0.0, 8.0))
     } else if state.window().drawer.arrangement.is_compact() {
@@ -80,7 +81,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
                         verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
                         ui.scope(|ui| {
-                            // Room for the buttons beside the text.
+                            // The rest of the width is for the mark and the buttons beside the text.
                             ui.set_max_width(
                                 width - if notice.folder.is_some() { 180.0 } else { 80.0 },
                             );

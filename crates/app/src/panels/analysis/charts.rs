@@ -20,7 +20,7 @@ const MIN_SIDE: f32 = 150.0;
 const FADED: f32 = 0.38;
 /// Ends of the axes of power and of g: those of a maximal set with room above its peaks. They never change, so that a moment has
 /// one picture, whichever moments were seen before, and charts can be compared while stepping. Higher values, as the power after
-/// tiling, is cut off and marked with its value; the periodogram is white from the same power on.
+/// tiling, are cut off and marked with their number. The periodogram is white from the same power on.
 const END_OF_POWER: f64 = periodogram::WHITE;
 const END_OF_PAIRS: f64 = 4.0;
 
@@ -65,7 +65,7 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
     let palette = sets.palette;
     let spectra = [Some(sets.first), sets.second].map(|run| run.and_then(|run| run.spectrum()));
     let mut of_run = |ui: &mut Ui, index: usize| {
-        // The second text ends the id of the chart.
+        // The second text ends the chart's id, which differs between the runs.
         let (name, run) = [("A", ""), ("B", "-b")][index];
         ui.label(RichText::new(name).size(12.0).color(palette.muted));
         periodogram_of(ui, run, spectra[index], palette, brush, own);
@@ -119,11 +119,11 @@ fn cells_of(spectrum: &Spectrum) -> String {
         [side, row_side] => format!("; means of {side} \u{d7} {row_side}"),
     };
     let least = spectrum.picture_reach[0].min(spectrum.picture_reach[1]);
-    // Cells at the rim may be incomplete.
+    // A cell at the rim may be measured in part: a reach that lacks less than a cell counts as all.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
-        // Measured about to the limit of cycles it goes no farther; otherwise it goes on.
+        // A reach near the limit of cycles is final. A smaller one still grows.
         let so_far = if longest as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
@@ -262,7 +262,7 @@ fn curves_of(
     };
 
     let mut curves = Vec::new();
-    // A set has the length of r in its own unit as its radius; without one it is in r.
+    // The radius of a set is the length of r in the set's unit. A set without a radius has r as its unit.
     let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
     let mut add = |run: RunMeasures<'_>, name: &str, line, color: Color32| {
         if let Some((found, faded)) = run.part(in_radii) {
@@ -285,6 +285,7 @@ fn curves_of(
     }
 
     let others = [
+        // The reference is measured in units of r.
         sets.reference
             .map(|measured| (measured, 1.0, "reference", Dash::Dotted, palette.text)),
         sets.reference_file.map(|file| {
