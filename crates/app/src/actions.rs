@@ -340,7 +340,7 @@ impl List {
             .scenes()
             .shown
             .map(|_| Command::Scene(SceneCommand::Leave));
-        // What lies on the picture comes before a panel, and a mode of the whole window comes last.
+        // Marks on the picture come before a panel, and a mode of the whole window comes last.
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),

@@ -103,7 +103,7 @@ impl Canvas {
         // The two pictures leave a gap, in which this colour is seen as a line between them.
         ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
-        // A heading takes the upper edge of its half, and returns what is left for the picture.
+        // A heading takes the upper edge of its half, and returns the rest for the picture.
         let left = PaneSide {
             rect: titles::heading(ui, left, context, &titles::first_title(context)),
             which: Which::First,

@@ -22,7 +22,6 @@ pub(super) fn add(list: &mut List, state: &State) {
     } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);
         ("Hide analysis", WindowCommand::Drawer(close))
-    // The projector mode shows no panel but the analysis: to open another one hides it.
     } else if state.appearance().look.is_projector() {
         ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {

@@ -46,8 +46,8 @@ impl App {
             return;
         };
 
-        // The first window shows the stage, unless the two are exchanged or the notes alone are open: that window cannot be
-        // closed, so that what is open moves there.
+        // The first window shows the stage, unless the two are exchanged or the notes alone are open. It cannot be closed, so
+        // that the notes move into it.
         let windows = talk.windows;
         let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],

@@ -431,7 +431,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                     BrushAxis::Distance => field.suffix(" r"),
                 };
                 let field = ui.add_enabled(on, field);
-                // Its text is a number alone, which says nothing of what it is: screen readers get a name.
+                // The text of a field is a number alone, so that screen readers get a name.
                 let label = format!("Brush: {name} {which}");
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
                 field.known_as(format_args!("brush.{}.{which}", Kebab(axis)));

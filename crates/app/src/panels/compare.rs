@@ -189,7 +189,7 @@ fn parting(
     primary_button(ui, "Go there in both", refusal, palette).issues("compare.go", command, own);
 }
 
-/// Returns sentences on where two runs diverge: what is the same before, then what each run does.
+/// Returns sentences on where two runs diverge: how many events are the same, then how each run goes on.
 fn description(divergence: &Divergence) -> Vec<String> {
     match divergence {
         Divergence::Same => {

@@ -55,8 +55,9 @@ const SIZES: [f32; 2] = [14.5, 17.0];
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let is_here = state.lessons().open.is_some() || state.lessons().shows_list;
-    if !is_here || state.lessons().on_page {
+    let is_open = state.lessons().open.is_some() || state.lessons().shows_list;
+    // Where the page shows the lesson itself, the window has no panel of it.
+    if !is_open || state.lessons().on_page {
         return;
     }
     let palette = Palette::of(state.appearance().look);
@@ -73,7 +74,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let mut scroll = ScrollArea::vertical()
             .id_salt("lesson")
             .auto_shrink([false, false]);
-        // A step is read from its beginning; the verdict of the step before was further down.
+        // A new step is read from its beginning, though the panel was scrolled down to the verdict of the step before.
         if is_new_step(ui, state) {
             scroll = scroll.vertical_scroll_offset(0.0);
         }
@@ -293,7 +294,7 @@ impl LessonPanel<'_> {
         }
 
         self.ways_on(ui, question);
-        // Below the buttons, which stay where the learner has just clicked.
+        // Messages on an answer stand below the buttons, so that these stay where the learner has just clicked.
         if let Some(lacking) = &open.lacking {
             let text = RichText::new(ui.words(lacking)).color(self.palette.candidate);
             let label = ui.add(Label::new(text).wrap());
@@ -348,7 +349,8 @@ impl LessonPanel<'_> {
             if question.hint.is_some() {
                 self.on_click(&ui.button(labels.hint), "lesson-hint", LessonCommand::Hint);
             }
-            // The second click shows the answer; in a test form it goes on without one.
+            // The first click asks whether the learner is sure. The second one shows the answer, or goes on without it in a test
+            // form.
             let is_sure = learner.is_asked_to_give_up();
             let name = match (is_sure, learner.lesson().form) {
                 (false, _) => labels.give_up,
@@ -409,8 +411,8 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // The seed of another run of the same kind. Any number serves: the time differs from click to click, and the
-            // remainder by a prime is short enough to be read.
+            // Any seed serves that differs from click to click, as the time does. Its remainder by a prime is short enough to
+            // be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

@@ -103,7 +103,7 @@ impl<'a> FormContext<'a> {
 /// Shows the panel: the fields scroll, and the button stays in view where there is room for both.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
-    // In so low a panel the button scrolls with the fields: fixed, it would leave them no room.
+    // In so low a panel the button scrolls with the fields: at a fixed place it would leave them no room.
     if room.height() < MIN_HEIGHT_FOR_RUN {
         scrolled(ui, Panel::Parameters, |ui| {
             form::show(ui, context, commands);
@@ -176,8 +176,8 @@ fn remark_height(ui: &Ui, context: &FormContext<'_>, width: f32) -> f32 {
     })
 }
 
-/// Button and progress take the same room, so that nothing moves. Cancel has a place of its own beside them, where a
-/// double click on Run does not hit it and where nothing else ever is.
+/// Shows the remark, the button Run or the progress of the run, and Cancel. Button and progress take the same room, so that
+/// nothing moves. Cancel stands beside them, where a double click on Run does not hit it and where nothing else ever is.
 fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let height = run_height(ui);
@@ -208,7 +208,7 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
             primary_button(ui, name, refusal, palette).issues("run", Command::Run, commands);
         });
 
-        // Work that was cancelled may run on for a moment.
+        // Work that was cancelled may run on for a moment, in which there is nothing more to cancel.
         if context.sampling.is_some_and(Job::is_cancelled) {
             ui.label(RichText::new("Stopping").small().color(palette.muted));
             return;

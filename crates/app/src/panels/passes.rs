@@ -56,7 +56,7 @@ fn passes_or_offer(
     let palette = context.palette;
     if let Some(passes) = &context.run.passes {
         let mut own = Vec::new();
-        // A list beside a table: it has no narrower form, so it scrolls.
+        // A list beside a table has no narrower form: in less room than this it scrolls.
         let size = ui.available_size().max(ROOM_FOR_PASSES);
         ScrollArea::both()
             .id_salt(Panel::Passes.name())
@@ -157,6 +157,7 @@ impl PassesPanel<'_> {
                     grouped(fault.index as usize),
                     fault.buffer.as_str(),
                     fault.word,
+                    // Users count passes from 1.
                     fault.after + 1,
                 );
                 ui.label(RichText::new(text).color(palette.margin))
@@ -166,11 +167,11 @@ impl PassesPanel<'_> {
             });
         }
 
-        // The line's height is reserved: nothing moves when the work ends.
+        // The line keeps its height when the work ends, so that nothing below moves.
         ui.horizontal(|ui| {
             ui.set_height(26.0);
             if let Some((activity, fraction)) = passes.activity() {
-                // Before the text, whose length changes, so that it stays under the pointer.
+                // The button stands before the text, whose length changes, so that it stays under the pointer.
                 ui.button("Cancel")
                     .issues("passes.cancel", PassCommand::Cancel, self.commands);
                 let bar = ProgressBar::new(fraction).desired_width(160.0);
@@ -210,7 +211,7 @@ impl PassesPanel<'_> {
 
         if let Some(table) = passes.shown().table(Some(visit)) {
             self.tools(ui, table);
-            // Room below the table for the file of its rows, and for the fault.
+            // The file of the rows and the fault stand below the table, and take this room. The table keeps 60 points, three rows.
             let foot = 62.0;
             let room = vec2(
                 ui.available_width(),
@@ -229,6 +230,7 @@ impl PassesPanel<'_> {
     /// Shows the buttons that go from pass to pass, the name of the pass, and how it compares with the CPU.
     fn title(&mut self, ui: &mut Ui, entry: &PassEntry) {
         let (passes, palette) = (self.passes, self.palette);
+        // The entry that is shown is the selected one, so that there is one.
         let (at, count) = (passes.selected().unwrap_or(0), passes.entries().len());
         let first = (at == 0).then_some("This is the first pass.");
         let last = (at + 1 == count).then_some("This is the last pass.");
@@ -272,7 +274,7 @@ impl PassesPanel<'_> {
 
                 let mut button =
                     Button::selectable(is_shown, text).right_text(muted(access, palette));
-                // Without a line it would look like a text until the pointer is over it.
+                // A button without a line would look like a text until the pointer is over it.
                 if !is_shown {
                     button = button.stroke((1.0, palette.line));
                 }
@@ -304,7 +306,7 @@ impl PassesPanel<'_> {
     fn tools(&mut self, ui: &mut Ui, table: &BufferTable) {
         let (passes, palette) = (self.passes, self.palette);
         let shown = passes.shown();
-        // A buffer of one row shows all of it, before and after.
+        // A buffer of one row is shown whole, before and after: there is no side and no row to choose.
         if table.total <= 1 {
             return;
         }

@@ -145,7 +145,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
 
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
-    // The places of the last frame serve already in this one, since a run that plays is elsewhere in the next.
+    // The places of the frame before serve in this frame already: in the next one a run that plays has moved on.
     let offset = seen.and_then(|seen| seen.placed.scroll_to(now.leading()));
     if let Some(offset) = offset.filter(|_| has_moved) {
         area = area.vertical_scroll_offset(offset);
@@ -316,7 +316,7 @@ fn breakpoint(
                 Color32::TRANSPARENT
             };
             painter.circle(at, 5.0, fill, Stroke::new(1.5, palette.conflict));
-            // The mark tells a breakpoint with a condition from one that always stops.
+            // A question mark tells a breakpoint with a condition from one that always stops.
             if !breakpoint.condition.is_empty() {
                 let ink = if breakpoint.enabled {
                     palette.panel

@@ -45,7 +45,7 @@ pub fn show(
             .known_as("no-scenes");
     }
 
-    // A scene of the tour that is shown is none of this list.
+    // The scene that is shown may be one of the tour, which this list does not have.
     let own = state
         .scenes()
         .shown
@@ -88,7 +88,7 @@ fn picture(
 ) {
     let palette = Palette::of(state.appearance().look);
     let [width, height] = THUMBNAIL_SIZE.map(|side| side as f32);
-    // The room is there before the picture is, so that nothing moves when it comes.
+    // The picture is drawn in the background. Its room is kept free, so that nothing moves when it comes.
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     let name = format!("Picture of scene {}", index + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
@@ -146,6 +146,7 @@ fn row(
         // The first scene cannot go up and the last one not down: their buttons say so.
         let no_up = (index == 0).then_some("It is the first.");
         let no_down = (number == debugger.scenes.len()).then_some("It is the last.");
+        // Numbers count from 1, so that the number of a scene is the index of the next one.
         let above = SceneCommand::Move(index, index.saturating_sub(1));
         let below = SceneCommand::Move(index, number);
         let remove = SceneCommand::Remove(index);
@@ -209,13 +210,13 @@ fn moment(
         return label.on_hover_text(origin);
     };
 
-    // In another run the event is a corresponding one, not the same: a tilde says so.
+    // A tilde says that the scene was made in another run, of which this event is only the corresponding one.
     let tilde = if matches!(marked, Marked::Here(_)) {
         ""
     } else {
         "~ "
     };
-    // The cursor stands behind the last event that has happened.
+    // The cursor is the number of events that have happened. Events are counted from 0, so that the last one is one less.
     let last = cursor.saturating_sub(1);
     let event = tilescope_debugger::short(debugger.recording(), last);
     let title = match scene_title(scene) {
@@ -271,7 +272,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
             if switch.known_as(format_args!("{id}.enabled")).changed() {
                 commands.push(Command::Debug(DebugCommand::Enable(index, enabled)));
             }
-            // The line's own words say what its number does not.
+            // The number of a line does not tell its meaning, so that its words stand beside it.
             let text = RichText::new(words)
                 .small()
                 .monospace()

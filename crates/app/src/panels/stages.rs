@@ -85,6 +85,7 @@ fn levels(
     let is_current = false;
     row(ui, ["", "radius", "samples"], is_current, palette, None);
 
+    // Nested levels are always shown as a prefix, of at least one sample.
     let count = context.run.prefix().unwrap_or(1);
     for (level, claim) in nested.claims.iter().enumerate() {
         let radius = claim.distance / session.run().domain.radius();
@@ -99,7 +100,7 @@ fn levels(
         let key = format!("level-{level}");
         let shown = row(ui, texts, current, palette, Some(&key));
 
-        // A whole level covers within the distance that it keeps, which makes it maximal.
+        // A level is maximal if its samples cover the domain within the distance that they keep. The last level may be cut short.
         let about = if claim.covering == Some(claim.distance) {
             glossary::LEVEL.meaning
         } else {
@@ -149,7 +150,7 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        // Iterations are counted from 1.
+        // Iterations are counted from 1, and their numbers of samples from 0.
         Stage::Iterate(k) => {
             let inserted = grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0));
             // Exact tiling drops samples in each iteration, KDRT before the first one alone.
@@ -225,8 +226,8 @@ fn row_texts(
     } else {
         palette.muted
     };
-    let name = if is_clickable { 13.0 } else { 11.5 };
-    // The digits of numbers stand below each other; the heads above them are words.
+    let name_size = if is_clickable { 13.0 } else { 11.5 };
+    // Numbers have digits of one width, which stand below each other. The heads above them are words.
     let number = |size| {
         if is_clickable {
             FontId::monospace(size)
@@ -235,7 +236,11 @@ fn row_texts(
         }
     };
 
-    let fonts = [FontId::proportional(name), number(12.0), number(12.5)];
+    let fonts = [
+        FontId::proportional(name_size),
+        number(12.0),
+        number(12.5),
+    ];
     let colors = [color, palette.muted, color];
     let galleys = [0, 1, 2].map(|k| {
         let (text, font) = (texts[k].to_owned(), fonts[k].clone());

@@ -141,7 +141,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let room = ui.available_width();
     let beside = room_beside_sentence(ui.ctx(), context, room);
     let width = room - LABEL - beside;
-    // Room for a long sentence, so that nothing moves from event to event.
+    // The room for a long sentence is always kept, so that nothing moves from event to event.
     let height = sentence_height(ui.ctx(), context, SIZE, width).max(LINE);
 
     ui.allocate_ui_with_layout(
@@ -150,7 +150,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         |ui| {
             ui.set_min_size(vec2(room, height));
             ui.spacing_mut().item_spacing.x = 0.0;
-            // The sentence comes first for screen readers, then the counts.
+            // Screen readers follow this order: the sentence comes first, then the counts.
             label(ui, "Done", height, palette.muted);
             sentence(ui, context, SIZE, vec2(width, height), usize::MAX);
             if beside > 0.0 {
@@ -195,7 +195,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         ui.add_space(14.0);
         track::show(ui, context, commands)
     });
-    // Only now it is known where the track begins.
+    // The curve is as wide as the track, which begins behind the controls, so that it is shown after them.
     curve::show(ui, context, above, track.inner, commands);
 }
 
@@ -273,7 +273,7 @@ pub fn show_compact(
     let width = ui.available_width();
     let room = vec2(width, compact_sentence(ui.ctx(), context, is_low, width));
 
-    // The timeline's panel has the whole sentence.
+    // A sentence that is cut off is shown whole in the timeline's panel.
     let lines = match (is_whole(context), is_low) {
         (true, _) => usize::MAX,
         (false, true) => 1,
@@ -285,7 +285,7 @@ pub fn show_compact(
         let with_ends = true;
         controls(ui, context, with_ends, commands);
         ui.add_space(6.0);
-        // If it is cut off, the timeline's panel shows it.
+        // Where the chooser of clocks has no room, the Go menu has its choices.
         if ui.available_width() >= CLOCK {
             clock(ui, context, ui.available_width().min(110.0), commands);
         }
@@ -312,7 +312,7 @@ const ALL_BUTTONS: f32 = 420.0;
 const HIGH_PLAYER: f32 = 300.0;
 /// Font size of the sentence in players that are not wide.
 const PLAYER_SIZE: f32 = 12.0;
-/// Width of the speed chooser there.
+/// Width of the chooser of speeds in players that are not wide.
 const SPEED: f32 = 70.0;
 /// Margins of the controls below a player's canvas, horizontal and vertical.
 pub const PLAYER_MARGIN: egui::Vec2 = vec2(12.0, 6.0);
@@ -358,7 +358,7 @@ impl Player {
         );
         sentence(ui, context, PLAYER_SIZE, room, usize::MAX);
 
-        // The limit is that of the player with both of its margins.
+        // The limit counts the player's margins, which are not in the width here.
         let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
         ui.horizontal(|ui| {
             controls(ui, context, with_ends, commands);
@@ -484,7 +484,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     }
 }
 
-/// Width of that field beside its digits.
+/// Width of the field of the prefix beside its digits, in screen points.
 const PREFIX: f32 = 18.0;
 
 /// Shows a field for the number of samples that are shown of nested levels, to be typed or dragged.
@@ -495,12 +495,12 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let all = session.summary.count;
     let field = DragValue::new(&mut count)
         .range(1..=all)
-        // A drag over 500 points goes through all samples.
+        // A drag over 500 points goes through all samples: 1 / 500 of them for a point.
         .speed(0.002 * all as f64)
-        // The first digits of a number that is typed are no prefix to go to.
+        // While a number is typed, its first digits are no prefix that the user asks for.
         .update_while_editing(false);
 
-    // As wide as the largest number, so that nothing moves while this one does.
+    // The field is as wide as the largest number needs, at 9 points a digit, so that nothing moves while the number changes.
     let size = vec2(
         PREFIX + 9.0 * all.to_string().len() as f32,
         ui.spacing().interact_size.y,
@@ -565,7 +565,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
 
     let response = chosen.show_ui(ui, |ui| {
         let by_passes = playback.clock == Clock::Pass;
-        // The time of a whole run is divided by its events, which passes lack.
+        // A whole run in a given time divides that time among its events. Passes have no events.
         for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
             let same = playback.whole_run_secs == Some(secs);
             let row = ui.selectable_label(same, ui.words(format!("whole run in {secs} s")));
@@ -576,6 +576,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         }
 
         for speed in SPEEDS {
+            // Speeds are equal but for rounding. With a pace for the whole run no speed is chosen.
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
                 .selectable_label(same, ui.words(format!("{speed}\u{d7} by {unit}")))

@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         // The verdict keeps its width: the other parts of the bar make room for it.
         let verdict_width = verification::chip_width(ui, &PanelContext::of(state));
-        // Where the menus' names are long, the program's name makes room first, then the button of exports.
+        // Where the menus' names are long, the program's name is left out first, and then the button of exports.
         if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict_width {
             let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
             ui.label(title).known_as("title");
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 Some(_) => format!("{:.6}", parameters.radius),
                 None => parameters.radius.to_string(),
             };
-            // The counts at the timeline are of the moment; these are of the whole run, which is called the result.
+            // The timeline counts the samples of the moment, and this text those of the whole run, which it calls the result.
             let text = format!("result: {count} samples   r {radius}   {made}");
             ui.label(RichText::new(ui.words(text)).color(palette.muted))
                 .known_as("run-shown");
@@ -161,9 +161,10 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
         let room = ui.ctx().content_rect().size();
         Popup::menu(&button)
-            // Menus open within this one by clicks, which must not close it.
+            // A click in this menu opens another one within it, and must not close this one.
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
+                // The menu leaves 40 points of the window beside it, and 96 points above and below it.
                 ui.set_width(MAX_MENU_WIDTH.min(room.x - 40.0));
                 let height = (room.y - 96.0).max(120.0);
                 egui::ScrollArea::vertical()
@@ -207,7 +208,7 @@ const ROOM_FOR_LESSONS: f32 = 290.0;
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
     ui.spacing_mut().item_spacing.y = 2.0;
-    // Clear of the scroll bar.
+    // The entries keep clear of the scroll bar.
     ui.set_max_width(ui.available_width() - 14.0);
     if let Some(session) = &state.runs().first.session {
         let count = grouped(session.summary.count);
@@ -365,7 +366,7 @@ fn entries(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
 const MARK: f32 = 12.0;
 
 fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Command>) {
-    // On touch devices shortcuts are not shown.
+    // Where fingers are used there are no keys to press.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
     let mark = IdSalt::new("check mark");
     let name = ui.words(action.label());

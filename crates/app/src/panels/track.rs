@@ -77,10 +77,11 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
         ends.len()
     };
 
+    // Without events the cursor is the index of a stage, so that a stage ends at its index.
     let end = |index: usize| ends.get(index).copied().unwrap_or(index);
     let range = |index: usize| index.checked_sub(1).map_or(0, end)..end(index);
     let total: usize = (0..count).map(|index| range(index).len()).sum();
-    // A segment can be hit, however few its events; on a narrow track all have the same width.
+    // Every segment is wide enough to be hit, however few its events. On a narrow track all have the same width.
     let least = MIN_WIDTH.min((right - left) / count as f32);
     let room = (right - left - least * count as f32).max(0.0);
 
@@ -91,7 +92,7 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
             Some(nested) => of_level(session, nested, index),
             None => of_stage(session, session.stages[index], events.len()),
         };
-        // A run without events has segments of one width.
+        // A run of one stage may have no events at all: nothing is divided by 0.
         let width = least + room * events.len() as f32 / total.max(1) as f32;
         let from = at;
         at += width;
@@ -172,7 +173,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 
     let nested = session.nested.as_ref().zip(prefix);
     let current = nested.map_or(context.run.stage, |(nested, count)| {
-        // The last sample that is shown tells the level.
+        // The current level is that of the last sample shown. Samples are counted from 0.
         nested.level_of(count - 1)
     });
     for segment in &segments {
@@ -281,7 +282,7 @@ fn density(
     palette: &Palette,
 ) {
     for segment in segments {
-        // A column is two points wide.
+        // A column is two points wide. The bar of a segment leaves a point free at both of its ends.
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
 
@@ -295,8 +296,8 @@ fn density(
                     .into_iter()
                     .zip([palette.conflict, palette.gap, palette.inserted])
             {
-                // The three shares stand on each other, and stay within the bar. The root raises small shares, which
-                // would be lost below half a point.
+                // The three shares stand on each other within the bar. Small ones would be lost, as nothing below half a point is
+                // drawn: the root raises them.
                 let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
                 if height >= 0.5 {
                     let ends = [pos2(x, bottom), pos2(x, bottom - height)];
@@ -360,7 +361,7 @@ fn marks(
         let Some(cursor) = marked.cursor() else {
             continue;
         };
-        // A scene of another run stands at the corresponding event.
+        // A scene of another run stands at the corresponding event, and is muted.
         let color = match marked {
             Marked::Here(_) => palette.accent,
             _ => palette.muted,

@@ -96,7 +96,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
             };
             let of_result = || match (verdict.conflict_free(), verdict.maximal()) {
                 (true, true) if context.run.is_at_end() => "verified".to_owned(),
-                // The canvas does not show the final result yet.
+                // Before the end of the run the canvas does not show the set that was verified.
                 (true, true) => "final result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
                 (false, true) => "not conflict-free".to_owned(),
@@ -117,6 +117,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
     }
 }
 
+/// Returns the tooltip of the chip: who judged, and what a click shows.
 fn explanation(context: &PanelContext<'_>) -> String {
     match &context.run.verification {
         Verification::Nothing => "Each session is verified when it is ready.".to_owned(),
@@ -168,7 +169,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     numbers(ui, context, unit);
 
-    // A prefix of nested levels is judged by the covering that was promised of it, which is shown above.
+    // A prefix of nested levels is judged by the covering that was promised, which `guarantee` shows above.
     if verdict.is_none_or(|verdict| verdict.claim.is_none()) {
         let tolerance = report.map_or(COVERING_TOLERANCE, |report| report.covering_tolerance);
         let shown = ui.scope(|ui| {
@@ -261,7 +262,7 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
                 verdict.is_some_and(|v| v.largest.is_some()),
             ),
         ] {
-            // Before the verdict there is no pair and no hole to fly to.
+            // Before the verdict no pair and no hole is known.
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
 
@@ -299,6 +300,7 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
 
 /// Shows whether a prefix of nested levels keeps its promises of distance and covering.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
+    // The words tell the fault, and are shown only where a promise does not hold.
     let judged = |holds: bool| (holds, "not as promised".to_owned());
     let distance = format!("Distances over {:.3} r", claim.distance / unit);
     let apart = judged(verdict.conflict_free());
@@ -310,7 +312,7 @@ fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, pale
     );
 
     let covering = claim.covering.map(|covering| covering / unit);
-    // Only a prefix that ends with a level must cover.
+    // Only a prefix that ends with a whole level promises to cover the domain.
     let name = covering.map_or_else(
         || "Covering not promised".to_owned(),
         |covering| format!("Covering up to {covering:.3} r"),

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let label = match value {
             Ok(value) => ui.label(RichText::new(format!("= {value}")).monospace()),
             Err(ExpressionError::Pending { .. }) => {
-                // The next frame goes on measuring.
+                // A frame has a budget of steps. A value that needs more of them is finished in later frames.
                 ui.ctx().request_repaint();
                 ui.label(RichText::new("= \u{2026}").monospace())
             }
@@ -41,6 +41,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         .issues("add-watch", command, commands);
     ui.add_space(10.0);
 
+    // The names of the next event's variables come first in the list.
     let (next, now) = NAMES.split_at(NAMES_OF_NEXT);
     for (title, names) in [("In scope: the next event", next), ("In scope: now", now)] {
         let values = names.iter().map(|&(name, meaning)| {
@@ -53,7 +54,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         });
         scope(ui, title, values, palette);
     }
-    // The numbers of the moment stand without values, which would be measured in every frame.
+    // The numbers of the moment are listed without values: these would have to be measured in every frame.
     let known = debugger.recording().numbers().into_iter();
     let numbers = known.flat_map(|all| &all.names).map(|number| {
         let limit = number.not_in_conditions.map_or("", |_| "in watches alone");

@@ -61,15 +61,16 @@ pub fn show(
         }
     }
 
-    let note = note.or_else(|| {
+    // There is room for one remark. That of the samples comes first.
+    let remark = note.or_else(|| {
         let most = tilescope_session::words::grouped(MAX_MARKS);
         let more = tilescope_session::words::grouped(left_out);
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
 
-    let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;
+    let corner = vec2(0.0, if remark.is_some() { NOTE } else { 0.0 }) + INSET;
     tag(ui, &painter, rect.min + corner, buffers, left_out, palette);
-    note
+    remark
 }
 
 /// The geometry of a row, and whether it lies in the domain.
@@ -91,7 +92,7 @@ impl InView {
     fn of(row_painter: &RowPainter<'_>, rows: &Rows<'_>) -> Self {
         let mut view = Self::default();
         let mut rest = MAX_MARKS;
-        // Unchanged rows are the first to be left out.
+        // Changed rows are taken first, so that unchanged ones are left out before them.
         for changed in [true, false] {
             let list = if changed {
                 &mut view.changed
@@ -105,7 +106,7 @@ impl InView {
                 }
                 for spot in rows.marks(row).iter().filter(|spot| row_painter.sees(spot)) {
                     if rest == 0 {
-                        // Counted for the remark.
+                        // The remark tells how many are left out.
                         view.left_out += 1;
                     } else {
                         rest -= 1;
@@ -171,6 +172,7 @@ impl RowPainter<'_> {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();
         for mark in marks {
+            // Rows beyond the domain's border are faint: they are copies, or were dropped there.
             let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
             match &mark.spot {
                 RowPlace::Rect(rect) => {
@@ -294,7 +296,7 @@ fn tag(
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
     painter.galley(text_rect.min, galley, palette.text);
 
-    // A widget, so that screen readers find the tag.
+    // The tag is a widget, so that screen readers find it.
     let response = ui.interact(
         ground,
         ui.scope_id().with("buffer on the canvas"),

@@ -83,7 +83,7 @@ fn inspect_later(
     };
     let rest = at + wait - now;
     if rest > 0.0 && !flies {
-        // A later frame comes back to it, once no second tap can follow.
+        // A later frame opens the panel, once no second tap can follow.
         ui.data_mut(|data| data.insert_temp(id, at));
         ui.ctx()
             .request_repaint_after(std::time::Duration::from_secs_f64(rest));
@@ -114,7 +114,7 @@ fn move_view(
 
     let moved = match touch.pinch {
         Some(pinch) => pinch.moved,
-        // When one of two fingers is lifted, the other one still belongs to the gesture.
+        // When one of two fingers is lifted, the other one goes on moving the picture.
         None if is_dragged => response.drag_delta(),
         None => Vec2::ZERO,
     };
@@ -135,7 +135,7 @@ fn move_view(
         } else {
             scroll
         };
-        // Equal turns of the wheel change the scale by equal factors: 100 points by 1.27.
+        // Equal turns of the wheel change the scale by equal factors. 100 points change it by e^0.24 = 1.27.
         let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
@@ -182,7 +182,7 @@ fn pick(
         return false;
     }
 
-    // Enter selects at the centre.
+    // Enter clicks a focused widget, without a pointer. `keys` selects at the centre then.
     let by_key = response.has_focus() && response.interact_pointer_pos().is_none();
     if !(response.long_touched() || response.clicked() && !by_key) {
         return false;
@@ -206,10 +206,11 @@ pub(super) fn nearest(
 ) -> Option<u32> {
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
-    // Zoomed out, so many points of the screen would reach over many samples: the reach ends at the samples next to the place.
+    // The scale is in screen points for an r. Zoomed out, the reach on the screen would cover many samples: it ends at 1.5 times
+    // the distance of neighbours.
     let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
 
-    let mut best: Option<(f64, u32)> = None;
+    let mut found: Option<(f64, u32)> = None;
     let index = &shown.session.index;
 
     // A copy across a periodic border is drawn, and a click on it selects its sample.
@@ -217,16 +218,16 @@ pub(super) fn nearest(
     index.visit_around(position, position, reach, around, |seen| {
         let distance = seen.position.distance(position);
         let visible = shown.standing(seen.id) != Standing::Absent;
-        if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
-            best = Some((distance, seen.id));
+        if visible && distance <= reach && found.is_none_or(|(least, _)| distance < least) {
+            found = Some((distance, seen.id));
         }
     });
 
     // Where no sample is near, an exposed arc leads to the sample of its circle.
-    if best.is_none() && subject.layers.has(Layer::CoveredCircles) {
+    if found.is_none() && subject.layers.has(Layer::CoveredCircles) {
         return subject.geometry.exposed_at(&shown, position, reach);
     }
-    best.map(|(_, id)| id)
+    found.map(|(_, id)| id)
 }
 
 /// Returns the selection of the place at a point on the screen: in a copy around a periodic domain that of the domain,
@@ -269,7 +270,7 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
         vertical_arrows: true,
         ..EventFilter::default()
     };
-    // Arrow keys would otherwise move the focus.
+    // The canvas keeps the arrow keys, with which egui would move the focus otherwise.
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 
     let moves = [

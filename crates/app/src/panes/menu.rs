@@ -57,7 +57,7 @@ pub fn show(
         Popup::open_id(ui.ctx(), id);
     }
 
-    // The subject is kept while the menu is open: the pointer moves on to the entries.
+    // The subject is kept while the menu is open, since the pointer moves on to the entries.
     let Some((pos, about)) = ui.data(|data| data.get_temp::<(Pos2, MenuSubject)>(id)) else {
         return;
     };
@@ -196,7 +196,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
 fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry> {
     let shown = subject.shown;
     let size = shown.session.size_radii();
-    // Around the domain there are copies alone, and places beyond it have no history.
+    // A place beyond the domain lies in a copy, or nowhere: it has no history.
     if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
         return Vec::new();
     }

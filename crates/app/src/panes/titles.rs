@@ -108,7 +108,7 @@ fn title(
     }
 
     parts.push(verdict(verification).to_owned());
-    // A run that has no verdict yet has an empty one.
+    // The words of a verdict are empty before there is one.
     parts.retain(|part| !part.is_empty());
 
     Title {
@@ -139,7 +139,7 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
     painter.rect_filled(above, 0.0, palette.raised);
     let line = |text: &str, font: FontId, color: Color32| {
         let mut job = egui::text::LayoutJob::simple_singleline(text.to_owned(), font, color);
-        // The text begins behind the letter, 40 points from the left, and ends 12 points before the right.
+        // The text begins behind the letter, 40 points from the left edge, and ends 12 points before the right edge.
         job.wrap = egui::text::TextWrapping::truncate_at_width(above.width() - 52.0);
         ui.painter().layout_job(job)
     };
@@ -196,7 +196,7 @@ pub fn echo(
         let at = to.camera.screen_from_domain(rects[there], position);
         let painter = ui.painter_at(rects[there]);
         let stroke = Stroke::new(1.2, context.palette.halo.gamma_multiply(0.7));
-        // A cross that is open in its middle, so that the place itself is seen.
+        // The cross is open in its middle, so that the place itself is seen.
         for side in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
             for way in [-1.0, 1.0] {
                 painter.line_segment([at + way * side * 0.35, at + way * side], stroke);

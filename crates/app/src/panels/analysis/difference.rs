@@ -94,7 +94,7 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     let cell = |index: usize, count: usize, reach: f64| {
         let nu = ((2 * index + 1) as f64 / count as f64 - 1.0) * reach;
         let cell = (0.5 * (nu / Spectrum::MAX_NU + 1.0) * side as f64).floor();
-        // A frequency at the rim of the picture belongs to the last cell.
+        // A frequency on the rim of the picture, where rounding may lead beyond it, belongs to the last cell.
         cell.clamp(0.0, (side - 1) as f64) as usize
     };
 

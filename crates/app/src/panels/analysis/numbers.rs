@@ -75,7 +75,7 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         "",
     );
 
-    // The file keeps its own unit, and this run's r has another length in it.
+    // The file keeps its own unit. It is judged by this run's r, whose length in that unit is `sets.unit`.
     let file = (sets.reference_file).map(|file| file.measured.with_radius(sets.unit));
     for number in CATALOGUE {
         let Some(name) = number.short else {

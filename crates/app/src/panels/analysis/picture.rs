@@ -64,7 +64,7 @@ pub fn show(
 
     let nu = |at: Pos2| f64::from(at.distance(rect.center())) / per_nu;
     let over = response.hover_pos().filter(|at| rect.contains(*at));
-    // During a drag the range is of interest, not the value under the pointer.
+    // During a drag the value under the pointer would hide the range that is dragged.
     let response = match over.filter(|_| !response.dragged()) {
         Some(at) => {
             let offset = at - rect.center();

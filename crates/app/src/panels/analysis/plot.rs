@@ -118,7 +118,7 @@ impl Plot<'_> {
         frame.ground(&painter, rect, palette);
         let within = ui.painter_at(inner.expand(1.0));
         frame.marked(&within, palette);
-        // In reverse, so that the most important curve, which is the first, lies on top.
+        // The most important curve is the first one. It is drawn last, and so lies on top.
         for curve in self.curves.iter().rev() {
             frame.curve(&within, curve);
         }
@@ -132,7 +132,7 @@ impl Plot<'_> {
         }
 
         let pointer = response.hover_pos().filter(|at| inner.contains(*at));
-        // During a drag the range is of interest, not the values under the pointer.
+        // During a drag the values under the pointer would hide the range that is dragged.
         if let Some(at) = pointer.filter(|_| !response.dragged()) {
             let x = frame.x_at(at);
             frame.cursor(&within, x, palette);
@@ -350,13 +350,14 @@ impl PlotFrame<'_> {
             return;
         };
         let x = self.at(*peak).x;
-        // On the side that has more room.
+        // The number stands on that side of its peak where the chart has more room.
         let is_right = x > self.inner.center().x;
         let (offset, align) = if is_right {
             (-7.0, Align2::RIGHT_TOP)
         } else {
             (7.0, Align2::LEFT_TOP)
         };
+        // The numbers of several curves stand below each other.
         let at = pos2(x + offset, top + 1.0 + 12.0 * row as f32);
         let [_, value] = peak;
         let text = format!("{value:.1}");

@@ -26,6 +26,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
         )
     };
 
+    // The power of white noise is 1 at every frequency.
     let thin = Stroke::new(1.0, palette.line);
     for level in [0.0, 1.0] {
         painter.line_segment([at([0.0, level]), at([REACH[0], level])], thin);
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     painter.text(pos, Align2::RIGHT_TOP, "1/r", font, palette.muted);
 
     for (curve, color) in curves.iter().zip([palette.sample, palette.inserted]) {
-        // The plot has margins, into which the line would go on.
+        // A curve that goes on beyond the last frequency would be drawn into the plot's margin.
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points = inside.map(|&point| at(point)).collect::<Vec<_>>();
         painter.line(points, Stroke::new(1.5, color));

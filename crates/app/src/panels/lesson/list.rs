@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
 
     let mut forms = Vec::new();
     for (index, shipped) in state.lessons().shelf.iter().enumerate() {
-        // Tests read every shipped lesson, so this does not fail.
+        // No shipped lesson fails here, since tests read all of them.
         let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
             continue;
         };
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         let intro = RichText::new(labels(state).forms_intro).color(palette.muted);
         ui.add(Label::new(intro).wrap());
         for (lesson, shipped) in &forms {
-            // Forms have no number, as the first lesson: `entry` shows none for 0.
+            // Forms have no number, and neither has the first lesson: index 0 stands for none.
             entry(ui, state, lesson, shipped, 0, palette, commands);
         }
     }
@@ -83,10 +83,11 @@ fn entry(
         Some(german) => german.of(text).to_owned(),
         None => text.to_owned(),
     };
-    let gates = lesson.gates().count();
+
+    let gate_count = lesson.gates().count();
     let results = &state.lessons().results;
     let is_done = |gate: &str| results.of_gate(&shipped.name, gate).is_some();
-    let done = (lesson.gates())
+    let done_count = (lesson.gates())
         .filter(|(_, gate)| is_done(&gate.name))
         .count();
 
@@ -104,17 +105,20 @@ fn entry(
     let command = Command::Lesson(LessonCommand::Open(shipped.name.to_string()));
     button.issues(format_args!("lesson-{}", shipped.name), command, commands);
 
-    // The number and its unit stay on one line.
+    // A number and its unit are not parted between two lines.
     let about = format!("{} ({}\u{a0}min)", words(&lesson.objective), lesson.minutes);
     ui.add(Label::new(RichText::new(about).small().color(palette.muted)).wrap());
-    if done > 0 {
-        let color = if done == gates {
+    if done_count > 0 {
+        let color = if done_count == gate_count {
             palette.inserted
         } else {
             palette.candidate
         };
         let labels = labels(state);
-        let text = format!("{done} {} {gates} {}", labels.of, labels.answered);
+        let text = format!(
+            "{done_count} {} {gate_count} {}",
+            labels.of, labels.answered
+        );
         ui.label(RichText::new(text).small().color(color));
     }
     ui.add_space(6.0);
@@ -137,7 +141,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
         .known_as("lesson-results");
 
-    // The votes of a class are saved too.
+    // Without answers there may still be votes of a class to save.
     if count == 0 && results.votes.is_empty() {
         return;
     }

@@ -45,9 +45,9 @@ pub fn show(ui: &Ui, state: &State) {
     let mut taken = overlay.circles(ui, open);
     taken.extend(overlay.marks(&open.marks(), &taken));
 
-    // The width of a strip may stand on any side of its corner. It comes last, as marks have fewer places for their labels.
-    if let Some((corner, width)) = strip {
-        overlay.strip_label(corner, ui.words(format!("{width} r")), &taken);
+    // The label of a strip comes last: it can stand on any side of its place, while those of marks have fewer places.
+    if let Some((place, width)) = strip {
+        overlay.strip_label(place, ui.words(format!("{width} r")), &taken);
     }
 }
 
@@ -146,7 +146,7 @@ impl Overlay {
     /// Draws marks with their labels, or as crosses where they have none. Labels keep clear of the rectangles `taken`. Returns
     /// the rectangles around the marks and their labels.
     fn marks(&self, marks: &[Mark], taken: &[Rect]) -> Vec<Rect> {
-        // Of a mark beyond the border a part may be in view.
+        // A mark reaches up to 13 points around its place, so that a part of one beyond the border may be in view.
         let near = self.viewport.expand(20.0);
         let marks = marks
             .iter()

@@ -139,10 +139,11 @@ impl Notes<'_> {
     fn bar(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let now = self.state.lessons().now;
         let learner = &self.open.learner;
-        let [before, this, all] = self.talk.planned_secs(learner.index());
+        // The seconds planned for the steps before, for this step, and for the whole talk.
+        let [before, this_step, all] = self.talk.planned_secs(learner.index());
         let elapsed = now - self.talk.begun;
-        // A talk is behind the plan once the time for this step is over, too, and ahead of it before that time has begun.
-        let late = elapsed - before - this;
+        // A talk is behind the plan once the time planned for this step is over, and ahead of the plan before that time begins.
+        let late = elapsed - before - this_step;
         let early = before - elapsed;
 
         ui.horizontal_wrapped(|ui| {
@@ -178,7 +179,7 @@ impl Notes<'_> {
                 "Step {} of {steps}{part}, {} here, {} planned",
                 learner.index() + 1,
                 minutes(now - self.talk.step_begun),
-                minutes(this)
+                minutes(this_step)
             );
             let text = RichText::new(ui.words(text)).color(self.palette.muted);
             phrase(ui, text, "notes-place");
@@ -195,6 +196,7 @@ impl Notes<'_> {
             button(ui, "Back (PageUp)", "notes-back", back, commands);
             // A step that cannot be shown has no question to wait for.
             let waits = self.open.learner.is_open() && self.open.fault.is_none();
+            // The button names the next change on the stage, which depends on the cover, the question and the vote.
             let next = match (talk.cover == Some(Cover::Blank), waits, talk.is_voting) {
                 (true, _, _) => "Show again (PageDown)",
                 (_, true, false) => "Vote (PageDown)",
@@ -236,7 +238,7 @@ impl Notes<'_> {
             }
         });
 
-        // A window on a page has the address of its page.
+        // On a page the address for phones is that of the page. Elsewhere the lecturer types it.
         if self.state.window().address.is_none() {
             ui.horizontal(|ui| {
                 self.muted(ui, ui.words("Address of the page for phones:"));
@@ -298,7 +300,7 @@ impl Notes<'_> {
                 let labels = super::labels(self.state);
                 let language = &self.state.lessons().language;
 
-                // The class does not see this window, which may show the answer before the question is closed.
+                // The class does not see this window, so that it shows the answer before the question is closed.
                 if let Some(answer) = self.open.right_answer(language) {
                     let text = format!("{} {answer}", labels.the_answer);
                     self.colored(ui, text, self.palette.inserted)
@@ -339,7 +341,7 @@ impl Notes<'_> {
             let is_entered =
                 field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if is_entered && !typed.trim().is_empty() {
-                // The field is empty for the second vote.
+                // Taking the text leaves the field empty for the second vote.
                 commands.push(Command::Talk(TalkCommand::Vote(std::mem::take(&mut typed))));
             }
             if !votes.is_empty() {

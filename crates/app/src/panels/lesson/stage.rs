@@ -88,7 +88,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     panel.resizable(false).frame(frame).show(ui, |ui| {
         use egui::scroll_area::ScrollBarVisibility;
         let scroll = ScrollArea::vertical()
-            // A new step begins at its top, and so does its explanation after the answer.
+            // Another id begins at the top: that of a new step, and that of the explanation after the answer.
             .id_salt(("stage", open.learner.index(), open.learner.is_open()))
             // The text of a step fits on the stage, which needs no bar.
             .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
@@ -153,7 +153,7 @@ impl Slide<'_> {
         ui.add_space(4.0);
 
         let is_revealed = step.gate.is_some() && !learner.is_open();
-        // Beside plots there is no room for the text once the class votes.
+        // A question with plots leaves no room for the step's text once the class votes.
         let controls = self.open.controls(&self.state.lessons().language);
         let has_plots = controls.iter().any(Control::has_plot);
         if !(is_revealed || self.talk.is_voting && has_plots) {
@@ -188,7 +188,7 @@ impl Slide<'_> {
             .known_as("stage-ask");
         ui.add_space(6.0);
 
-        // After the answer the options stay as legible as before.
+        // A closed question is disabled, but its options stay as legible as before.
         ui.visuals_mut().disabled_alpha = 1.0;
         let language = &self.state.lessons().language;
         let answers = Answers {
@@ -280,10 +280,12 @@ impl Slide<'_> {
             ink,
         );
 
+        // The letter at the left and the count at the right take 64 points. Without votes the largest count counts as 1, so
+        // that nothing is divided by 0.
         let room = row.width() - 64.0;
         let most = most.unwrap_or(0).max(1) as f32;
-        for (k, (count, color)) in counts.enumerate() {
-            let top = row.top() + 1.0 + 16.0 * k as f32;
+        for (place, (count, color)) in counts.enumerate() {
+            let top = row.top() + 1.0 + 16.0 * place as f32;
             // A count of 0 has a bar, too, in which its colour is seen.
             let width = (room * count as f32 / most).max(2.0);
             let bar = Rect::from_min_size(pos2(row.left() + 22.0, top), vec2(width, 14.0));
@@ -334,7 +336,7 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
                     .flatten()
                     .and_then(|stroke| stroke.points.last());
                 let from = last.map(|&at| camera.screen_from_domain(rect, DVec2::from(at)));
-                // Nearer positions add points to a line, but nothing to its shape.
+                // A position nearer to the last one would add a point to the line, but nothing to its shape.
                 if from.is_none_or(|from| from.distance(pos) >= 1.5) {
                     issue(TalkCommand::Draw(position(pos)));
                 }
@@ -400,7 +402,8 @@ fn code(ui: &Ui, state: &State) {
                 .inner_margin(Margin::same(18))
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
-                        // Room for the margins, and for the address below the code.
+                        // The margins and the address below the code take 130 points of the height. The address has at least 300
+                        // points of width, so that it takes few lines.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
 

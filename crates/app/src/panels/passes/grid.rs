@@ -54,12 +54,12 @@ pub(super) fn show(
         }
     });
 
-    // The canvas marks the row under the pointer, too.
+    // The canvas marks the row that is under the pointer here.
     if pointed != shown.pointed() {
         commands.push(PassCommand::PointRow(pointed));
     }
 
-    // The header comes last, as it follows the rows when they scroll sideways.
+    // The header is drawn last, since it follows the rows sideways, and only now it is known how far they are scrolled.
     header(
         ui,
         head,
@@ -151,7 +151,7 @@ fn row(
     let font = TextStyle::Monospace.resolve(ui.style());
     let painter = ui.painter();
     let at = |end: f32| Pos2::new(rect.left() + end, rect.center().y);
-    // The first column is the number of the row.
+    // The first of the ends is that of the row's number, which is no column of the table.
     let text = number.to_string();
     let small = FontId::monospace(11.0);
     painter.text(

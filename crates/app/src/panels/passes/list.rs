@@ -35,7 +35,8 @@ pub(super) fn show(
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
-        // A key or a button may have selected a pass that is out of view; a user may scroll on from there.
+        // A key or a button may have selected a pass that is out of view. Only a new selection scrolls, so that a user may scroll
+        // on from there. Rows are laid out from the first of the range on, the others by their distance from it.
         if let Some(line) = selected.filter(|_| has_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
@@ -157,7 +158,7 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
     }
 
     time(ui, rect, pass, longest, palette);
-    // Numbers end at 34 points, marks are at 48, and names begin at 62: columns without lines.
+    // Numbers end at 34 points, marks stand at 48, and names begin at 62, so that they form columns without lines.
     let left = rect.left_center();
     let number = FontId::monospace(11.0);
     let at = left + vec2(34.0, 0.0);
