@@ -118,6 +118,7 @@ pub fn show_projector(
 
 /// Shows small buttons in the corner of the canvas that change the colours and leave the projector mode.
 fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
+    // The projector mode has no bar: without these buttons only keys would lead out of it.
     Area::new(Id::unique("leave projector"))
         .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))
         .show(ui.ctx(), |ui| {

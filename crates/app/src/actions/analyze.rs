@@ -16,13 +16,14 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Analyze;
     let analysis = state.analysis();
     // Where there are tiles, a tab of another panel leads away from the analysis. Small windows and the projector mode have no
-    // tiles, so that this action also hides the analysis: the projector mode shows no other panel, and opens it by opening one.
+    // tiles, so that this action also hides the analysis.
     let (name, command) = if !state.window().shows(Panel::Analysis) {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     } else if state.window().drawer.arrangement.is_compact() {
         let close = DrawerCommand::Show(None);
         ("Hide analysis", WindowCommand::Drawer(close))
     } else if state.appearance().look.is_projector() {
+        // The projector mode shows the analysis alone: to open any other panel hides it.
         ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {
         ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))

@@ -91,6 +91,7 @@ fn sessions(list: &mut List, state: &State) {
             FileCommand::Sheet(purpose)
         })
     };
+    // `None` refuses nothing: a file can be opened whatever the window shows.
     toggle(list, "Open session\u{2026}", sheet(Purpose::Open), None).on_keys(COMMAND, Key::O);
     let save = sheet(Purpose::Save);
     toggle(

@@ -157,6 +157,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
 
     let brush = context.analysis.brush;
     if ui.available_width() >= TWO_COLUMNS {
+        // The curves have a column to themselves, below the legend that names their lines.
         ui.columns_const(|[left, right]| {
             charts::picture(left, &sets, brush, &mut own);
             rest(left, context, &sets, commands, &mut own);
@@ -274,6 +275,7 @@ fn progress(
 ) {
     let (palette, measuring) = (context.palette, &context.run.measuring);
     if let Some((part, fraction)) = measuring.progress() {
+        // The button stands before the text, whose length changes, so that it stays under the pointer.
         let cancel = ui.button("Cancel");
         cancel.known_as("analysis.cancel");
         let cancel = cancel.on_hover_text("Stops measuring this moment.");
@@ -287,6 +289,7 @@ fn progress(
     } else if measuring.failure(shown).is_some() {
         ui.button("Measure again")
             .issues("analysis.again", AnalysisCommand::Resume, own);
+    // A moment that was measured whole before has nothing left to measure.
     } else if measuring.is_stopped(shown)
         && !measuring.is_whole(shown)
         && ui.button("Measure this moment").clicked()
@@ -319,6 +322,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     let palette = sets.palette;
     let spectrum = sets.first.spectrum();
     let has_band = spectrum.is_some_and(|(spectrum, _)| spectrum.bands.is_some());
+    // Only where there are two runs, the line of this one is named A.
     let this = match (sets.second, has_band) {
         (None, true) => "this moment, with its 95% band",
         (None, false) => "this moment",

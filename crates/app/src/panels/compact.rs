@@ -330,6 +330,7 @@ fn drawer(
 
     let mut scrolled = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui, &mut Vec<Command>)| {
         Frame::new().inner_margin(inner).show(ui, |ui| {
+            // Each panel keeps how far it was scrolled, under an id of its name.
             ScrollArea::vertical()
                 .id_salt(panel.name())
                 .auto_shrink([false, false])

@@ -295,6 +295,7 @@ impl CurveFrame<'_> {
                 Sense::hover(),
             );
 
+            // The segments of nested levels are their levels, which have numbers in place of names.
             let events = &segment.events;
             let name = match session.nested {
                 Some(_) => format!("Level {index}"),

@@ -14,6 +14,7 @@ const EXPLANATION: &str =
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     labelled(ui, ("Engine", EXPLANATION), palette, |ui, label| {
+        // The mark says that the next run will be made by another engine than the run shown.
         if context.engine_differs {
             changed_mark(ui, palette);
         }

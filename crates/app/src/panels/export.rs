@@ -47,6 +47,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .show(ui.ctx(), |ui| {
             scrolled(ui, 480.0, |ui| {
                 sheet.contents(ui);
+                // The sheet may cover the notice, so that it shows errors itself.
                 super::notice::in_sheet(ui, state);
             });
         });
@@ -77,6 +78,7 @@ impl Sheet<'_> {
         self.file(ui);
         ui.add_space(6.0);
         match self.form.kind {
+            // A file of samples has numbers and no look.
             ExportKind::Result | ExportKind::Samples => self.precision(ui),
             ExportKind::Picture | ExportKind::Scenes => {
                 self.scale(ui);
@@ -95,6 +97,7 @@ impl Sheet<'_> {
             }
         }
 
+        // The last line before the button says what a click will write, or why it cannot.
         ui.add_space(8.0);
         self.prospect(ui);
         ui.add_space(6.0);

@@ -70,6 +70,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         is_closed
     });
 
+    // Escape and a click beside the sheet close it as well.
     if modal.inner || modal.should_close() {
         commands.push(Command::Window(WindowCommand::CloseHelp));
     }

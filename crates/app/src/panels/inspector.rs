@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     };
     heading(ui, name);
 
+    // The rows stand closer than in other panels, since a sample has up to ten of them.
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;

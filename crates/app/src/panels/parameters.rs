@@ -90,6 +90,7 @@ impl<'a> FormContext<'a> {
             engine_differs: state
                 .gpu()
                 .differs(&state.runs().first, &state.form().draft),
+            // Fields are marked where they differ from these. A run that was not made from a recipe has none to differ from.
             made: match &state.runs().first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,

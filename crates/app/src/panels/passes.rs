@@ -370,6 +370,7 @@ impl PassesPanel<'_> {
                 Some(Ok(message)) => (message, palette.inserted),
                 Some(Err(message)) => (message, palette.conflict),
             };
+            // The message may be cut off. The tooltip has all of it.
             let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
             label.known_as("passes.written");
             label.on_hover_text(text);
@@ -379,6 +380,7 @@ impl PassesPanel<'_> {
     /// Shows the fields for a word of the buffer to change after the pass, to inject a fault.
     fn fault_editor(&mut self, ui: &mut Ui, visit: &Visit, table: &BufferTable) {
         let palette = self.palette;
+        // The typed numbers are kept between frames, and are the same for all buffers.
         let id = ui.scope_id().with("what if");
         let (mut index, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
 
@@ -460,6 +462,7 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
         parts.push(counted(count as usize, "invocation", "invocations"));
     }
 
+    // A single pass may lack its time on an adapter that measures others.
     parts.push(match report.seconds {
         Some(seconds) => tilescope_workbench::passes::model::duration_text(seconds),
         None if passes.has_timestamps() => "not timed".to_owned(),

@@ -34,6 +34,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
     };
     let parameters = &session.run().parameters;
     let names: &[&str] = match (parameters.method, parameters.variant, parameters.insertion) {
+        // Exact tiling has neither variants nor ways of insertion, and the variant as printed has no ways of insertion.
         (TilingMethod::Exact, _, _) => &["blocks", "exact", "finish"],
         (TilingMethod::Kdrt, Variant::AsPrinted, _) => {
             &["blocks", "tile", "printed", "gaps", "finish"]
@@ -310,6 +311,7 @@ fn breakpoint(
     let painter = ui.painter();
     match set {
         Some(breakpoint) => {
+            // A breakpoint that is switched off is an empty ring.
             let fill = if breakpoint.enabled {
                 palette.conflict
             } else {
@@ -332,6 +334,7 @@ fn breakpoint(
                 );
             }
         }
+        // A muted ring says that a click would set a breakpoint.
         None if response.hovered() || response.has_focus() => {
             painter.circle_stroke(at, 5.0, Stroke::new(1.2, palette.muted));
         }

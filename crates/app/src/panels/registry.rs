@@ -54,6 +54,7 @@ pub fn show_panel(
                 .show(ui, |ui| content.show(ui, state, commands));
             canvas.show(ui, &CanvasContext::of(state), commands);
         }
+        // The timeline has other margins, which `timeline_height` counts.
         (Panel::Timeline, _) => {
             filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
                 content.show(ui, state, commands);

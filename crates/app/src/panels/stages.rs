@@ -36,6 +36,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return levels(ui, context, session, nested, commands);
     }
 
+    // The row of heads is never current. Without a key it cannot be clicked.
     let is_current = false;
     row(ui, ["", "change", "samples"], is_current, palette, None);
     for (index, &stage) in session.stages.iter().enumerate() {
@@ -82,6 +83,7 @@ fn levels(
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
+    // The row of heads is never current. Without a key it cannot be clicked.
     let is_current = false;
     row(ui, ["", "radius", "samples"], is_current, palette, None);
 
@@ -118,6 +120,7 @@ fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Pa
     heading(ui, "At the seams");
     let summary = &session.summary;
     let inserted: usize = summary.inserted.iter().sum();
+    // Eliminated samples are a share of all that the sets had, and inserted ones of the result.
     let of = |part: usize, whole: usize| format!("{}  {}", grouped(part), share(part, whole));
     let length = combination.length;
     let seams = grouped(combination.seams.len());

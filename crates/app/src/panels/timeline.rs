@@ -79,6 +79,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
+    // The numbers of stages and iterations are taken to have one digit.
     let text = match context.run.prefix() {
         Some(_) => vec![
             format!("{most} of {most} samples"),
@@ -383,7 +384,8 @@ impl Player {
 /// loop and the curve of the run.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    ui.label(RichText::new(said(ui.ctx(), context)).size(14.5))
+    // The sentence below the canvas may be cut off.
+    ui.label(RichText::new(said(ui.ctx(), context)).size(COMPACT_SIZE))
         .known_as("status-whole");
     for (k, text) in context.run.moment_texts().into_iter().enumerate() {
         ui.label(
@@ -404,6 +406,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
+            // Nested levels have a cursor without events, and can be looped over, too.
             let button =
                 ui.add_enabled(context.run.cursor().is_some(), Button::new(ui.words(name)));
             button.known_as(Kebab(&command));
@@ -428,6 +431,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         .is_none()
         .then_some("There is no session yet.");
 
+    // At the end of the run play begins anew, so that it is refused only without a session.
     let [at_end, at_start] = time_refusals(context.run, context.time);
     let (play, play_name) = if context.time.playback.is_playing() {
         (Icon::Pause, "Pause (Space)")

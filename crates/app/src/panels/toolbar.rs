@@ -236,6 +236,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let name = ui.words(format!("{} menu", menu.name()));
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
         response.known_as(format_args!("menu.{}", Kebab(menu)));
+        // A click on the name of the open menu closes it.
         if response.clicked() {
             let chosen = (!is_open).then_some(menu);
             ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
@@ -274,6 +275,7 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
         response.known_as(format_args!("submenu.{}", Kebab(submenu)));
 
+        // A click on the name of the open submenu closes it.
         if response.clicked() {
             let chosen = (!is_open).then_some(submenu);
             ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
@@ -370,6 +372,7 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
     let mark = IdSalt::new("check mark");
     let name = ui.words(action.label());
+    // The room of the mark is there whether or not the entry is on, so that the names of the entries begin at one place.
     let mut button = if has_marks {
         Button::new((Atom::custom(mark, Vec2::splat(MARK)), name.as_str()))
     } else {

@@ -218,6 +218,7 @@ fn show_segment(
     commands: &mut Vec<Command>,
 ) {
     let [name, shorter] = segment.names.each_ref().map(|name| ui.words(name));
+    // A point is left free at both ends, so that neighbouring bars stand apart.
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -236,6 +237,7 @@ fn show_segment(
         ui.painter().rect_filled(swatch, 2.0, color);
     }
 
+    // Only the label below the bar is clicked: on the bar the cursor is dragged.
     let response = ui.interact(
         label,
         ui.scope_id().with(("stage", segment.index)),

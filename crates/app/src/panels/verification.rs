@@ -215,6 +215,7 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
 
     let number = |value: Option<f64>, digits: usize, unit: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
+        // The distance of a single sample to another one is infinite.
         Some(_) => "none".to_owned(),
         None => "\u{2013}".to_owned(),
     };
@@ -345,6 +346,7 @@ fn property(
     let shown = ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(16.0, 20.0), Sense::hover());
         let (text, color) = match judged {
+            // A dash stands for a verdict that is not there yet.
             None => ("\u{2013}".to_owned(), palette.muted),
             Some((true, _)) => ("yes".to_owned(), palette.inserted),
             Some((false, fault)) => (format!("no: {fault}"), palette.conflict),

@@ -198,6 +198,7 @@ impl RowPainter<'_> {
 
     /// Draws the selected row, or the one under the pointer, enlarged.
     fn single_out(&self, spots: &[RowPlace], width: f32) {
+        // The outline stands clear of the row's own mark, which stays visible.
         let stroke = Stroke::new(width, self.palette.halo);
         for spot in spots {
             match spot {

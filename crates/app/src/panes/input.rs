@@ -76,6 +76,7 @@ fn inspect_later(
         return;
     };
 
+    // Beside tiles the panel covers nothing, and opens at once.
     let wait = if context.is_compact {
         ui.options(|options| options.input_options.max_double_click_delay)
     } else {
@@ -282,6 +283,7 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
 
     ui.input_mut(|input| {
         for (key, delta) in moves {
+            // Several presses of a key may fall into one slow frame.
             let count = input.count_and_consume_key(egui::Modifiers::NONE, key);
             commands.extend((0..count).map(|_| ViewCommand::Pan(delta)));
         }

@@ -62,6 +62,7 @@ pub fn show(
         return;
     };
 
+    // A click on the canvas beside the menu closes it.
     let closes = response.clicked().then_some(SetOpenCommand::Bool(false));
     let popup = Popup::menu(response).id(id).open_memory(closes);
     popup.at_position(pos).show(|ui| {

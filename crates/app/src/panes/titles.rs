@@ -76,6 +76,7 @@ fn title(
 ) -> Title {
     let mut parts = Vec::new();
     if let (Some(own), Some(other)) = (own, other) {
+        // The parameters that differ tell the runs apart. Where none differs, the seed still names the run.
         let differing = contrast_of(own, other).unwrap_or_default();
         parts.extend(
             differing

@@ -199,6 +199,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         }),
         is_compared: sets.second.is_some(),
         brush: Brush::along(brush, BrushAxis::Frequency),
+        // The curve of the anisotropy is the flattest of the three, and needs less height.
         height: HEIGHT - 14.0,
     };
 

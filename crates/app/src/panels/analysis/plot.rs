@@ -180,6 +180,7 @@ impl Plot<'_> {
             }
         }
 
+        // A difference needs a value of both runs near x.
         if let [a, b, ..] = &self.curves[..]
             && self.is_compared
             && let (Some([_, a]), Some([_, b])) = (nearest(&a.points, x), nearest(&b.points, x))
@@ -275,6 +276,7 @@ impl PlotFrame<'_> {
             palette.muted,
         );
 
+        // The axes lie over the lines of the ticks.
         self.level(painter, palette);
         let border = Stroke::new(1.0, palette.border);
         painter.hline(inner.x_range(), inner.bottom(), border);
@@ -308,6 +310,7 @@ impl PlotFrame<'_> {
 
     fn curve(&self, painter: &Painter, curve: &Curve) {
         let points: Vec<Pos2> = curve.points.iter().map(|&point| self.at(point)).collect();
+        // The band lies below its line.
         if let Some(band) = &curve.band {
             painter.add(self.band(curve, band));
         }
@@ -421,6 +424,7 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
             painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
         }
         Dash::Long => {
+            // In the width of a legend's sample two dashes that end at its sides stand for the longer pattern of a curve.
             painter.extend(Shape::dashed_line(
                 &ends,
                 Stroke::new(1.8, color),

@@ -208,6 +208,7 @@ impl Slide<'_> {
                 .known_as("stage-vote");
         }
 
+        // The first vote alone is not shown: it would spoil the discussion before the second one.
         let key = self.state.classroom().talk_key();
         if let [first, second] = self.state.talks().record.votes_on(&key) {
             self.votes(ui, [first, second]);
@@ -374,6 +375,7 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
         painter.circle(at, radius, red, Stroke::new(1.5, Color32::WHITE));
     }
 
+    // The mouse pointer is hidden while the pen is in use: a ring in the pen's colour stands for it.
     let hovered = ui.input(|input| input.pointer.hover_pos());
     if talk.tool == Tool::Pen
         && let Some(at) = hovered.filter(|at| rect.contains(*at))

@@ -154,6 +154,7 @@ impl Fields<'_> {
         });
         self.error(ui, FormPart::Samples, "count.refusal");
 
+        // Both remarks tell beforehand the price of a large run.
         if draft.keeps_result_only() {
             let text =
                 "So large a run keeps its result only: there will be no steps to go through.";
@@ -284,6 +285,7 @@ impl Fields<'_> {
         (current, options): (T, &[Listed<T>]),
         command: impl FnOnce(T) -> Choice,
     ) {
+        // The list changes a copy of the value. Whether a command follows is known once the list was shown.
         let mut chosen = current;
         let text = options.iter().find(|(value, ..)| *value == current);
 

@@ -134,6 +134,7 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     let font = FontId::new(12.5, semibold());
     let left = rect.left_center() + vec2(8.0, 2.0);
     painter.text(left, Align2::LEFT_CENTER, name, font, palette.text);
+    // Without measured times the number of passes stands in their place.
     let right = seconds.map_or(count, duration_text);
     let font = FontId::proportional(11.5);
     let at = rect.right_center() + vec2(-12.0, 2.0);
