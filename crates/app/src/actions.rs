@@ -351,7 +351,7 @@ impl List {
             // A refused action has nothing to close, so that the key goes to the next one.
             let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
             if let Some(action) = self.actions.iter_mut().find(is_way) {
-                // A key that menus show already stays the first one of its action.
+                // Menus show the first key of an action: an action that has one keeps it.
                 let key = match action.shortcut {
                     Some(_) => &mut action.also,
                     None => &mut action.shortcut,
@@ -367,6 +367,7 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const NONE: Modifiers = Modifiers::NONE;
 
+/// Adds undo, and the actions of parameters and of the selection.
 fn edit(list: &mut List, state: &State) {
     list.menu = Menu::Edit;
     let no_past = (!state.past().history.can_undo()).then_some("Nothing was changed yet.");
@@ -383,7 +384,7 @@ fn edit(list: &mut List, state: &State) {
     let nothing_selected = run.selected.is_none() && run.place.is_none();
 
     list.group();
-    // The keyboard has no pointer, at which a click selects: it selects at the centre.
+    // A click selects at the pointer. The keyboard selects at the centre of the view instead.
     let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
     list.add("Select at the centre of the view", middle)
         .on_key(Key::M)
@@ -410,7 +411,7 @@ fn help(list: &mut List) {
 
 /// Adds going through the scenes, and making one.
 fn scenes(list: &mut List, state: &State) {
-    // A user without scenes can still go through those of the tour, of which one is shown then.
+    // While a scene of the tour is shown, a user without scenes can go through those of the tour.
     let has_scenes =
         state.scenes().shown.is_some() || !SceneList::Own.scenes(&state.runs().first).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
@@ -446,6 +447,7 @@ pub const fn projector_action(look: Look) -> &'static str {
     }
 }
 
+/// Adds the actions that change how a moment is shown: the camera, panels, layers, looks and scenes.
 fn view(list: &mut List, state: &State) {
     list.menu = Menu::View;
     let run_a = |command| Command::View(Which::First, command);
@@ -484,7 +486,7 @@ fn view(list: &mut List, state: &State) {
     full.is_on = state.window().is_full;
 
     let drawer = &state.window().drawer;
-    // Only a small window has a panel that closes, which gives its room to the canvas. Others hide panels one by one.
+    // A small window shows at most one panel, which can be closed. Other windows hide their panels one by one.
     if drawer.arrangement.is_compact() {
         let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
@@ -703,6 +705,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
     ]
 }
 
+/// Adds the actions of breakpoints and watches, and the way to an event's cause.
 fn debug(list: &mut List, state: &State) {
     list.menu = Menu::Debug;
     let no_events = no_events(state);

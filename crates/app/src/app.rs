@@ -68,6 +68,7 @@ impl App {
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
         let mut state = State::new(Arc::new(move || waker.request_repaint()));
+        // Whether the window is full is known with its first frame.
         state.begin_frame(FrameStart {
             now: now(),
             is_full: None,
@@ -158,6 +159,7 @@ impl App {
         }
         self.leave_stage(ui.ctx());
 
+        // An embedded window has nothing to show a dropped file in.
         if self.state.window().embedding.is_none() {
             self.take_dropped(ui);
         }
@@ -309,6 +311,7 @@ impl App {
         }
     }
 
+    /// Shows the panels as tiles, and changes the layout where the user dragged them.
     fn show_tiles(&mut self, ui: &mut Ui) {
         let before = &self.state.window().layout;
         let mut layout = before.clone();
@@ -430,6 +433,7 @@ impl App {
         }
     }
 
+    /// Applies the look and the style for fingers or a mouse, where one of them has changed.
     fn follow_look(&mut self, ctx: &Context) {
         let is_compact = self.state.window().drawer.arrangement.is_compact();
         let input_style = InputStyle {
@@ -445,14 +449,14 @@ impl App {
         theme::restyle(ctx, look, input_style);
         // A small window has no room for the projector's larger type.
         let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
-        let (before, after) = (
+        let (zoom_before, zoom_now) = (
             zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );
 
-        // The zoom is set only where these two differ. Otherwise a zoom that was set elsewhere stays, as that of a talk's stage.
-        if before.to_bits() != after.to_bits() {
-            ctx.set_zoom_factor(after);
+        // A zoom that does not change is not set, since the stage of a talk, for instance, may have set another one.
+        if zoom_before.to_bits() != zoom_now.to_bits() {
+            ctx.set_zoom_factor(zoom_now);
         }
         (self.shown_look, self.shown_input_style) = (look, input_style);
         ctx.request_repaint();

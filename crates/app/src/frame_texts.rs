@@ -13,8 +13,8 @@ use crate::App;
 
 /// The window in which questions are shown, in points.
 const SIZE: [f32; 2] = [1280.0, 720.0];
-/// The runs in which a question is shown: the step's own and those of a few seeds. What the window says differs between
-/// runs in numbers alone.
+/// The number of seeds whose runs show a question, besides the run of its step. Few suffice, since the texts of the window
+/// differ between runs in numbers alone.
 const SEEDS: u64 = 2;
 /// The frames until a panel that has opened is laid out.
 const FRAMES: usize = 3;

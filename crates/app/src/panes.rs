@@ -84,6 +84,7 @@ impl Canvas {
 
     /// Shows the canvas in the remaining space of `ui`.
     pub fn show(&mut self, ui: &mut Ui, context: &CanvasContext<'_>, commands: &mut Vec<Command>) {
+        // A window may leave the canvas no room: views are fitted in at least a point.
         let size = ui.available_size().max(vec2(1.0, 1.0));
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
         let subject = context.subjects[0];
@@ -186,15 +187,15 @@ impl PaneSide<'_> {
             menu::show(ui, &response, subject, self.which, commands);
         }
 
-        let of_samples = pane.paint(ui, rect, subject, palette);
+        let note_on_samples = pane.paint(ui, rect, subject, palette);
         // Only run A has passes of the GPU, whose buffers have rows.
         let rows = match self.which {
             Which::First => context.rows,
             Which::Second => None,
         };
         let note = match rows {
-            Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, of_samples),
-            None => of_samples,
+            Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note_on_samples),
+            None => note_on_samples,
         };
 
         overlay::scale_bar(&painter, rect, subject, palette);

@@ -49,6 +49,7 @@ struct Maker {
 }
 
 impl Maker {
+    /// Inserts a tile of a layout with all tiles within it, and returns its id.
     fn insert(&mut self, tile: &layout::LayoutTile) -> TileId {
         if let layout::LayoutTile::Panel(panel) = tile {
             let id = tile_of(*panel);
@@ -97,6 +98,7 @@ pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
     Some(layout)
 }
 
+/// Returns the tile of a layout for the tile of this id, which lies `depth` containers below the root.
 fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::LayoutTile> {
     // Deeper layouts would not be read back from a link or a file.
     if depth > MAX_DEPTH {

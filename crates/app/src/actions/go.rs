@@ -119,7 +119,7 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
 
 /// Returns the events that can be run to, with a key each.
 fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
-    // The keys are initials; with Shift they run backwards.
+    // The keys are initials. With Shift they run backwards.
     let mut targets: Vec<(String, Option<Key>, Target)> = [
         ("conflict", Key::C, Target::Conflict),
         ("elimination", Key::E, Target::Elimination),
@@ -136,6 +136,7 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
 
+    // H stands for the history of the sample, and L for the line.
     if let Some(id) = state.runs().first.selected {
         let name = format!("event of sample {}", grouped(id as usize));
         targets.push((name, Some(Key::H), Target::Sample(id)));

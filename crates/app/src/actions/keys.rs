@@ -96,29 +96,30 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     });
 
     let mut any = false;
-    for (key, pressed) in presses {
-        let is_text = typing && !pressed.command && !is_function(key);
+    for (key, held) in presses {
+        // A field takes what is typed into it.
+        let is_text = typing && !held.command && !is_function(key);
         // Escape closes an open menu or list.
         let closes_popup = key == Key::Escape && has_popup;
         // Space and Enter press a button that has the focus.
         let presses_button = has_focus
             && !on_canvas
-            && (key == Key::Space || (key == Key::Enter && pressed.is_none()));
+            && (key == Key::Space || (key == Key::Enter && held.is_none()));
         // Arrows move the picture of a canvas that has the focus.
         let moves_picture =
-            on_canvas && matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
+            on_canvas && matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
         if is_text || closes_popup || presses_button || moves_picture {
             continue;
         }
         // An open sheet takes Escape, which closes it, and letters. Only keys with Ctrl pass.
-        if has_sheet(state) && !pressed.command {
+        if has_sheet(state) && !held.command {
             continue;
         }
-        let Some((action, modifiers)) = meant_by(key, pressed, state) else {
+        let Some((command, modifiers)) = meant_by(key, held, state) else {
             continue;
         };
         ctx.input_mut(|input| input.consume_key(modifiers, key));
-        state.apply(action);
+        state.apply(command);
         any = true;
     }
 
@@ -130,11 +131,11 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 }
 
 /// Returns what a press does in the current state, and the modifiers of its shortcut.
-fn meant_by(key: Key, pressed: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
+fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
     let is_listed = state.window().finder.is_some();
     actions(state).into_iter().find_map(|action| {
         let shortcut = action.keys().find(|shortcut| {
-            shortcut.logical_key == key && pressed.matches_exact(shortcut.modifiers)
+            shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
         })?;
         // While the list of actions is open, text is typed into it: only the key that closes the list counts.
         let is_heard = !is_listed || action.command == Command::Window(WindowCommand::ToggleFinder);
@@ -182,8 +183,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             Some(_) => 0,
             None => {
                 let opens = |event: &Event| {
-                    press(event).is_some_and(|(key, pressed)| {
-                        key == Key::K && pressed.matches_exact(COMMAND)
+                    press(event).is_some_and(|(key, held)| {
+                        key == Key::K && held.matches_exact(COMMAND)
                     })
                 };
                 // The text follows the key that opens the list.

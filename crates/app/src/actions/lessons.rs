@@ -28,6 +28,7 @@ fn own<'a>(list: &'a mut List, name: &str, command: LessonCommand) -> &'a mut Ac
     list.add(name, Command::Lesson(command))
 }
 
+/// Adds the list of lessons, and the actions of the lesson that is open.
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Help;
     let name = if state.lessons().shows_list {
@@ -65,7 +66,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         own(list, "Give up", LessonCommand::GiveUp);
         let controls = open.controls(&state.lessons().language);
         let count = controls.iter().flat_map(Control::items).count();
-        // Digits count through the items of all lists of the question; items beyond the last digit have no key.
+        // Digits count through the items of all lists of the question. Items beyond the ninth have no key.
         for (index, key) in DIGITS.into_iter().enumerate().take(count) {
             let choose = LessonCommand::Draft(DraftCommand::Choose(index));
             own(list, &format!("Choose answer {}", index + 1), choose).on_key(key);

@@ -60,6 +60,7 @@ fn begin(list: &mut List, state: &State) {
 
 /// Adds the actions of the lecturer during the talk. To add one, begin with its `TalkCommand`.
 fn given(list: &mut List, talk: &Talk) {
+    // Without a stage, the key that goes to the first step opens the stage.
     let first = if talk.windows.stage {
         TalkCommand::First
     } else {

@@ -47,9 +47,10 @@ impl App {
         }
     }
 
+    /// Asks whether to close the window although something would be lost, and follows the answer.
     fn ask_to_close(&mut self, ctx: &Context) {
         let unfinished = self.state.files().unfinished(&self.state.runs().first);
-        // What kept the window open may have ended meanwhile; the question then has no reason.
+        // The work that kept the window open may have ended meanwhile. Then nothing would be lost.
         if unfinished.is_empty() {
             self.closing = Closing::No;
             return;

@@ -241,7 +241,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
         return format!("{name}: {} {share}", numbers::counts(live));
     }
 
-    // Only measures that are drawn, faded, are named.
+    // The measures of another moment are named only where they are drawn, faded.
     let old = match measuring.last(shown).filter(|_| measures.before.is_some()) {
         Some(known) => format!(" Faded: {}.", known.name),
         None => String::new(),
@@ -318,11 +318,12 @@ fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     });
 }
 
+/// Shows an entry of the legend for each line of the charts.
 fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     let palette = sets.palette;
     let spectrum = sets.first.spectrum();
     let has_band = spectrum.is_some_and(|(spectrum, _)| spectrum.bands.is_some());
-    // Only where there are two runs, the line of this one is named A.
+    // With a second run beside it, this one is named A.
     let this = match (sets.second, has_band) {
         (None, true) => "this moment, with its 95% band",
         (None, false) => "this moment",

@@ -100,7 +100,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         return;
     };
 
-    // Between the scale bar and the zoom if there is room, otherwise above them.
+    // The card stands between the scale bar and the zoom if there is room, and above them otherwise.
     let [widest, least] = CAPTION_WIDTHS;
     let between = canvas.width() - 2.0 * BESIDE;
     let (room, above) = if between >= least {

@@ -282,7 +282,7 @@ impl CompactWindow<'_> {
         part(ui, "tabs", rects.tabs, vec2(8.0, 4.0), fill, |ui| {
             tabs(ui, self.state, self.commands);
         });
-        // No panel is open, or the window has no room for it.
+        // Without an open panel, or without room for it, nothing is below the tabs.
         if rects.drawer.height() < 1.0 {
             return;
         }
@@ -314,6 +314,7 @@ pub(super) fn part(
     });
 }
 
+/// Shows the open panel below the tabs.
 fn drawer(
     ui: &mut Ui,
     panel: Panel,
@@ -362,6 +363,7 @@ const fn tab_name(panel: Panel) -> &'static str {
     }
 }
 
+/// Shows the row of tabs, and the buttons of the open panel beside it.
 fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
     ui.horizontal_centered(|ui| {

@@ -92,6 +92,7 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
     commands.extend(own.into_iter().map(Command::Compare));
 }
 
+/// Shows the buttons of run B, and how far it is sampled.
 fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let ready = side.session.is_some();
@@ -151,6 +152,7 @@ fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareComma
     }
 }
 
+/// Shows the first event or stage at which the runs differ, and the button that goes there.
 fn parting(
     ui: &mut Ui,
     context: &CompareContext<'_>,
@@ -241,6 +243,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
     }
 }
 
+/// Shows how many samples the runs have in common at this moment, and the switch of their marks.
 fn now(
     ui: &mut Ui,
     context: &CompareContext<'_>,
@@ -259,9 +262,9 @@ fn now(
     let found = comparison.differences.of(&a, &b);
     if difference::comparable(&a, &b) {
         for (name, count) in [
-            ("in both", found.map(|d| d.common)),
-            ("in A alone", found.map(|d| d.first.len())),
-            ("in B alone", found.map(|d| d.second.len())),
+            ("in both", found.map(|samples| samples.common)),
+            ("in A alone", found.map(|samples| samples.first.len())),
+            ("in B alone", found.map(|samples| samples.second.len())),
         ] {
             row(ui, name, &number(count), palette);
         }

@@ -46,6 +46,7 @@ pub fn show(
     };
 
     let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
+    // The chooser ends 14 points before the chart, as the controls below it do before the track.
     let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
     // Where the chooser does not fit, the actions of the View menu choose the number.
     if beside.width() >= MIN_BESIDE {
@@ -166,7 +167,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
     if let Some(pointer) = response.interact_pointer_pos()
         && response.dragged()
     {
-        // The range of the target type comes first, so that the cast drops nothing but the fraction.
+        // Within the range of `u16` the cast drops nothing but the fraction.
         let height = (chart.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
         commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
     }
@@ -284,7 +285,7 @@ impl CurveFrame<'_> {
             .on_hover_text_at_pointer(RichText::new(text).monospace());
     }
 
-    /// Tells screen readers the values at the end of each stage, a row for each.
+    /// Tells screen readers the values at the start and the end of each stage, in a row for each.
     fn table(&self, ui: &Ui, session: &Session) {
         let value_at = |cursor: usize| value_of(self.points, self.number, cursor);
         for (index, segment) in self.segments.iter().enumerate() {

@@ -69,6 +69,7 @@ struct Sheet<'a> {
 }
 
 impl Sheet<'_> {
+    /// Shows the choice of the kind, the fields of this kind, and the button that writes it.
     fn contents(&mut self, ui: &mut Ui) {
         self.kinds(ui);
         ui.add_space(6.0);
@@ -160,6 +161,7 @@ impl Sheet<'_> {
         )
     }
 
+    /// Shows the field of the file, its formats, and remarks on its name.
     fn file(&mut self, ui: &mut Ui) {
         // A browser chooses the folder itself, so that there is nothing to browse for.
         let web = self.in_browser;
@@ -459,7 +461,7 @@ impl Sheet<'_> {
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);
         }
-        // As high as the line below the progress.
+        // The line below the progress has the same height.
         ui.allocate_space(vec2(1.0, 18.0));
     }
 

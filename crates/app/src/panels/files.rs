@@ -37,6 +37,7 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     }
 }
 
+/// Shows what the sheet is for, the field of the file, and the button that opens or saves it.
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let palette = Palette::of(state.appearance().look);
     ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));

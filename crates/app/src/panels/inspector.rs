@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     };
     heading(ui, name);
 
-    // The rows stand closer than in other panels, since a sample has up to ten of them.
+    // The rows stand closer than in other panels, since a sample has many of them.
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
@@ -181,6 +181,7 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVe
     }
 }
 
+/// Shows where a sample comes from, and its state at this moment and in the end.
 fn sample(
     ui: &mut Ui,
     shown: &ShownMoment<'_>,
@@ -214,6 +215,7 @@ fn sample(
             };
             row(ui, source_name, &block.to_string(), palette);
             row(ui, index_name, &grouped(pattern as usize), palette);
+            // A sample is `own` if it lies inside the block or rectangle, and not in the margin around it.
             let lies = if own { inside } else { "in the margin" };
             row(ui, "Lies", lies, palette);
         }

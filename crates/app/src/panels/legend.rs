@@ -116,6 +116,7 @@ fn marks(ui: &mut Ui, palette: &Palette) {
     }
 }
 
+/// Shows the choice of the meaning of colours.
 fn colouring(
     ui: &mut Ui,
     context: &PanelContext<'_>,

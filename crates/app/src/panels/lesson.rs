@@ -163,6 +163,7 @@ impl LessonPanel<'_> {
         RichText::new(text).color(self.palette.muted)
     }
 
+    /// Shows the step: its title and text, its question with the answers, and the ways to other steps.
     fn show(&mut self, ui: &mut Ui) {
         self.bar(ui);
         self.steps(ui);
@@ -259,6 +260,7 @@ impl LessonPanel<'_> {
         });
     }
 
+    /// Shows the question and its answers; while it is open the buttons to answer it, afterwards the verdict.
     fn question(&mut self, ui: &mut Ui, question: &Question) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
@@ -285,11 +287,11 @@ impl LessonPanel<'_> {
         };
         answers.show(ui, self.commands);
 
-        let top = ui.cursor().top();
+        let below_answers = ui.cursor().top();
         if !learner.is_open() {
             self.feedback(ui);
             self.revealed(ui);
-            self.follow_verdict(ui, top);
+            self.follow_verdict(ui, below_answers);
             return;
         }
 

@@ -37,7 +37,7 @@ pub fn in_sheet(ui: &mut Ui, state: &State) {
     response.known_as("notice");
 }
 
-/// Shows the notice, if there is one, over the canvas; an error of an open sheet is shown there.
+/// Shows the notice, if there is one, over the canvas. An open sheet shows errors itself.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(notice) = &state.messages().notice else {
         return;
@@ -79,7 +79,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     ui.horizontal(|ui| {
                         let size = vec2(16.0, 22.0);
                         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-                        verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
+                        let is_good = !notice.is_error;
+                        verdict_mark(ui.painter(), rect.center(), is_good, color);
                         ui.scope(|ui| {
                             // The rest of the width is for the mark and the buttons beside the text.
                             ui.set_max_width(

@@ -109,6 +109,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
 
     let mut ui_left = ui.new_child(column(left.shrink2(vec2(0.0, 2.0))).id_salt("list"));
     panel.list(&mut ui_left);
+    // A line stands in the middle of the gap between the columns.
     let right = right.with_min_x(right.left() + 16.0);
     ui.painter()
         .vline(right.left() - 8.0, area.y_range(), (1.0, palette.line));

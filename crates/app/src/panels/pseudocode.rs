@@ -146,7 +146,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
 
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
-    // The places of the frame before serve in this frame already: in the next one a run that plays has moved on.
+    // The lines' places in the frame before serve in this frame already: in the next one a run that plays has moved on.
     let offset = seen.and_then(|seen| seen.placed.scroll_to(now.leading()));
     if let Some(offset) = offset.filter(|_| has_moved) {
         area = area.vertical_scroll_offset(offset);
@@ -196,7 +196,7 @@ fn title(ui: &mut Ui, listing: &Listing) {
     ui.add_space(2.0);
 }
 
-/// Shows a line, and returns its place.
+/// Shows a line of a listing with its breakpoint and its remark, and returns its rectangle.
 fn show_line(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -232,18 +232,18 @@ fn show_line(
     let gutter = Rect::from_min_size(rect.min, vec2(gutter_width, rect.height()));
     let body = Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
     let scope = ui.scope_id();
-    let text = ui.interact(body, scope.with(("line", id.0)), Sense::click());
+    let response = ui.interact(body, scope.with(("line", id.0)), Sense::click());
     let said = match tag {
         Some(tag) => format!("Line {}, {tag}: {words}", line.id),
         None => format!("Line {}: {words}", line.id),
     };
     let is_current = now.done == Some(id);
-    text.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &said));
-    text.known_as(format_args!("{}.line", line.id));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &said));
+    response.known_as(format_args!("{}.line", line.id));
 
     if is_current || tag.is_some() {
         highlight(ui, rect, is_current, palette);
-    } else if text.hovered() || text.has_focus() {
+    } else if response.hovered() || response.has_focus() {
         let fill = palette.text.gamma_multiply(0.06);
         ui.painter().rect_filled(body, 4.0, fill);
     }
@@ -254,13 +254,13 @@ fn show_line(
     }
 
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
-    let text = text
+    let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_ui(|ui| {
             ui.label(explanation(line));
             terms(ui, &words, palette);
         });
-    if text.clicked() {
+    if response.clicked() {
         let run_to = TimeCommand::RunTo(Target::Line(id), Direction::Forwards);
         commands.push(Command::Time(run_to));
     }
@@ -293,6 +293,7 @@ fn highlight(ui: &Ui, rect: Rect, is_current: bool, palette: &Palette) {
     }
 }
 
+/// Shows the breakpoint of a line in the gutter; a click sets or removes it.
 fn breakpoint(
     ui: &mut Ui,
     debugger: &Debugger,

@@ -37,6 +37,7 @@ pub fn show_panel(
     commands: &mut Vec<Command>,
 ) {
     let frame = Frame::new().fill(Palette::of(state.appearance().look).panel);
+    // The margin at the right is narrow, since the scroll bar keeps the content away from the edge.
     let side = frame.inner_margin(Margin {
         left: 12,
         right: 4,

@@ -138,6 +138,7 @@ fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Pa
     }
 }
 
+/// Returns what a stage adds and takes away: pieces, blocks or samples.
 fn change(session: &Session, stage: Stage) -> String {
     let summary = &session.summary;
 
@@ -153,7 +154,7 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        // Iterations are counted from 1, and their numbers of samples from 0.
+        // Iterations are counted from 1, and the list of their insertions from 0.
         Stage::Iterate(k) => {
             let inserted = grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0));
             // Exact tiling drops samples in each iteration, KDRT before the first one alone.
@@ -167,7 +168,7 @@ fn change(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Shows a row; rows of stages and levels, which have an id, can be clicked.
+/// Shows a row. Rows of stages and levels, which have a key, can be clicked; the row of heads has none.
 fn row(
     ui: &mut Ui,
     texts: [&str; 3],

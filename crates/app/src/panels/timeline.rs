@@ -380,8 +380,8 @@ impl Player {
     }
 }
 
-/// Shows the rest of a small window's controls: the whole sentence, counts, speed, the next line, the
-/// loop and the curve of the run.
+/// Shows the rest of a small window's controls: the whole sentence, counts, speed, the prefix of nested levels, the loop and
+/// the curve of the run.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     // The sentence below the canvas may be cut off.

@@ -208,6 +208,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     rect
 }
 
+/// Draws the bar of a segment, and shows its label; a click on the label goes to the end of the segment.
 fn show_segment(
     ui: &Ui,
     palette: &Palette,

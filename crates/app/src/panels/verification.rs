@@ -87,6 +87,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
     match &context.run.verification {
         Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
+        // A session that could not be verified is not taken for valid.
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
         Verification::Done(verdict) => {
             let is_valid = verdict.valid();
@@ -213,9 +214,9 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let verdict = context.run.verdict();
     let report = verdict.map(|verdict| &verdict.report);
 
-    let number = |value: Option<f64>, digits: usize, unit: &str| match value {
-        Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
-        // The distance of a single sample to another one is infinite.
+    let number = |value: Option<f64>, digits: usize, suffix: &str| match value {
+        Some(value) if value.is_finite() => format!("{value:.digits$}{suffix}"),
+        // A single sample has no other one near it: its smallest distance is infinite.
         Some(_) => "none".to_owned(),
         None => "\u{2013}".to_owned(),
     };

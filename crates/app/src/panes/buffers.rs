@@ -168,6 +168,7 @@ impl RowPainter<'_> {
         self.layer(&view.changed, strong, self.palette.accent, is_changed);
     }
 
+    /// Draws marks in two meshes: squares and lines below, rings above.
     fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, is_changed: bool) {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();
@@ -280,10 +281,10 @@ fn tag(
     job.append(&what, 0.0, format(palette.text));
 
     // Changes stand out, as they are what a pass is looked at for.
-    let strong = buffers
+    let has_changes = buffers
         .rows
         .is_some_and(|rows| rows.shown.counts().changed > 0);
-    let color = if strong {
+    let color = if has_changes {
         palette.accent
     } else {
         palette.muted

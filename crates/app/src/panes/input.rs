@@ -67,12 +67,12 @@ fn inspect_later(
 ) {
     let id = Id::unique("picked at").with(response.id);
     let now = ui.input(|input| input.time);
-    let at = if is_picked {
+    let picked_at = if is_picked {
         Some(now)
     } else {
         ui.data(|data| data.get_temp::<f64>(id))
     };
-    let Some(at) = at else {
+    let Some(picked_at) = picked_at else {
         return;
     };
 
@@ -82,10 +82,10 @@ fn inspect_later(
     } else {
         0.0
     };
-    let rest = at + wait - now;
+    let rest = picked_at + wait - now;
     if rest > 0.0 && !flies {
         // A later frame opens the panel, once no second tap can follow.
-        ui.data_mut(|data| data.insert_temp(id, at));
+        ui.data_mut(|data| data.insert_temp(id, picked_at));
         ui.ctx()
             .request_repaint_after(std::time::Duration::from_secs_f64(rest));
         return;
@@ -107,7 +107,7 @@ fn move_view(
 ) {
     let is_dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
-    // On another page one finger scrolls that page: a hint says that two fingers move the picture.
+    // Embedded in another page, one finger scrolls that page: a hint says that two fingers move the picture.
     if is_embedded && is_dragged && touch.hand == Hand::Finger {
         hint::give(ui, Hint::Fingers);
         return;
@@ -127,7 +127,7 @@ fn move_view(
         (pinch.middle, f64::from(pinch.factor))
     } else if response.contains_pointer() && touch.hand == Hand::Mouse {
         let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-        // On another page the plain wheel scrolls that page: a hint says that it zooms with Ctrl.
+        // Embedded in another page, the plain wheel scrolls that page: a hint says that it zooms with Ctrl.
         let scroll = if is_embedded {
             if ui.input(|input| input.events.iter().any(is_plain_wheel)) {
                 hint::give(ui, Hint::Wheel);

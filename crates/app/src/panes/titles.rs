@@ -67,6 +67,7 @@ pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
     title("B", own, other, subject.as_ref(), &side.verification)
 }
 
+/// Returns a title: the parameters in which the runs differ, the number of samples, the verdict, and the last event.
 fn title(
     letter: &'static str,
     own: Option<&Session>,

@@ -181,6 +181,7 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
     correlation(ui, sets, brush, own);
 }
 
+/// Shows the chart of how much the power depends on the direction.
 fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     let chart = Plot {
         title: "Anisotropy, dB",
@@ -211,6 +212,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
     );
 }
 
+/// Shows the chart of the pair correlation: how often two samples have a distance, relative to independent samples.
 fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     let pairs = curves_of(sets, &|measured, unit| {
         // Before the pairs are counted there are no points, and no curve.
@@ -264,9 +266,9 @@ fn curves_of(
 
     let mut curves = Vec::new();
     // The radius of a set is the length of r in the set's unit. A set without a radius has r as its unit.
-    let in_radii = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
+    let in_own_unit = |measured: &MeasuredSet| points(measured, measured.radius.unwrap_or(1.0));
     let mut add = |run: RunMeasures<'_>, name: &str, line, color: Color32| {
-        if let Some((found, faded)) = run.part(in_radii) {
+        if let Some((found, faded)) = run.part(in_own_unit) {
             let color = if faded {
                 color.gamma_multiply(FADED)
             } else {

@@ -91,7 +91,8 @@ impl Differences {
 fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     let picture = &spectrum.picture;
     let mut sums = vec![[0.0, 0.0]; side * side];
-    let cell = |index: usize, count: usize, reach: f64| {
+    let cell_of = |index: usize, count: usize, reach: f64| {
+        // The frequency at the middle of a pixel: `count` pixels reach from -`reach` to `reach`.
         let nu = ((2 * index + 1) as f64 / count as f64 - 1.0) * reach;
         let cell = (0.5 * (nu / Spectrum::MAX_NU + 1.0) * side as f64).floor();
         // A frequency on the rim of the picture, where rounding may lead beyond it, belongs to the last cell.
@@ -100,12 +101,12 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
 
     for (index, power) in picture.power.iter().enumerate() {
         if power.is_finite() {
-            let x = cell(
+            let x = cell_of(
                 index % picture.size,
                 picture.size,
                 spectrum.picture_reach[0],
             );
-            let y = cell(
+            let y = cell_of(
                 index / picture.size,
                 picture.rows,
                 spectrum.picture_reach[1],
@@ -116,7 +117,7 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
         }
     }
 
-    // A cell without a frequency becomes NaN.
+    // A cell without a frequency has 0 / 0, which is NaN.
     sums.into_iter().map(|[sum, count]| sum / count).collect()
 }
 

@@ -65,6 +65,7 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads: Vec<&str> = (columns.iter())
         .map(|column| column.head(is_compared))
         .collect();
+    // A row without a name is that of the heads.
     let of_heads = heads.iter().map(|head| ((*head).to_owned(), false));
     row(
         ui,
@@ -235,8 +236,8 @@ fn row(
     painter.text(at, Align2::LEFT_CENTER, name, font, palette.muted);
     // The columns of the runs come first: A, B and their difference, or the one run.
     let run_columns = if sets.second.is_some() { 3 } else { 1 };
-    for (k, (text, faded)) in texts.iter().enumerate() {
-        let color: Color32 = match k {
+    for (column, (text, faded)) in texts.iter().enumerate() {
+        let color: Color32 = match column {
             _ if is_head => palette.muted,
             _ if *faded => palette.text.gamma_multiply(0.45),
             of_run if of_run < run_columns => palette.text,
@@ -247,7 +248,8 @@ fn row(
         } else {
             FontId::monospace(12.3)
         };
-        let x = rect.right() - COLUMN * (texts.len() - 1 - k) as f32;
+        // The last column ends at the right edge.
+        let x = rect.right() - COLUMN * (texts.len() - 1 - column) as f32;
         painter.text(pos2(x, at.y), Align2::RIGHT_CENTER, text, font, color);
     }
 }

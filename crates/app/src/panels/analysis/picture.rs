@@ -20,8 +20,8 @@ pub const WHITE: f64 = 3.0;
 /// Maximum width of the picture, in screen points.
 pub const MAX_SIDE: f32 = 480.0;
 
-/// Shows the picture of a run, "" or "-b", in a square of the full width, with frequencies up to `reach` along both axes; returns
-/// the change of the ring.
+/// Shows the periodogram of a run in a square of the full width, with frequencies up to [`Spectrum::MAX_NU`] along both axes.
+/// `run` ends the picture's id, "" or "-b". Returns the change of the ring.
 pub fn show(
     ui: &mut Ui,
     run: &str,

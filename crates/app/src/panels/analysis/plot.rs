@@ -110,6 +110,7 @@ impl Plot<'_> {
         response.known_as(format_args!("chart.{}", self.y.sign));
 
         let mut inner = rect;
+        // The last number of the x axis is centred on the right edge of the chart, and needs room beyond it.
         inner.min += vec2(LEFT, ABOVE);
         inner.max -= vec2(13.0, BELOW);
         let frame = PlotFrame { plot: self, inner };
@@ -245,26 +246,22 @@ impl PlotFrame<'_> {
         let at = pos2(rect.left(), rect.top() + 1.0);
         painter.text(at, Align2::LEFT_TOP, plot.title, title, palette.text);
 
-        let (number, words) = (FontId::monospace(10.5), FontId::proportional(11.5));
+        let (number_font, words_font) = (FontId::monospace(10.5), FontId::proportional(11.5));
         let thin = Stroke::new(1.0, palette.line);
         for (value, text) in ticks(plot.x.range, inner.width() / TICKS_APART[0]) {
             let x = self.at([value, plot.y.range[0]]).x;
             painter.vline(x, inner.y_range(), thin);
             let at = pos2(x, inner.bottom() + 3.0);
-            painter.text(at, Align2::CENTER_TOP, text, number.clone(), palette.muted);
+            let font = number_font.clone();
+            painter.text(at, Align2::CENTER_TOP, text, font, palette.muted);
         }
 
         for (value, text) in ticks(plot.y.range, inner.height() / TICKS_APART[1]) {
             let y = self.at([plot.x.range[0], value]).y;
             painter.hline(inner.x_range(), y, thin);
             let at = pos2(inner.left() - 4.0, y);
-            painter.text(
-                at,
-                Align2::RIGHT_CENTER,
-                text,
-                number.clone(),
-                palette.muted,
-            );
+            let font = number_font.clone();
+            painter.text(at, Align2::RIGHT_CENTER, text, font, palette.muted);
         }
 
         let under = pos2(inner.center().x, rect.bottom() - 1.0);
@@ -272,7 +269,7 @@ impl PlotFrame<'_> {
             under,
             Align2::CENTER_BOTTOM,
             plot.x.label,
-            words,
+            words_font,
             palette.muted,
         );
 

@@ -56,6 +56,7 @@ impl Answers<'_> {
         ui.visuals_mut().disabled_alpha = faded;
     }
 
+    /// Shows one of the question's controls: each kind has its own way to be chosen from or typed into.
     fn control(&self, ui: &mut Ui, control: &Control, commands: &mut Vec<Command>) {
         match control {
             Control::Line { text, .. } => {

@@ -11,6 +11,7 @@ const REACH: [f64; 2] = [3.0, 3.0];
 /// Shows one curve, or that before a change and that after it, in a plot `height` points high.
 pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    // The numbers of the axis stand below the plot.
     let plot = rect
         .shrink2(vec2(10.0, 4.0))
         .with_max_y(rect.bottom() - 16.0);

@@ -67,6 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     results(ui, state, palette, commands);
 }
 
+/// Shows a lesson, and how many of its questions are answered; a click opens it.
 fn entry(
     ui: &mut Ui,
     state: &State,

@@ -27,6 +27,7 @@ pub fn show(ui: &Ui, state: &State) {
     let (Some(session), viewport) = (&run.session, run.viewport) else {
         return;
     };
+    // Before the first frame was laid out there is no canvas to draw on.
     if !viewport.is_positive() {
         return;
     }

@@ -21,8 +21,12 @@ use tilescope_workbench::state::State;
 use super::super::common::thumbnail_texture;
 use super::{counts_text, text};
 
-/// Font sizes of the notes in points of a window of normal size: paragraphs, headings, the clock.
-const SIZES: [f32; 3] = [16.0, 19.0, 26.0];
+/// Font size of paragraphs, in points of a window of normal size.
+const PARAGRAPH: f32 = 16.0;
+/// Font size of headings.
+const HEADING: f32 = 19.0;
+/// Font size of the clock, which the lecturer reads from afar.
+const CLOCK: f32 = 26.0;
 
 /// Shows the lecturer's window, while a talk is given.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -32,18 +36,18 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance().look);
 
     // The zoom of the stage holds for all windows: the notes divide every size by it.
-    let k = 1.0 / ui.ctx().zoom_factor();
-    let margin = Margin::same((14.0 * k).round() as i8);
+    let factor = 1.0 / ui.ctx().zoom_factor();
+    let margin = Margin::same((14.0 * factor).round() as i8);
     let frame = Frame::new().fill(palette.panel).inner_margin(margin);
 
     CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-        scale(ui, k);
+        scale(ui, factor);
         let notes = Notes {
             state,
             talk,
             open,
             palette,
-            k,
+            factor,
         };
         notes.bar(ui, commands);
         ui.separator();
@@ -55,24 +59,24 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             // Columns justify their texts, which tears the words of narrow ones apart.
             let ragged = Layout::top_down(Align::Min);
-            left.with_layout(ragged, |ui| notes.this(ui, commands));
-            right.with_layout(ragged, |ui| notes.next(ui));
+            left.with_layout(ragged, |ui| notes.this_step(ui, commands));
+            right.with_layout(ragged, |ui| notes.next_step(ui));
         });
     });
 }
 
-/// Multiplies the sizes of texts and widgets by `k`.
-fn scale(ui: &mut Ui, k: f32) {
+/// Multiplies the sizes of texts and widgets by `factor`.
+fn scale(ui: &mut Ui, factor: f32) {
     let style = ui.style_mut();
     for font in style.text_styles.values_mut() {
-        font.size *= k;
+        font.size *= factor;
     }
     let spacing = &mut style.spacing;
-    spacing.item_spacing *= k;
-    spacing.button_padding *= k;
-    spacing.interact_size *= k;
-    spacing.icon_width *= k;
-    spacing.icon_spacing *= k;
+    spacing.item_spacing *= factor;
+    spacing.button_padding *= factor;
+    spacing.interact_size *= factor;
+    spacing.icon_width *= factor;
+    spacing.icon_spacing *= factor;
 }
 
 /// Returns a duration in minutes and seconds.
@@ -101,7 +105,7 @@ struct Notes<'a> {
     open: &'a OpenLesson,
     palette: &'static Palette,
     /// The factor of all sizes.
-    k: f32,
+    factor: f32,
 }
 
 fn button(ui: &mut Ui, name: &str, id: &str, command: TalkCommand, commands: &mut Vec<Command>) {
@@ -115,12 +119,13 @@ fn phrase(ui: &mut Ui, text: RichText, id: &str) {
 }
 
 impl Notes<'_> {
-    fn size(&self, which: usize) -> f32 {
-        SIZES[which] * self.k
+    /// Returns a size of a window of normal size as it is under the zoom of the stage.
+    fn size(&self, points: f32) -> f32 {
+        points * self.factor
     }
 
     fn heading(&self, ui: &mut Ui, text: &str) {
-        let font = FontId::new(self.size(1), semibold());
+        let font = FontId::new(self.size(HEADING), semibold());
         ui.add(Label::new(RichText::new(text).font(font)).wrap());
     }
 
@@ -131,7 +136,7 @@ impl Notes<'_> {
 
     /// Shows a text of normal size in a colour.
     fn colored(&self, ui: &mut Ui, text: impl Into<String>, color: Color32) -> egui::Response {
-        let text = RichText::new(text).size(self.size(0)).color(color);
+        let text = RichText::new(text).size(self.size(PARAGRAPH)).color(color);
         ui.add(Label::new(text).wrap())
     }
 
@@ -147,12 +152,12 @@ impl Notes<'_> {
         let early = before - elapsed;
 
         ui.horizontal_wrapped(|ui| {
-            let large = |text: String| RichText::new(text).size(self.size(2)).monospace();
+            let large = |text: String| RichText::new(text).size(self.size(CLOCK)).monospace();
             phrase(ui, large(clock(now)), "notes-clock");
-            ui.add_space(16.0 * self.k);
+            ui.add_space(16.0 * self.factor);
             let text = format!("{} / {}", minutes(elapsed), minutes(all));
             phrase(ui, large(text), "notes-elapsed");
-            ui.add_space(16.0 * self.k);
+            ui.add_space(16.0 * self.factor);
 
             let (text, color) = if late > 0.0 {
                 let text = format!("{} behind the plan", minutes(late));
@@ -165,7 +170,7 @@ impl Notes<'_> {
             };
             let text = RichText::new(ui.words(text)).color(color);
             phrase(ui, text, "notes-plan");
-            ui.add_space(16.0 * self.k);
+            ui.add_space(16.0 * self.factor);
 
             let parts = self.talk.parts.len();
             let part = if parts > 1 {
@@ -244,7 +249,7 @@ impl Notes<'_> {
                 self.muted(ui, ui.words("Address of the page for phones:"));
                 let mut address = self.state.talks().address.clone();
                 let field = TextEdit::singleline(&mut address).hint_text("https://\u{2026}/");
-                if ui.add(field.desired_width(260.0 * self.k)).changed() {
+                if ui.add(field.desired_width(260.0 * self.factor)).changed() {
                     commands.push(Command::Talk(TalkCommand::Address(address)));
                 }
             });
@@ -253,11 +258,11 @@ impl Notes<'_> {
 
     /// Shows the colour of the pen; a click goes on to the next one.
     fn pen_swatch(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let side = 16.0 * self.k;
+        let side = 16.0 * self.factor;
         let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
         let dark = self.state.appearance().look.is_dark();
         ui.painter()
-            .rect_filled(rect, 3.0 * self.k, pen_color(self.talk.color, dark));
+            .rect_filled(rect, 3.0 * self.factor, pen_color(self.talk.color, dark));
         if swatch
             .on_hover_text(ui.words("The pen's colour (C)"))
             .clicked()
@@ -267,7 +272,7 @@ impl Notes<'_> {
     }
 
     /// Shows this step: the notes, the question with its answer, and the votes.
-    fn this(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+    fn this_step(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let learner = &self.open.learner;
         let step = learner.step();
         ScrollArea::vertical()
@@ -283,11 +288,11 @@ impl Notes<'_> {
                     text::paragraph(
                         ui,
                         learner.speaker_note(note),
-                        self.size(0),
+                        self.size(PARAGRAPH),
                         self.palette.text,
                     )
                     .known_as("notes-note");
-                    ui.add_space(4.0 * self.k);
+                    ui.add_space(4.0 * self.factor);
                 }
 
                 let Some(question) = learner.question() else {
@@ -295,7 +300,8 @@ impl Notes<'_> {
                 };
                 ui.separator();
                 let (_, traced) = learner.tries();
-                text::paragraph(ui, question.ask(traced), self.size(0), self.palette.text);
+                let size = self.size(PARAGRAPH);
+                text::paragraph(ui, question.ask(traced), size, self.palette.text);
 
                 let labels = super::labels(self.state);
                 let language = &self.state.lessons().language;
@@ -335,7 +341,7 @@ impl Notes<'_> {
             let label = ui.label(ui.words(name));
             let field = TextEdit::singleline(&mut typed)
                 .hint_text(ui.words("A 12 B 30, or none, few, half, most"))
-                .desired_width(280.0 * self.k);
+                .desired_width(280.0 * self.factor);
             let field = ui.add(field).labelled_by(label.id);
             field.known_as("notes-votes");
             let is_entered =
@@ -387,7 +393,7 @@ impl Notes<'_> {
     }
 
     /// Shows the next step, with a picture.
-    fn next(&self, ui: &mut Ui) {
+    fn next_step(&self, ui: &mut Ui) {
         let learner = &self.open.learner;
         let lesson = learner.lesson();
         let later = self.talk.parts.get(self.talk.part + 1);

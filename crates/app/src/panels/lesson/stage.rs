@@ -172,6 +172,7 @@ impl Slide<'_> {
         }
     }
 
+    /// Shows the question with its options and votes, and after the answer the verdict and its explanation.
     fn question(
         &self,
         ui: &mut Ui,
@@ -246,6 +247,7 @@ impl Slide<'_> {
         // Only counts can be compared option by option: a share is of the right answers alone.
         if let [Vote::Counts(first), Vote::Counts(second)] = both {
             let most = first.iter().chain(second).copied().max();
+            // An option that the second vote does not name has no voices in it.
             for option in 0..first.len() {
                 let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
                 self.bars(ui, letter(option), counts.into_iter().zip(inks), most);

@@ -134,7 +134,7 @@ impl Fields<'_> {
         self.commands.push(Command::Form(command));
     }
 
-    /// Shows the number of samples, the other end of the radius.
+    /// Shows the number of samples, which follows from the radius, and which can be typed to set the radius.
     fn samples(&mut self, ui: &mut Ui) {
         let draft = &self.context.form.draft;
         let is_wrong = self.refusal(FormPart::Samples).is_some();
@@ -277,6 +277,7 @@ impl Fields<'_> {
         }
     }
 
+    /// Shows a list of options; `command` makes the choice of an option that is selected.
     fn choice<T: Copy + PartialEq>(
         &mut self,
         ui: &mut Ui,

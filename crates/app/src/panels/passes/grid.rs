@@ -26,6 +26,7 @@ pub(super) fn show(
     palette: &Palette,
     commands: &mut Vec<PassCommand>,
 ) {
+    // A buffer of one row has a line for each of its fields instead.
     if table.total == 1 {
         fields(ui, table, palette);
         return;
@@ -123,6 +124,7 @@ fn header(
     painter.hline(rect.x_range(), rect.bottom() - 0.5, line);
 }
 
+/// Shows a row of the table.
 fn row(
     ui: &mut Ui,
     table: &BufferTable,

@@ -114,6 +114,7 @@ fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
     before != Some(selected)
 }
 
+/// Shows the heading of a stage: its name, and the time that its passes took.
 fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     let PassLine::Stage {
         stage,
@@ -141,6 +142,7 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     painter.text(at, Align2::RIGHT_CENTER, right, font, palette.muted);
 }
 
+/// Shows the line of a pass; `longest` is the longest time of a pass, in seconds.
 fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palette) -> Response {
     let pass = &passes.entries()[index];
     let current = passes.selected() == Some(index);
