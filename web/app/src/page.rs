@@ -129,7 +129,7 @@ pub async fn start(
         )
         .await;
 
-    // Without a page nothing would ask the workers to end.
+    // The first worker runs already. A page that did not start would never ask it to end.
     if let Err(error) = started {
         set_task_pool(None);
         pool.close();
@@ -351,12 +351,13 @@ struct Page {
     pool: Pool,
     shared: Rc<Shared>,
     display: String,
+    /// Whether the browser's store is used: a page within another page stores nothing.
     stores: bool,
     /// The number of frames begun, counted up to two.
     frames: u8,
     told_secs: f64,
     announcement: Option<String>,
-    /// The language of lessons that the browser's store has; `None` if it has none.
+    /// The language of lessons that the browser's store has, or that was in use when the page began.
     language: Option<String>,
     /// Whether the browser refused to store results.
     is_refused: bool,
@@ -381,7 +382,7 @@ impl Page {
 
         let storage = creation.storage.filter(|_| stores);
         let language = storage.and_then(|storage| restore(&mut app, storage, options));
-        // A link may name another language.
+        // A language that the learner chose earlier comes before those that the browser prefers.
         let languages = language.iter().chain(&options.languages);
         app.state.restore(Settings {
             page: Some(PageAddress {
@@ -390,9 +391,10 @@ impl Page {
             }),
             ..Settings::default()
         });
+        // A preference of the browser is not stored: only a change from it is.
         let language = language.or_else(|| Some(app.state.lessons().language.clone()));
 
-        // Opening a link removes earlier notices.
+        // Opening a link removes notices, so that it comes before the notices of the start.
         if !options.link.is_empty() {
             app.state
                 .apply(Command::Link(LinkCommand::Open(options.link.clone())));
@@ -425,7 +427,7 @@ impl Page {
             asked_for_lessons: false,
             link: None,
             state: String::new(),
-            // There is no talk.
+            // JSON has this for a talk that is not there.
             talk: "null".to_owned(),
         }
     }
@@ -493,6 +495,7 @@ impl Page {
 
     /// Reports changes to the page.
     fn tell(&mut self) {
+        // Announcements are passed on at once, other changes only now and then.
         let state = &self.app.state;
         let announcement = state.messages().announcement();
         if announcement != self.announcement {
@@ -502,7 +505,7 @@ impl Page {
         self.load_lessons();
 
         let state = &self.app.state;
-        // The time of egui stands still while the page is hidden.
+        // The clock of the browser goes on while the page is hidden, and that of egui stands still.
         let now_secs = Date::now() / 1e3;
         let due_secs = self.told_secs + TELLS_SECS - now_secs;
         if due_secs > 0.0 {

@@ -16,7 +16,7 @@ use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};
 /// A cancelled task may end by itself within so many milliseconds, so that its worker keeps the sessions it has.
 const GRACE_MS: i32 = 200;
 
-/// No more workers are started after so many in a row have broken before finishing a task.
+/// No more workers are started once more than so many in a row have broken before finishing a task.
 const MAX_BROKEN: u32 = 3;
 
 /// The data from which workers start.
@@ -192,6 +192,7 @@ impl Pool {
         }
     }
 
+    /// Starts a worker and sends it the program; returns it as an idle one.
     fn started(&self, program: &Program) -> Result<Slot, JsValue> {
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
@@ -204,8 +205,8 @@ impl Pool {
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
         let (pool, from) = (self.clone(), worker.clone());
-        // An error in the script is an event with a message. A script that cannot be loaded, and a message that cannot be read, are
-        // events without one: the message is asked for by name, since the type of the event does not tell.
+        // An error in the script is an event with a message. A script that cannot be loaded, and data that cannot be read, are
+        // events without a message. All have the same type here, so that the message is looked up by its name.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             let message = (Reflect::get(&event, &"message".into()).ok())
                 .and_then(|message| message.as_string());
@@ -255,6 +256,7 @@ impl Pool {
         self.send_waiting();
     }
 
+    /// Takes a message of a worker: its fault, its progress, the sessions that it lacks, or the outcome of its task.
     fn receive(&self, worker: &Worker, message: &JsValue) {
         let get = |name: &str| {
             let value = Reflect::get(message, &name.into()).unwrap_or(JsValue::UNDEFINED);
@@ -308,11 +310,12 @@ impl Pool {
     fn send_sessions(&self, worker: &Worker, unknown: &[u64]) -> Result<(), String> {
         let mut inner = self.0.borrow_mut();
         let slot = inner.slots.iter_mut().find(|slot| slot.worker == *worker);
+        // A worker that was replaced meanwhile has no task any more.
         let Some(busy) = slot.and_then(|slot| slot.busy.as_mut()) else {
             return Ok(());
         };
 
-        // A worker that lacks them after they were sent would ask for ever.
+        // A worker that still lacks sessions after they were sent would ask for them for ever.
         if std::mem::replace(&mut busy.sessions_sent, true) {
             return Err(format!(
                 "sessions {unknown:?} were sent and are still missing"

@@ -34,7 +34,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
     };
     fs::create_dir_all(parent).with_context(|| parent.display().to_string())?;
 
-    // The new and the old files stand in a folder that is removed in any case.
+    // The new and the old files stand in a temporary folder, which is removed also after an error.
     let beside = tempfile::Builder::new()
         .prefix(".dist-")
         .suffix(".tmp")
@@ -65,7 +65,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         fs::rename(out, &old).with_context(|| format!("cannot move {}", out.display()))?;
     }
     if let Err(error) = fs::rename(&new, out) {
-        // Put the old folder back.
+        // The old folder is better than none.
         let _ = fs::rename(&old, out);
         return Err(error).with_context(|| out.display().to_string());
     }

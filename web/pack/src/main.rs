@@ -61,8 +61,9 @@ fn main() -> ExitCode {
     }
 }
 
+/// Reads the page and the module, and writes the folder to be served.
 fn pack(arguments: &Arguments) -> Result<()> {
-    // Checked first, since compressing the module takes half a minute.
+    // The folder is checked first, since compressing the module takes half a minute.
     folder::may_replace(&arguments.out)?;
     let mut sources = page::read(&arguments.page)?;
     let module = std::fs::read(&arguments.wasm)
@@ -71,6 +72,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
         sources.insert(name, page::Source::made(bytes));
     }
 
+    // The page loads this file only when lessons are opened.
     let tables = language::TABLES.iter();
     let lessons = shipped::to_json(&shipped::Loaded {
         lessons: shipped::all(),
@@ -92,7 +94,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     let packed = compress::all(files, &arguments.out);
     let table = budget::Table::of(&packed);
     print!("{table}");
-    // The table is most useful if the budget is exceeded, so print it first.
+    // The table is most useful where the budget is exceeded, so that it is printed before the check.
     table.check(arguments.most)?;
     folder::write(&arguments.out, &packed)?;
     println!("{} is ready", arguments.out.display());

@@ -105,11 +105,12 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
         open: Vec::new(),
     };
 
-    // First what the page leads to by itself: that is needed to start.
+    // The files that `index.html` leads to are finished first, as these are needed to start.
     assembly.finish("index.html")?;
     let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
     for name in sources.keys().filter(|name| *name != WORKER) {
+        // A file that was not finished yet is one that no other file refers to.
         if assembly.finish(name)? {
             eprintln!("warning: nothing that index.html leads to refers to {name}");
         }
@@ -142,6 +143,7 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
 /// The service worker, which lists all others.
 const WORKER: &str = "sw.js";
 
+/// Returns the service worker with the addresses of `files` and their version.
 fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
     // The page is requested by its folder's name, because some servers redirect `index.html`.
     let address = |file: &File| match file.path.as_str() {
@@ -154,7 +156,7 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
     let mut all = Vec::new();
     for file in files {
         all.extend_from_slice(file.path.as_bytes());
-        // The end of a name must be seen, or names and hashes could run into each other.
+        // A zero ends the name: without it names and hashes could run into each other.
         all.push(0);
         all.extend_from_slice(blake3::hash(&file.bytes).as_bytes());
     }
@@ -194,7 +196,7 @@ impl Assembly<'_> {
             .get(name)
             .with_context(|| format!("there is no file {name}"))?;
 
-        // Names are hashes of contents, so files that hold each other's names cannot be named.
+        // A name has the hash of the content, so that two files that hold each other's names cannot be named.
         if let Some(start) = self.open.iter().position(|open| open == name) {
             bail!(
                 "{} and {name} refer to each other",

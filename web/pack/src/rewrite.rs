@@ -43,7 +43,7 @@ pub fn rewrite(
     let mut rest = text;
     while let Some((before, behind)) = rest.split_once("{{") {
         written.push_str(before);
-        // Whatever is not understood is an error: a page with braces left in it would be served.
+        // Braces that are not understood are an error, as a page with them would be served otherwise.
         let Some((inner, after)) = behind.split_once("}}") else {
             let line = behind.lines().next().unwrap_or_default();
             bail!("the placeholder {{{{{line} is not closed");

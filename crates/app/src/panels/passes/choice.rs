@@ -20,6 +20,7 @@ pub(super) fn show(
     palette: &Palette,
     commands: &mut Vec<PassCommand>,
 ) {
+    // The shown buffer is kept by its index, of which this pass may have none.
     let Some(rows) = passes.shown().on_canvas(visit) else {
         return;
     };
