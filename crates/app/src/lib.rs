@@ -34,3 +34,6 @@ pub use kept::KeptFolder;
 #[cfg(not(target_arch = "wasm32"))]
 pub use native::{AppError, WindowOptions, display_available, run_native};
 pub use panels::show_passes;
+
+/// Tells screen readers that a widget can be used.
+const ENABLED: bool = true;

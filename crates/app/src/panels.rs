@@ -39,6 +39,7 @@ use egui::{
     Align2, Area, Button, CentralPanel, Frame, Id, Margin, RichText, Role, Ui, WidgetInfo, vec2,
 };
 
+use crate::ENABLED;
 use crate::panels::analysis::AnalysisContext;
 use crate::panels::common::scrolled;
 use crate::panels::context::TimeContext;
@@ -128,7 +129,7 @@ fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
                 // The buttons have short texts, to cover little of the canvas. Screen readers and tooltips tell whole names.
                 let name = format!("Projector mode, {other}");
-                button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+                button.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
                 button.known_as("other-projector");
                 if button.on_hover_text(&name).clicked() {
                     commands.push(Command::Appearance(AppearanceCommand::ToggleTheme));
@@ -138,7 +139,7 @@ fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
                 let name =
                     crate::actions::projector_action(tilescope_session::look::Look::Projector);
-                button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+                button.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, name));
                 button.known_as("leave-projector");
                 if button.on_hover_text(name).clicked() {
                     commands.push(Command::Appearance(AppearanceCommand::ToggleProjector));

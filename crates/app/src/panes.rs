@@ -9,6 +9,7 @@ mod titles;
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, vec2};
 
+use crate::ENABLED;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
 use tilescope_canvas::pane::Pane;
@@ -160,7 +161,7 @@ impl PaneSide<'_> {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         let name = ui.words(self.name);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, &name));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, ENABLED, &name));
 
         let run = context.runs.get(self.which);
         // The state fits and frames views, and needs the rectangle for that.

@@ -110,7 +110,7 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
     let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
     for name in sources.keys().filter(|name| *name != WORKER) {
-        // A file that was not finished yet is one that no other file refers to.
+        // A file that is not finished yet is one that `index.html` does not lead to.
         if assembly.finish(name)? {
             eprintln!("warning: nothing that index.html leads to refers to {name}");
         }

@@ -97,14 +97,13 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 
     let mut any = false;
     for (key, held) in presses {
-        // A field takes what is typed into it.
+        // A field takes the text that is typed.
         let is_text = typing && !held.command && !is_function(key);
         // Escape closes an open menu or list.
         let closes_popup = key == Key::Escape && has_popup;
         // Space and Enter press a button that has the focus.
-        let presses_button = has_focus
-            && !on_canvas
-            && (key == Key::Space || (key == Key::Enter && held.is_none()));
+        let presses_button =
+            has_focus && !on_canvas && (key == Key::Space || (key == Key::Enter && held.is_none()));
         // Arrows move the picture of a canvas that has the focus.
         let moves_picture =
             on_canvas && matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
@@ -183,9 +182,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             Some(_) => 0,
             None => {
                 let opens = |event: &Event| {
-                    press(event).is_some_and(|(key, held)| {
-                        key == Key::K && held.matches_exact(COMMAND)
-                    })
+                    press(event)
+                        .is_some_and(|(key, held)| key == Key::K && held.matches_exact(COMMAND))
                 };
                 // The text follows the key that opens the list.
                 input.events.iter().position(opens)? + 1

@@ -74,8 +74,7 @@ impl App {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
                 let stay = ui.button("Keep it open").known_as("closing.stay").clicked();
-                let save =
-                    can_save && ui.button("Save\u{2026}").known_as("closing.save").clicked();
+                let save = can_save && ui.button("Save\u{2026}").known_as("closing.save").clicked();
                 let close = ui
                     .button("Close anyway")
                     .known_as("closing.close")

@@ -13,6 +13,7 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::context::{PanelContext, TimeContext};
 use super::{caption, layers, show_panel, timeline, toolbar};
+use crate::ENABLED;
 use crate::panes::Canvas;
 use crate::panes::CanvasContext;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
@@ -433,7 +434,7 @@ fn tab(
     let galley = ui.painter().layout_no_wrap(name.to_owned(), font, ink);
     let size = vec2((galley.size().x + 22.0).max(FINGER), FINGER);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_open, name));
     response.known_as(format_args!("tab.{}", Kebab(panel)));
 
     let painter = ui.painter();

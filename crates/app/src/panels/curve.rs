@@ -14,6 +14,7 @@ use tilescope_ui::widgets::{Known, heading};
 
 use super::context::TimeContext;
 use super::track::{self, Segment};
+use crate::ENABLED;
 use tilescope_workbench::command::{AppearanceCommand, Command, TimeCommand};
 use tilescope_workbench::curve::{CurveFormat, CurveNumber, CurvePoints};
 use tilescope_workbench::files::FileCommand;
@@ -128,7 +129,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
 
     let response = response.response;
     let name = ui.words("Number of the curve");
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("curve.number");
     let Some(number) = number else {
         return;
@@ -161,7 +162,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
     let strip = chart.with_max_y(chart.top() + BORDER);
     let response = ui.interact(strip, Id::unique("border of the curve"), Sense::drag());
     let name = ui.words("Height of the curve");
-    response.widget_info(|| WidgetInfo::labeled(Role::Splitter, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Splitter, ENABLED, &name));
     response.known_as("curve.height");
 
     if let Some(pointer) = response.interact_pointer_pos()
@@ -245,7 +246,7 @@ impl CurveFrame<'_> {
         let id = Id::unique("curve of the run");
         let response = ui.interact(self.rect, id, Sense::CLICK | Sense::DRAG);
         let description = ui.words(self.description());
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, &description));
         response.known_as("curve.chart");
 
         let painter = ui.painter_at(self.rect);
@@ -309,7 +310,7 @@ impl CurveFrame<'_> {
                 value_at(events.end),
                 grouped(events.end)
             ));
-            row.widget_info(|| WidgetInfo::labeled(Role::Row, true, &text));
+            row.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &text));
             row.known_as(format_args!("curve.row-{index}"));
         }
     }

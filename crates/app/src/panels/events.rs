@@ -16,6 +16,7 @@ use tilescope_ui::widgets::Known;
 use super::common::no_events;
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::state::{FoundEvents, MAX_FOUND};
 
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             .hint_text("insert iteration>1 block=7")
             .desired_width(ui.available_width() - WORDS);
         let response = ui.add(field);
-        response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find events"));
+        response.widget_info(|| WidgetInfo::labeled(Role::TextInput, ENABLED, "Find events"));
         response.known_as("find-events");
         chosen = words(ui, &context.run.query.text);
         response.changed()
@@ -240,7 +241,7 @@ fn show_row(
 
     let text = tilescope_debugger::short(debugger.recording(), index);
     let label = format!("Event {}: {text}", event_number(index));
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, current, &label));
     response.known_as(format_args!("event-{index}"));
 
     if current {
@@ -316,7 +317,7 @@ fn arrow(
         if expanded { "Collapse" } else { "Expand" },
         event_number(event)
     );
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
     response.known_as(format_args!("event-{event}.expand"));
 
     let corners = if expanded {

@@ -9,6 +9,7 @@ use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::Known;
 
 use super::sheet;
+use crate::ENABLED;
 use crate::actions::{self, Action};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::finder::Finder;
@@ -91,7 +92,7 @@ fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, 
             .hint_text("What do you want to do?")
             .desired_width(f32::INFINITY),
     );
-    response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find an action"));
+    response.widget_info(|| WidgetInfo::labeled(Role::TextInput, ENABLED, "Find an action"));
     response.known_as("find-action");
     // The field has the focus as long as the list is open, whatever is clicked in it.
     if !response.has_focus() {

@@ -9,6 +9,7 @@ use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_drawing::age::{Ages, LAST_TILED};
 use tilescope_drawing::brushed::{BrushedCause, Cause};
 use tilescope_drawing::looks::level_age;
@@ -189,7 +190,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     response.widget_info(|| {
         let name = "Ramp of ages, dark to light: tiled first to last, then inserted";
-        egui::WidgetInfo::labeled(egui::Role::Image, true, name)
+        egui::WidgetInfo::labeled(egui::Role::Image, ENABLED, name)
     });
     response.known_as("ages");
 

@@ -17,6 +17,7 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 use self::list::{color, mark};
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, GpuCommand};
 use tilescope_workbench::device::{CHOOSE_GPU_FIRST, EngineChoice};
 use tilescope_workbench::layout::Panel;
@@ -292,7 +293,7 @@ impl PassesPanel<'_> {
                 );
 
                 response.widget_info(|| {
-                    egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
+                    egui::WidgetInfo::selected(egui::Role::Button, ENABLED, is_shown, &label)
                 });
                 response.known_as(format_args!("buffer.{}", Kebab(table.name)));
 

@@ -20,6 +20,7 @@ use tilescope_ui::widgets::Known;
 use super::common::no_events;
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 use tilescope_workbench::state::RunView;
 
@@ -238,7 +239,7 @@ fn show_line(
         None => format!("Line {}: {words}", line.id),
     };
     let is_current = now.done == Some(id);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &said));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &said));
     response.known_as(format_args!("{}.line", line.id));
 
     if is_current || tag.is_some() {
@@ -305,7 +306,7 @@ fn breakpoint(
     let set = debugger.breakpoints().iter().find(|b| b.line == id);
     let response = ui.interact(gutter, ui.scope_id().with(("gutter", id.0)), Sense::click());
     let name = format!("Breakpoint on line {}", line.id);
-    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, set.is_some(), &name));
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, ENABLED, set.is_some(), &name));
     response.known_as(format_args!("{}.breakpoint", line.id));
 
     let at = gutter.center();

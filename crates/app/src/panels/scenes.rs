@@ -14,6 +14,7 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 use super::common::{no_events, thumbnail_texture};
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use crate::actions::keys_of;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 use tilescope_workbench::scenes::{SceneCommand, SceneList, split_caption};
@@ -91,7 +92,7 @@ fn picture(
     // The picture is drawn in the background. Its room is kept free, so that nothing moves when it comes.
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     let name = format!("Picture of scene {}", index + 1);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
     response.known_as(format_args!("scene-{}.picture", index + 1));
 
     let session = state.runs().first.session.as_ref();
@@ -177,7 +178,11 @@ fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &m
         .desired_width(ui.available_width() - 8.0);
     let response = ui.add(field);
     response.widget_info(|| {
-        WidgetInfo::labeled(Role::TextInput, true, format!("Caption of scene {number}"))
+        WidgetInfo::labeled(
+            Role::TextInput,
+            ENABLED,
+            format!("Caption of scene {number}"),
+        )
     });
     response.known_as(format_args!("scene-{number}.caption"));
     if response.changed() {
@@ -288,7 +293,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
             .desired_width(ui.available_width() - 8.0);
         let response = ui.add(field);
         response.widget_info(|| {
-            WidgetInfo::labeled(Role::TextInput, true, format!("Condition on {id}"))
+            WidgetInfo::labeled(Role::TextInput, ENABLED, format!("Condition on {id}"))
         });
         response.known_as(format_args!("{id}.condition"));
         if response.changed() {

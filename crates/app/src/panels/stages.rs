@@ -15,6 +15,7 @@ use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, TimeCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
@@ -198,7 +199,7 @@ fn row(
 
     if let Some(key) = key {
         let label = format!("Row {}", texts[0]);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &label));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &label));
         response.known_as(format_args!("row.{key}"));
     }
 
@@ -240,11 +241,7 @@ fn row_texts(
         }
     };
 
-    let fonts = [
-        FontId::proportional(name_size),
-        number(12.0),
-        number(12.5),
-    ];
+    let fonts = [FontId::proportional(name_size), number(12.0), number(12.5)];
     let colors = [color, palette.muted, color];
     let galleys = [0, 1, 2].map(|k| {
         let (text, font) = (texts[k].to_owned(), fonts[k].clone());

@@ -16,6 +16,7 @@ use super::content::{Content, Room};
 use super::context::TimeContext;
 use super::pseudocode::next_line;
 use super::{curve, track};
+use crate::ENABLED;
 use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS, WHOLE_RUNS_SECS};
@@ -549,7 +550,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
 
     let response = response.response;
     let name = ui.words("Clock");
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("clock");
     let tip = "Step by: what the arrow keys, and play tick by tick, advance by.";
     response.on_hover_text(ui.words(tip));
@@ -593,7 +594,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
 
     let response = response.response;
     let name = ui.words("Speed");
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("speed");
     let tip = "How fast play goes: the whole run in a given time, longer where more happens, or tick by tick of the clock.";
     response.on_hover_text(ui.words(tip));

@@ -13,6 +13,7 @@ use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::verification;
+use crate::ENABLED;
 use crate::actions::{Action, Menu, Submenu, actions};
 use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
@@ -234,7 +235,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .frame_when_inactive(false);
         let response = ui.add(button);
         let name = ui.words(format!("{} menu", menu.name()));
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_open, &name));
         response.known_as(format_args!("menu.{}", Kebab(menu)));
         // A click on the name of the open menu closes it.
         if response.clicked() {
@@ -272,7 +273,7 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
         let response = ui.add(button);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_open, &name));
         response.known_as(format_args!("submenu.{}", Kebab(submenu)));
 
         // A click on the name of the open submenu closes it.

@@ -19,6 +19,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
+use crate::ENABLED;
 use crate::panels::context::TimeContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 
@@ -157,7 +158,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
     let prefix = context.run.prefix();
     let name = ui.words(prefix.map_or("Moment", |_| "Samples shown"));
-    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, &name));
+    response.widget_info(|| WidgetInfo::slider(ENABLED, cursor as f64, &name));
     response.known_as("moment");
 
     if response.dragged()
@@ -244,7 +245,7 @@ fn show_segment(
         ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, current, &name));
     response.known_as(format_args!("stage.{}", segment.key));
 
     let hot = response.hovered() || response.has_focus();

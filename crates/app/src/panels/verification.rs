@@ -19,6 +19,7 @@ use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 use super::common::divide;
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::state::Verification;
 
@@ -35,7 +36,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let size = vec2(width_of(&galley), 30.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let name = format!("{}: {text}", ui.words("Verdict"));
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
     response.known_as("verdict");
 
     let painter = ui.painter();

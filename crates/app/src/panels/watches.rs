@@ -8,6 +8,7 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 use super::common::no_events;
 use super::content::{Content, Room};
 use super::context::PanelContext;
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::live::WATCH_STEPS;
 
@@ -83,7 +84,7 @@ fn watch(ui: &mut Ui, index: usize, text: &str, palette: &Palette, commands: &mu
                 .desired_width(f32::INFINITY),
         );
         response.widget_info(|| {
-            WidgetInfo::labeled(Role::TextInput, true, format!("Watch {}", index + 1))
+            WidgetInfo::labeled(Role::TextInput, ENABLED, format!("Watch {}", index + 1))
         });
         response.known_as(format_args!("watch-{}", index + 1));
         if response.changed() {

@@ -11,6 +11,7 @@ use tilescope_gpu::RowPlace;
 use tilescope_session::units::position;
 use tilescope_ui::widgets::Known;
 
+use crate::ENABLED;
 use tilescope_canvas::sprites::{Sprite, Sprites, Stamp};
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::passes::OnCanvas;
@@ -309,6 +310,6 @@ fn tag(
     if left_out > 0 {
         let _ = write!(words, "; {left_out} more marks are in view than are drawn");
     }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, ENABLED, &words));
     response.known_as("on-canvas");
 }

@@ -2,6 +2,7 @@
 //! picture.
 
 use super::CanvasContext;
+use crate::ENABLED;
 use egui::{Color32, FontId, Rect, Stroke, Ui, vec2};
 use tilescope_session::sentence::happened;
 use tilescope_session::session::Session;
@@ -165,7 +166,7 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
     let id = ui.scope_id().with(("title of a run", title.letter));
     let response = ui.interact(above, id, egui::Sense::hover());
     let words = format!("Run {}: {}. {}", title.letter, title.run, title.happened);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, ENABLED, &words));
     response.known_as(format_args!("run-{}", Kebab(title.letter)));
     response.on_hover_text(words);
     below

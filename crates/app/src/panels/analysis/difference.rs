@@ -13,6 +13,7 @@ use tilescope_ui::widgets::Known;
 
 use super::super::common::texture_of;
 use super::picture::MAX_SIDE;
+use crate::ENABLED;
 
 /// The difference that is drawn in the full colour: over three times what two cells of 100 frequencies of noise differ by, by
 /// chance.
@@ -128,7 +129,7 @@ pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette
     let (area, response) = ui.allocate_exact_size(room, Sense::hover());
     let rect = Rect::from_center_size(area.center(), vec2(side, side));
     let name = "Difference of the periodograms, B minus A, frequencies up to \u{3bd} = 2.5 from its middle";
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, name));
     response.known_as("chart.difference");
 
     let painter = ui.painter_at(rect);

@@ -6,6 +6,7 @@ use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::widgets::Known;
 
 use super::{RunMeasures, Sets};
+use crate::ENABLED;
 
 /// Width of a number, in screen points.
 const COLUMN: f32 = 62.0;
@@ -65,8 +66,10 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads: Vec<&str> = (columns.iter())
         .map(|column| column.head(is_compared))
         .collect();
+    // Heads have no values, differences are of this moment alone, and the reference and the file have no moments.
+    let is_outdated = false;
     // A row without a name is that of the heads.
-    let of_heads = heads.iter().map(|head| ((*head).to_owned(), false));
+    let of_heads = heads.iter().map(|head| ((*head).to_owned(), is_outdated));
     row(
         ui,
         sets,
@@ -85,18 +88,18 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         let texts = columns.iter().map(|column| match column {
             Column::Moment => now(number, &sets.first),
             Column::Second => sets.second.map_or_else(unknown, |run| now(number, &run)),
-            Column::Difference => (difference(number, sets).unwrap_or_else(dash), false),
+            Column::Difference => (difference(number, sets).unwrap_or_else(dash), is_outdated),
             Column::Reference => {
                 let set = sets.reference.map(|set| &**set);
                 (
                     set.and_then(|set| text_of(number, set))
                         .unwrap_or_else(dash),
-                    false,
+                    is_outdated,
                 )
             }
             Column::File => {
                 let text = file.as_ref().and_then(|set| text_of(number, set));
-                (text.unwrap_or_else(dash), false)
+                (text.unwrap_or_else(dash), is_outdated)
             }
         });
         let texts: Vec<(String, bool)> = texts.collect();
@@ -225,7 +228,7 @@ fn row(
             }
         });
         let description = format!("{name}: {}", each.collect::<Vec<_>>().join(", "));
-        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &description));
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, ENABLED, &description));
         response.known_as(format_args!("analysis.number-{key}"));
         response.on_hover_text(explanation);
     }

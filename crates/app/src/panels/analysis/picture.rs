@@ -13,6 +13,7 @@ use tilescope_ui::widgets::Known;
 
 use super::super::common::texture_of;
 use super::plot::{Dragged, dragged};
+use crate::ENABLED;
 
 /// Power that is drawn white.
 pub const WHITE: f64 = 3.0;
@@ -38,7 +39,7 @@ pub fn show(
 
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, name));
     response.known_as(format_args!("chart.periodogram{run}"));
     let response = response.on_hover_cursor(CursorIcon::Crosshair);
 

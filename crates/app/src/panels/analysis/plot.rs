@@ -7,9 +7,10 @@ use egui::{
 };
 
 use tilescope_drawing::palette::Palette;
-
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
+
+use crate::ENABLED;
 
 /// Margins left for the axis numbers, above for the title and below for the numbers, in screen points.
 const LEFT: f32 = 30.0;

@@ -8,6 +8,7 @@ use egui::{
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
+use crate::ENABLED;
 use tilescope_workbench::passes::PassCommand;
 use tilescope_workbench::passes::shown::ShownBuffer;
 use tilescope_workbench::passes::table::{BufferTable, PassSide};
@@ -138,7 +139,7 @@ fn row(
     let is_picked = shown.picked() == Some(number);
     let number = number as usize;
     let changed = table.is_changed(number);
-    response.widget_info(|| WidgetInfo::labeled(Role::Row, true, label(table, number)));
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, label(table, number)));
     response.known_as(format_args!("row-{number}"));
 
     if changed {
@@ -235,7 +236,7 @@ fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let name = &table.columns[column];
     let label = format!("Field {name}: {}", table.cell(PassSide::Both, 0, column));
-    response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &label));
     let [before, after] =
         [PassSide::Before, PassSide::After].map(|side| table.cell(side, 0, column));
 

@@ -10,6 +10,7 @@ use tilescope_session::words::{counted, stage_name};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Known, verdict_mark};
 
+use crate::ENABLED;
 use tilescope_workbench::passes::model::{Badge, PassEntry, PassLine, duration_text};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
@@ -64,7 +65,7 @@ fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let response = ui.interact(rect, id, Sense::focusable_noninteractive());
     let number = passes.selected().map_or(0, |index| index + 1);
     let label = format!("Passes: {number} of {}, arrow keys", passes.entries().len());
-    response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, &label));
+    response.widget_info(|| WidgetInfo::labeled(Role::ListBox, ENABLED, &label));
     response.known_as("passes");
     if response.has_focus() {
         let stroke = Stroke::new(1.0, palette.accent);
@@ -129,7 +130,7 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     let name = stage_name(*stage);
     let count = counted(*passes, "pass", "passes");
     let label = format!("{name}: {count}");
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &label));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, ENABLED, &label));
 
     let painter = ui.painter();
     let font = FontId::new(12.5, semibold());
@@ -150,7 +151,7 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
     let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
     let text = pass.badge.text();
     let label = format!("Pass {}: {}, {text}", index + 1, pass.report.name);
-    response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, current, &label));
+    response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, ENABLED, current, &label));
     response.known_as(format_args!("pass-{}", index + 1));
 
     let painter = ui.painter();
