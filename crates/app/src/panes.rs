@@ -150,6 +150,7 @@ struct PaneSide<'a> {
 }
 
 impl PaneSide<'_> {
+    /// Shows one picture with its input, and returns its response. Nothing is drawn over it on the stage of a talk.
     fn show(
         &self,
         ui: &mut Ui,

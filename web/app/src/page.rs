@@ -370,6 +370,7 @@ struct Page {
 }
 
 impl Page {
+    /// Makes the page's app: restores the settings of earlier visits, and opens the link.
     fn new(
         creation: &eframe::CreationContext<'_>,
         options: &Options,

@@ -233,6 +233,7 @@ struct CurveFrame<'a> {
 }
 
 impl CurveFrame<'_> {
+    /// Shows the chart; a click or a drag goes to a moment.
     fn show(
         &self,
         ui: &Ui,

@@ -24,6 +24,7 @@ use crate::ENABLED;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 use tilescope_workbench::state::RunView;
 
+/// Width of the strip of breakpoints left of the lines, in screen points, unless enlarged for fingers.
 const GUTTER: f32 = 22.0;
 /// Room for a remark behind a line.
 const TAG: f32 = 28.0;

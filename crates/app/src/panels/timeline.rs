@@ -32,11 +32,13 @@ const ABOVE_CONTROLS: f32 = 4.0;
 const LABEL: f32 = 46.0;
 /// Height of the row of the next line.
 const NEXT_LINE: f32 = 19.0;
-/// A lower window has no room for it.
+/// A lower window has no room for the next line.
 const MIN_HEIGHT_FOR_NEXT: f32 = 560.0;
-/// Font sizes of the labels, of the next line, and of the sentence.
+/// Font size of the labels, and of the next line.
 const SMALL_SIZE: f32 = 13.0;
+/// Font size of the sentence.
 const SIZE: f32 = 15.0;
+/// Font size of the sentence in a small window.
 const COMPACT_SIZE: f32 = 14.5;
 
 /// A sentence as long as those of runs of some ten thousand samples. Room for it is always reserved, so that nothing

@@ -25,9 +25,11 @@ use tilescope_workbench::command::{Command, TimeCommand};
 
 /// Minimum width of a segment, in screen points.
 const MIN_WIDTH: f32 = 54.0;
+/// Height of the track with its labels.
 pub(super) const HEIGHT: f32 = 54.0;
 /// Height on a small window, for touch.
 pub(super) const COMPACT_HEIGHT: f32 = 44.0;
+/// Height of the bars, above their labels.
 const BAR: f32 = 24.0;
 /// Height of the colour of a level at the bottom of its bar.
 const SWATCH: f32 = 5.0;

@@ -18,12 +18,14 @@ const HEIGHT: f32 = 168.0;
 const MIN_SIDE: f32 = 150.0;
 /// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
-/// Ends of the axes of power and of g: those of a maximal set with room above its peaks. They never change, so that a moment has
+/// End of the axis of power: that of a maximal set with room above its peaks. It never changes, so that a moment has
 /// one picture, whichever moments were seen before, and charts can be compared while stepping. Higher values, as the power after
 /// tiling, are cut off and marked with their number. The periodogram is white from the same power on.
 const END_OF_POWER: f64 = periodogram::WHITE;
+/// End of the axis of g, likewise fixed.
 const END_OF_PAIRS: f64 = 4.0;
 
+/// The label of the axes of frequencies.
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 
 /// Shows the periodogram; with a second run both, and their difference.

@@ -12,6 +12,7 @@ use crate::ENABLED;
 const COLUMN: f32 = 62.0;
 /// Width of the names of numbers.
 const NAME: f32 = 128.0;
+/// Height of a row.
 const ROW: f32 = 19.0;
 /// Fewer samples are not measured.
 const MIN_SAMPLES: usize = 3;

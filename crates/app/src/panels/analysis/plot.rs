@@ -12,9 +12,11 @@ use tilescope_ui::widgets::Known;
 
 use crate::ENABLED;
 
-/// Margins left for the axis numbers, above for the title and below for the numbers, in screen points.
+/// Margin for the numbers of the vertical axis, in screen points.
 const LEFT: f32 = 30.0;
+/// Margin for the title.
 const ABOVE: f32 = 23.0;
+/// Margin for the numbers and the label of the horizontal axis.
 const BELOW: f32 = 31.0;
 /// Minimum distance between numbers along an axis.
 const TICKS_APART: [f32; 2] = [33.0, 26.0];
