@@ -150,7 +150,7 @@ struct PaneSide<'a> {
 }
 
 impl PaneSide<'_> {
-    /// Shows one picture with its input, and returns its response. Nothing is drawn over it on the stage of a talk.
+    /// Shows one picture with its input, and returns its response. On the stage of a talk, nothing but the scale lies over it.
     fn show(
         &self,
         ui: &mut Ui,

@@ -107,7 +107,7 @@ fn move_view(
 ) {
     let is_dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
-    // Embedded in another page, one finger scrolls that page: a hint says that two fingers move the picture.
+    // In an embedded window one finger scrolls the page around it: a hint says that two fingers move the picture.
     if is_embedded && is_dragged && touch.hand == Hand::Finger {
         hint::give(ui, Hint::Fingers);
         return;
@@ -127,7 +127,7 @@ fn move_view(
         (pinch.middle, f64::from(pinch.factor))
     } else if response.contains_pointer() && touch.hand == Hand::Mouse {
         let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-        // Embedded in another page, the plain wheel scrolls that page: a hint says that it zooms with Ctrl.
+        // In an embedded window the plain wheel scrolls the page around it: a hint says that it zooms with Ctrl.
         let scroll = if is_embedded {
             if ui.input(|input| input.events.iter().any(is_plain_wheel)) {
                 hint::give(ui, Hint::Wheel);

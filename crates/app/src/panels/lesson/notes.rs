@@ -25,7 +25,7 @@ use super::{counts_text, text};
 const PARAGRAPH: f32 = 16.0;
 /// Font size of headings.
 const HEADING: f32 = 19.0;
-/// Font size of the clock, which the lecturer reads from afar.
+/// Font size of the clock and of the elapsed time.
 const CLOCK: f32 = 26.0;
 
 /// Shows the lecturer's window, while a talk is given.

@@ -37,7 +37,7 @@ pub(super) fn show(
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
         // A key or a button may have selected a pass that is out of view. Only a new selection scrolls, so that a user may scroll
-        // on from there. Rows are laid out from the first of the range on, the others by their distance from it.
+        // on from there. Lines have one height: the place of one out of view follows from the first line of the range.
         if let Some(line) = selected.filter(|_| has_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
