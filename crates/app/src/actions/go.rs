@@ -77,10 +77,10 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Adds stepping, with the keys that debuggers usually have. With one more modifier the same keys step backwards.
 fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
-    let back = direction == Direction::Backwards;
-    let way = if back { " backwards" } else { "" };
-    let shifted = if back { SHIFT } else { NONE };
-    let with_alt = if back { Modifiers::ALT } else { NONE };
+    let is_back = direction == Direction::Backwards;
+    let way = if is_back { " backwards" } else { "" };
+    let shifted = if is_back { SHIFT } else { NONE };
+    let with_alt = if is_back { Modifiers::ALT } else { NONE };
     // Browsers reload on F5 and go full screen on F11: a page uses other keys.
     let [go_on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]

@@ -80,7 +80,7 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
 /// key does depends on those before it. While text is typed, only function keys and keys with Ctrl count. Returns
 /// whether there were any.
 pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
-    let typing = ctx.text_edit_focused();
+    let is_typing = ctx.text_edit_focused();
     let has_focus = ctx.memory(|memory| memory.focused().is_some());
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
@@ -98,7 +98,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let mut any = false;
     for (key, held) in presses {
         // A field takes the text that is typed.
-        let is_text = typing && !held.command && !is_function(key);
+        let is_text = is_typing && !held.command && !is_function(key);
         // Escape closes an open menu or list.
         let closes_popup = key == Key::Escape && has_popup;
         // Space and Enter press a button that has the focus.
@@ -172,13 +172,13 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
     if has_sheet(state) || state.window().embedding.is_some() {
         return None;
     }
-    let typing = ctx.text_edit_focused();
+    let is_typing = ctx.text_edit_focused();
     let open = state.window().finder.as_ref();
     ctx.input_mut(|input| {
         // The index of the first event that is for the list of actions.
         let from = match open {
             // The field has the focus by now, and takes the text itself.
-            Some(_) if typing => return None,
+            Some(_) if is_typing => return None,
             Some(_) => 0,
             None => {
                 let opens = |event: &Event| {

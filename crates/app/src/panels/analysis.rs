@@ -211,7 +211,7 @@ fn status(
         Some(_) => context.palette.muted,
         None => context.palette.text,
     };
-    let text = told(context.run, shown, &sets.first);
+    let text = status_text(context.run, shown, &sets.first);
     let second = context.second.and_then(|run| Some((run, run.shown()?)));
     // Screen readers are told of the event by the sentence below the canvas already: no text here is announced again.
     let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
@@ -220,12 +220,12 @@ fn status(
     };
     let text = RichText::new(format!("A: {text}")).color(color);
     lines(ui, text).known_as("analysis.status");
-    let text = format!("B: {}", told(run, &other, measures));
+    let text = format!("B: {}", status_text(run, &other, measures));
     lines(ui, RichText::new(text).color(context.palette.text)).known_as("analysis.status-b");
 }
 
-/// Says which moment of a run is measured, and how far.
-fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> String {
+/// Returns a sentence on which moment of a run is measured, and how far.
+fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> String {
     let measuring = &run.measuring;
     let name = capital(&name_of(shown));
     if let Some(why) = measuring.failure(shown) {
@@ -237,7 +237,7 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
     }
     // While the run moves, its live measures are of this moment already, though perhaps with fewer frequencies.
     if let Some(live) = measures.live {
-        let share = share(run.live.share(shown));
+        let share = share_text(run.live.share(shown));
         return format!("{name}: {} {share}", numbers::counts(live));
     }
 
@@ -256,8 +256,8 @@ fn told(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> S
     format!("{name}: {doing}{old} {why}")
 }
 
-/// Says what share of the frequencies is shown while the run moves.
-fn share(shown: Option<f64>) -> String {
+/// Returns a sentence on the share of the frequencies that is shown while the run moves.
+fn share_text(shown: Option<f64>) -> String {
     match shown.map(f64::recip) {
         None => "The spectrum follows.".to_owned(),
         // Rounded, the sentence would say "1 in 1".
@@ -429,6 +429,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
             for (value, which) in [(&mut low, "from"), (&mut high, "to")] {
                 let field = DragValue::new(value)
                     .range(0.0..=axis.end())
+                    // A drag over 200 points changes the value by 1.
                     .speed(0.005)
                     .fixed_decimals(3);
                 let field = match axis {

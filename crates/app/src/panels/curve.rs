@@ -111,9 +111,9 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
         )
     };
 
-    let chosen = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
+    let combo = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
     let name = ui.words(named(number));
-    let response = chosen.selected_text(name).show_ui(ui, |ui| {
+    let shown = combo.selected_text(name).show_ui(ui, |ui| {
         for other in [None].into_iter().chain(CurveNumber::all().map(Some)) {
             let row = ui.selectable_label(other == number, ui.words(named(other)));
             row.known_as(format_args!(
@@ -127,7 +127,7 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
         }
     });
 
-    let response = response.response;
+    let response = shown.response;
     let name = ui.words("Number of the curve");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("curve.number");

@@ -229,11 +229,12 @@ fn show_row(
     context: &PanelContext<'_>,
     debugger: &Debugger,
     line: &EventRow,
-    current: bool,
+    is_current: bool,
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
     let index = line.event;
+    // The row ends before the scroll bar.
     let (rect, response) = ui.allocate_exact_size(
         vec2(ui.available_width() - 10.0, row_height(ui.ctx(), ROW)),
         Sense::click(),
@@ -241,10 +242,10 @@ fn show_row(
 
     let text = tilescope_debugger::short(debugger.recording(), index);
     let label = format!("Event {}: {text}", event_number(index));
-    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, current, &label));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &label));
     response.known_as(format_args!("event-{index}"));
 
-    if current {
+    if is_current {
         ui.painter()
             .rect_filled(rect, 3.0, palette.accent.gamma_multiply(0.22));
     } else if response.hovered() || response.has_focus() {
@@ -273,6 +274,7 @@ fn show_row(
         palette.muted,
     );
 
+    // The arrow takes 18 points before the text, whether or not there is one.
     let left = rect.left() + 18.0 + indent;
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), ink);
     // A text that would run into the number ends with an ellipsis. The tooltip has all of it.
@@ -297,7 +299,7 @@ fn arrow(
     rect: egui::Rect,
     indent: f32,
     event: usize,
-    expanded: bool,
+    is_expanded: bool,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
@@ -314,13 +316,14 @@ fn arrow(
     let response = ui.interact(area, ui.scope_id().with(("arrow", event)), Sense::click());
     let name = format!(
         "{} event {}",
-        if expanded { "Collapse" } else { "Expand" },
+        if is_expanded { "Collapse" } else { "Expand" },
         event_number(event)
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
     response.known_as(format_args!("event-{event}.expand"));
 
-    let corners = if expanded {
+    // The arrow points down at what follows, or right at what is folded away.
+    let corners = if is_expanded {
         [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
     } else {
         [vec2(-2.0, -4.0), vec2(3.0, 0.0), vec2(-2.0, 4.0)]
@@ -331,7 +334,7 @@ fn arrow(
         palette.muted
     };
 
-    let corners = corners.map(|v| at + v).to_vec();
+    let corners = corners.map(|offset| at + offset).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(
         corners,
         color,

@@ -164,8 +164,8 @@ impl Sheet<'_> {
     /// Shows the field of the file, its formats, and remarks on its name.
     fn file(&mut self, ui: &mut Ui) {
         // A browser chooses the folder itself, so that there is nothing to browse for.
-        let web = self.in_browser;
-        let label = ui.label(if web { "File name" } else { "File" });
+        let in_browser = self.in_browser;
+        let label = ui.label(if in_browser { "File name" } else { "File" });
         ui.horizontal(|ui| {
             let mut path = self.form.path.clone();
             let edit = TextEdit::singleline(&mut path)
@@ -174,7 +174,7 @@ impl Sheet<'_> {
                 .margin(egui::Margin::symmetric(8, 6))
                 .desired_width(
                     ui.available_width()
-                        - if web {
+                        - if in_browser {
                             // Room for the margins of the field.
                             16.0
                         } else {
@@ -193,7 +193,7 @@ impl Sheet<'_> {
             }
             self.write_on_enter(ui, &response);
 
-            if web {
+            if in_browser {
                 return;
             }
             let browse = ui.button("Browse\u{2026}");

@@ -104,9 +104,13 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
 /// Shows the field for the file's name. In a browser a name is typed only to save, and files to open are chosen in its
 /// dialog.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
-    let (web, saves) = (state.files().in_browser(), form.purpose == Purpose::Save);
-    let can_type = saves || !web;
-    let label = ui.label(if web && saves { "File name" } else { "File" });
+    let (in_browser, is_saving) = (state.files().in_browser(), form.purpose == Purpose::Save);
+    let can_type = is_saving || !in_browser;
+    let label = ui.label(if in_browser && is_saving {
+        "File name"
+    } else {
+        "File"
+    });
     ui.horizontal(|ui| {
         let mut path = form.path.clone();
         let edit = TextEdit::singleline(&mut path)
@@ -129,7 +133,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
             own.push(FileCommand::Go);
         }
         // A browser chooses the folder of a download itself.
-        if web && saves {
+        if in_browser && is_saving {
             return;
         }
         let browse = ui.button("Browse\u{2026}");

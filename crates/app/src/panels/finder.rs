@@ -124,23 +124,24 @@ fn show_action(
     state: &State,
     action: &Action,
     field: egui::Id,
-    chosen: bool,
+    is_chosen: bool,
     has_moved: bool,
 ) -> bool {
     let palette = Palette::of(state.appearance().look);
     // An action that is refused stays in the list, so that its tooltip can say why.
-    let enabled = action.refusal.is_none();
-    let sense = if enabled {
+    let is_enabled = action.refusal.is_none();
+    let sense = if is_enabled {
         Sense::click()
     } else {
         Sense::hover()
     };
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), row_height(ui.ctx(), ROW)), sense);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
+    response
+        .widget_info(|| WidgetInfo::selected(Role::Button, is_enabled, is_chosen, &action.name));
     response.known_as(format_args!("action.{}", action.id()));
 
-    if chosen {
+    if is_chosen {
         // The field keeps the focus while screen readers follow the selection.
         ui.ctx().accesskit_node_builder(field, |node| {
             node.set_active_descendant(response.id.accesskit_id());

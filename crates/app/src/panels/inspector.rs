@@ -207,8 +207,8 @@ fn sample(
             own,
         } => {
             // The samples of a combination come from its pieces instead of blocks.
-            let glued = session.combination.is_some();
-            let (source_name, index_name, inside) = if glued {
+            let is_combination = session.combination.is_some();
+            let (source_name, index_name, inside) = if is_combination {
                 ("Of piece", "Sample of its set", "inside its rectangle")
             } else {
                 ("Tiled into block", "Pattern sample", "inside its block")

@@ -80,6 +80,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
 
         scroll.show(ui, |ui| {
+            // The text ends before the scroll bar.
             ui.set_max_width(ui.available_width() - 10.0);
             match &state.lessons().open {
                 Some(open) if !state.lessons().shows_list => {

@@ -99,9 +99,9 @@ fn levels(
         ];
         let texts = texts.each_ref().map(String::as_str);
         // The level of the last sample that is shown is the current one.
-        let current = level == nested.level_of(count - 1);
+        let is_current = level == nested.level_of(count - 1);
         let key = format!("level-{level}");
-        let shown = row(ui, texts, current, palette, Some(&key));
+        let shown = row(ui, texts, is_current, palette, Some(&key));
 
         // A level is maximal if its samples cover the domain within the distance that they keep. The last level may be cut short.
         let about = if claim.covering == Some(claim.distance) {

@@ -530,11 +530,11 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
 /// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
-    let chosen = ComboBox::from_id_salt("clock")
+    let combo = ComboBox::from_id_salt("clock")
         .width(width)
         .selected_text(ui.words(context.run.clock_name(playback.clock)));
 
-    let response = chosen.show_ui(ui, |ui| {
+    let shown = combo.show_ui(ui, |ui| {
         for clock in Clock::ALL {
             // A clock that this run lacks stays in the list, with the reason.
             let refusal = context.run.clock_refusal(clock);
@@ -550,7 +550,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
         }
     });
 
-    let response = response.response;
+    let response = shown.response;
     let name = ui.words("Clock");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("clock");
@@ -562,7 +562,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let unit = context.run.clock_name(playback.clock);
-    let chosen =
+    let combo =
         ComboBox::from_id_salt("speed")
             .width(58.0)
             .selected_text(match playback.pace_secs() {
@@ -570,7 +570,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
                 None => ui.words(format!("{}\u{d7}", playback.speed)),
             });
 
-    let response = chosen.show_ui(ui, |ui| {
+    let shown = combo.show_ui(ui, |ui| {
         let by_passes = playback.clock == Clock::Pass;
         // A whole run in a given time divides that time among its events. Passes have no events.
         for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
@@ -594,7 +594,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         }
     });
 
-    let response = response.response;
+    let response = shown.response;
     let name = ui.words("Speed");
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, ENABLED, &name));
     response.known_as("speed");

@@ -216,7 +216,7 @@ fn show_segment(
     ui: &Ui,
     palette: &Palette,
     segment: &Segment,
-    current: bool,
+    is_current: bool,
     color: Option<Color32>,
     rect: Rect,
     commands: &mut Vec<Command>,
@@ -229,7 +229,7 @@ fn show_segment(
     );
 
     let label = Rect::from_min_max(bar.left_bottom(), pos2(bar.right(), rect.bottom()));
-    let fill = if current {
+    let fill = if is_current {
         palette.accent.gamma_multiply(0.24)
     } else {
         palette.line.gamma_multiply(0.8)
@@ -247,11 +247,11 @@ fn show_segment(
         ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
-    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, current, &name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &name));
     response.known_as(format_args!("stage.{}", segment.key));
 
-    let hot = response.hovered() || response.has_focus();
-    let ink = if current || hot {
+    let is_hot = response.hovered() || response.has_focus();
+    let ink = if is_current || is_hot {
         palette.text
     } else {
         palette.muted

@@ -40,8 +40,8 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     response.known_as("verdict");
 
     let painter = ui.painter();
-    let hot = response.hovered() || response.has_focus();
-    let fill = color.gamma_multiply(if hot { 0.26 } else { 0.15 });
+    let is_hot = response.hovered() || response.has_focus();
+    let fill = color.gamma_multiply(if is_hot { 0.26 } else { 0.15 });
     let stroke = Stroke::new(1.0, color.gamma_multiply(0.7));
     painter.rect(rect, 15.0, fill, stroke, StrokeKind::Inside);
 

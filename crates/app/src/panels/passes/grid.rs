@@ -138,11 +138,11 @@ fn row(
     let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
     let is_picked = shown.picked() == Some(number);
     let number = number as usize;
-    let changed = table.is_changed(number);
+    let is_changed = table.is_changed(number);
     response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, label(table, number)));
     response.known_as(format_args!("row-{number}"));
 
-    if changed {
+    if is_changed {
         ground(ui, rect, palette);
     }
     if is_picked {

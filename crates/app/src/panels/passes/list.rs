@@ -146,16 +146,16 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
 /// Shows the line of a pass; `longest` is the longest time of a pass, in seconds.
 fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palette) -> Response {
     let pass = &passes.entries()[index];
-    let current = passes.selected() == Some(index);
+    let is_current = passes.selected() == Some(index);
     let size = vec2(ui.available_width() - 6.0, LINE);
     let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
     let text = pass.badge.text();
     let label = format!("Pass {}: {}, {text}", index + 1, pass.report.name);
-    response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, ENABLED, current, &label));
+    response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, ENABLED, is_current, &label));
     response.known_as(format_args!("pass-{}", index + 1));
 
     let painter = ui.painter();
-    if current {
+    if is_current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
     } else if response.hovered() {
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
