@@ -442,6 +442,7 @@ impl App {
         };
 
         let look = self.state.appearance().look;
+        // Restyling lays the whole window out anew.
         if (self.shown_look, self.shown_input_style) == (look, input_style) {
             return;
         }
@@ -595,6 +596,7 @@ impl Behavior<Panel> for Shower<'_> {
         tile: TileId,
         button: egui::Response,
     ) -> egui::Response {
+        // The tab of a row or column of panels has no menu.
         let Some(panel) = tiles::panel_of(tile) else {
             return button;
         };

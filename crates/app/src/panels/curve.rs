@@ -185,7 +185,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
         .hline(strip.x_range(), strip.center().y, stroke);
 }
 
-/// Says how far the curve is, or why there is none.
+/// Shows how far the curve is made, or why there is none.
 fn unknown(ui: &mut Ui, context: &TimeContext<'_>, chart: Rect) {
     let curve = &context.run.curve;
     let percent = 100.0 * curve.progress().unwrap_or_default();
@@ -316,7 +316,7 @@ impl CurveFrame<'_> {
         }
     }
 
-    /// Describes the curve for screen readers.
+    /// Returns a description of the curve for screen readers.
     fn description(&self) -> String {
         let name = self.number.name;
         let values = self.points.values.iter().enumerate();

@@ -419,7 +419,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Describes what will be written, or why nothing can be.
+    /// Shows in a sentence what a click would write, or why nothing can be written.
     fn prospect(&self, ui: &mut Ui) {
         let (text, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),

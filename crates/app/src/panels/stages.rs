@@ -149,6 +149,7 @@ fn change(session: &Session, stage: Stage) -> String {
         }
         Stage::Blocks => format!("{} blocks", grouped(summary.blocks)),
         Stage::Tile => format!("+{}", grouped(summary.tiled)),
+        // The variant as printed inserts samples in the same stage.
         Stage::Eliminate if session.inserted_at_once() > 0 => format!(
             "\u{2212}{} +{}",
             grouped(summary.eliminated),
@@ -243,16 +244,16 @@ fn row_texts(
 
     let fonts = [FontId::proportional(name_size), number(12.0), number(12.5)];
     let colors = [color, palette.muted, color];
-    let galleys = [0, 1, 2].map(|k| {
-        let (text, font) = (texts[k].to_owned(), fonts[k].clone());
-        painter.layout_no_wrap(text, font, colors[k])
+    let galleys = [0, 1, 2].map(|column| {
+        let (text, font) = (texts[column].to_owned(), fonts[column].clone());
+        painter.layout_no_wrap(text, font, colors[column])
     });
 
     let ends = column_ends(rect.width(), galleys.each_ref().map(|it| it.size().x));
-    for (k, galley) in galleys.into_iter().enumerate() {
+    for (column, galley) in galleys.into_iter().enumerate() {
         let (width, height) = (galley.size().x, galley.size().y);
-        let at = rect.left_center() + vec2(ends[k] - width, -height / 2.0);
-        painter.galley(at, galley, colors[k]);
+        let at = rect.left_center() + vec2(ends[column] - width, -height / 2.0);
+        painter.galley(at, galley, colors[column]);
     }
 }
 

@@ -156,7 +156,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ui.spacing_mut().item_spacing.x = 0.0;
             // Screen readers follow this order: the sentence comes first, then the counts.
             label(ui, "Done", height, palette.muted);
-            sentence(ui, context, SIZE, vec2(width, height), usize::MAX);
+            sentence(ui, context, SIZE, vec2(width, height), ALL_LINES);
             if beside > 0.0 {
                 counts(ui, context);
             }
@@ -223,6 +223,9 @@ fn label(ui: &mut Ui, text: &str, height: f32, color: Color32) {
     });
 }
 
+/// No limit of the lines of a sentence.
+const ALL_LINES: usize = usize::MAX;
+
 /// Shows the sentence, in at most this many lines.
 fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines: usize) {
     ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
@@ -279,7 +282,7 @@ pub fn show_compact(
 
     // A sentence that is cut off is shown whole in the timeline's panel.
     let lines = match (is_whole(context), is_low) {
-        (true, _) => usize::MAX,
+        (true, _) => ALL_LINES,
         (false, true) => 1,
         (false, false) => 2,
     };
@@ -360,7 +363,7 @@ impl Player {
             width,
             sentence_height(ui.ctx(), context, PLAYER_SIZE, width),
         );
-        sentence(ui, context, PLAYER_SIZE, room, usize::MAX);
+        sentence(ui, context, PLAYER_SIZE, room, ALL_LINES);
 
         // The limit counts the player's margins, which are not in the width here.
         let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
@@ -513,6 +516,7 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         ui.spacing().interact_size.y,
     );
 
+    // The track goes to every prefix, too.
     if ui.available_width() < size.x {
         return;
     }

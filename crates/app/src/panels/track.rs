@@ -293,6 +293,7 @@ fn density(
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
 
         for (column, count) in counts.iter().enumerate() {
+            // A column without events has shares of 0.
             let total = count.total().max(1) as f32;
             let shares = [count.conflicts, count.gaps, count.insertions].map(|n| n as f32 / total);
             let x = segment.left + 2.0 + 2.0 * column as f32;
@@ -364,6 +365,7 @@ fn marks(
 
     for scene in &debugger.scenes {
         let marked = debugger.marked(scene);
+        // A scene of another run may have no corresponding event in this one.
         let Some(cursor) = marked.cursor() else {
             continue;
         };

@@ -162,7 +162,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     ui.spacing_mut().interact_size.y = 21.0;
 
     let verdict = context.run.verdict();
-    let report = verdict.map(|v| &v.report);
+    let report = verdict.map(|verdict| &verdict.report);
     let unit = (context.run.session.as_ref()).map_or(1.0, |session| session.run().domain.radius());
     match verdict.and_then(|verdict| Some((verdict, verdict.claim?))) {
         Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
@@ -186,7 +186,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         shown.known_as("covering-limit");
     }
 
-    let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
+    let judges = report.map_or_else(|| "\u{2013}".to_owned(), |report| short(&report.judges));
     let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
     if let Some(report) = report {
         shown
@@ -222,12 +222,12 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
         None => "\u{2013}".to_owned(),
     };
 
-    let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / unit);
-    let least = number(in_radii(|v| v.report.min_distance), 6, " r");
-    let cover = number(in_radii(|v| v.report.covering_radius), 6, " r");
-    let density = number(report.map(|r| r.density), 4, "");
-    let relative = number(report.map(|r| r.relative_radius), 4, "");
-    let count = report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count));
+    let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|verdict| value(verdict) / unit);
+    let least = number(in_radii(|verdict| verdict.report.min_distance), 6, " r");
+    let cover = number(in_radii(|verdict| verdict.report.covering_radius), 6, " r");
+    let density = number(report.map(|report| report.density), 4, "");
+    let relative = number(report.map(|report| report.relative_radius), 4, "");
+    let count = report.map_or_else(|| "\u{2013}".to_owned(), |report| grouped(report.count));
 
     // A number's meaning stands in its tooltip, as the catalogue has it.
     for (name, meaning, value) in [
@@ -257,12 +257,12 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
             (
                 "Closest pair",
                 Witness::ClosestPair,
-                verdict.is_some_and(|v| v.closest.is_some()),
+                verdict.is_some_and(|verdict| verdict.closest.is_some()),
             ),
             (
                 "Largest hole",
                 Witness::LargestHole,
-                verdict.is_some_and(|v| v.largest.is_some()),
+                verdict.is_some_and(|verdict| verdict.largest.is_some()),
             ),
         ] {
             // Before the verdict no pair and no hole is known.

@@ -112,7 +112,7 @@ fn difference_text(ui: &mut Ui, palette: &Palette) {
     });
 }
 
-/// Describes how many frequencies are averaged in a cell of the picture, and up to where they are measured if not
+/// Returns a remark on how many frequencies are averaged in a cell of the picture, and up to where they are measured if not
 /// everywhere.
 fn cells_of(spectrum: &Spectrum) -> String {
     let picture = &spectrum.picture;

@@ -109,7 +109,7 @@ impl Plot<'_> {
         let size = vec2(ui.available_width(), self.height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
         let description = self.description();
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, &description));
         response.known_as(format_args!("chart.{}", self.y.sign));
 
         let mut inner = rect;
@@ -152,7 +152,7 @@ impl Plot<'_> {
         dragged(ui, &response, self.brush, |at| frame.x_at(at))
     }
 
-    /// Describes the chart for screen readers.
+    /// Returns a description of the chart for screen readers.
     fn description(&self) -> String {
         let highest = |curve: &Curve| {
             let points = curve.points.iter().copied();

@@ -310,6 +310,7 @@ const fn share_name(labels: &LessonLabels, share: RightShare) -> &'static str {
 
 /// Follows the pointer with the laser or the pen.
 fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Command>) {
+    // The hand moves the picture, as the canvas does by itself.
     if talk.tool == Tool::Hand || !rect.is_positive() {
         return;
     }

@@ -117,6 +117,7 @@ fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
 
 /// Shows the heading of a stage: its name, and the time that its passes took.
 fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
+    // The lines of passes are shown by `row`.
     let PassLine::Stage {
         stage,
         passes,
