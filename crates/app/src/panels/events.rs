@@ -322,7 +322,7 @@ fn arrow(
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
     response.known_as(format_args!("event-{event}.expand"));
 
-    // The arrow points down at what follows, or right at what is folded away.
+    // The arrow points down at the events that follow, and right where they are folded away.
     let corners = if is_expanded {
         [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
     } else {
