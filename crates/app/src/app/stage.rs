@@ -63,7 +63,8 @@ impl App {
         // On a page there is no second window.
         let second = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
         if ui.input(|input| input.viewport().close_requested()) && second.is_some() {
-            // Only the content is closed: this window then shows the content of the other one, and the talk continues.
+            // Only the content is closed: this window then shows the content of the other one, and the talk continues. Full
+            // screen, which the window got when the talk began, ends.
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             self.commands.push(Command::Talk(close_command(root)));

@@ -92,7 +92,7 @@ pub fn is_below(state: &State) -> bool {
 /// Shows the caption over the canvas.
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     let canvas = state.runs().first.viewport;
-    // Before the first frame has been laid out the card would stand anywhere.
+    // A card below the canvas is shown elsewhere. Before the first frame was laid out there is no canvas to stand over.
     if is_below(state) || !canvas.is_positive() {
         return;
     }
@@ -106,6 +106,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     let (room, above) = if between >= least {
         (between, ABOVE_EDGE[0])
     } else {
+        // At both sides 12 points of the canvas stay free.
         (canvas.width() - 24.0, ABOVE_EDGE[1])
     };
     // A card narrower than 200 points would be read word by word, even over a narrower canvas.

@@ -51,6 +51,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     if is_changed {
         chosen = Some(text);
     }
+    // In the frame of a change the completions would still be those of the text before.
     if let Some(text) = chosen.or_else(|| completions(ui, &context.run.query.text)) {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
@@ -77,6 +78,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         .known_as("found-events");
     ui.add_space(2.0);
 
+    // Without found events the tree of all events is shown.
     let found = match &context.run.query.found {
         FoundEvents::Events(events) => Some(events.as_slice()),
         _ => None,

@@ -265,6 +265,7 @@ impl LessonPanel<'_> {
     fn question(&mut self, ui: &mut Ui, question: &Question) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
+        // A trace asks for one event after another: so many of them are predicted.
         let (_, traced) = learner.tries();
         if let Some(steps) = question.traced() {
             // Once all steps are traced, the last of them stays.
@@ -414,8 +415,8 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // Any seed serves that differs from click to click, as the time does. Its remainder by a prime is short enough to
-            // be read.
+            // Any seed serves that differs from click to click, as the time does, also without its lowest bits. The remainder
+            // by a prime is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

@@ -191,7 +191,7 @@ fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &m
     ui.add_space(6.0);
 }
 
-/// Shows the moment of a scene in this run; the tooltip names the event where it was made, if that was in another run.
+/// Shows the moment of a scene in this run. If the scene was made in another run, the tooltip names its event there.
 fn moment(
     ui: &mut Ui,
     debugger: &Debugger,
@@ -263,6 +263,7 @@ fn scene_title(scene: &SavedScene) -> Option<&str> {
 fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {
     for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
         let line = Listings::shipped().line(breakpoint.line);
+        // A breakpoint keeps the number of its line, which the listings may lack.
         let id = line.map_or("?", |line| line.id.as_str());
         let parameters = &debugger.recording().run().parameters;
         let words = line.map_or_else(String::new, |line| line.text(parameters));

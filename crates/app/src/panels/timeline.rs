@@ -366,7 +366,8 @@ impl Player {
         sentence(ui, context, PLAYER_SIZE, room, ALL_LINES);
 
         // The limit counts the player's margins, which are not in the width here.
-        let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
+        let room_for_all = ALL_BUTTONS - 2.0 * PLAYER_MARGIN.x;
+        let with_ends = self == Self::Narrow && ui.available_width() >= room_for_all;
         ui.horizontal(|ui| {
             controls(ui, context, with_ends, commands);
             ui.add_space(6.0);

@@ -45,7 +45,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let stroke = Stroke::new(1.0, color.gamma_multiply(0.7));
     painter.rect(rect, 15.0, fill, stroke, StrokeKind::Inside);
 
-    // The mark and the text are centred as one; the mark takes 18 points.
+    // The mark and the text are centred as one. The mark takes 18 points, and has its middle 4 points from the left.
     let start = rect.center().x - 0.5 * (galley.size().x + 18.0);
     if let Some(is_valid) = is_valid {
         let mark = egui::pos2(start + 4.0, rect.center().y);
@@ -83,7 +83,7 @@ pub fn chip_width(ui: &Ui, context: &PanelContext<'_>) -> f32 {
     width_of(&galley_of(ui, &ui.words(text), color))
 }
 
-/// Returns the text of the chip, whether the session is valid if that is known, and the colour of both.
+/// Returns the text of the chip, whether the session is valid if that is known, and the colour of text and mark.
 fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<bool>, Color32) {
     match &context.run.verification {
         Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),

@@ -39,7 +39,7 @@ pub(super) fn show(
             commands.push(PassCommand::ShowCanvas);
         }
 
-        let (text, tip) = words(&rows);
+        let (text, tip) = remark_on(&rows);
         let label =
             ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
         label.known_as("passes.marked");
@@ -50,7 +50,7 @@ pub(super) fn show(
 }
 
 /// Returns a remark on the rows drawn, and its explanation.
-fn words(rows: &Rows<'_>) -> (String, &'static str) {
+fn remark_on(rows: &Rows<'_>) -> (String, &'static str) {
     let name = rows.table.name.as_str();
     if let Some(why) = rows.places.unplaced() {
         return (format!("nothing of {name}: {why}"), "");
