@@ -276,7 +276,7 @@ fn show_row(
         palette.muted,
     );
 
-    // The arrow takes 18 points before the text, whether or not there is one.
+    // The text begins behind the room of the arrow, which not every row has.
     let left = rect.left() + 18.0 + indent;
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), ink);
     // A text that would run into the number ends with an ellipsis. The tooltip has all of it.

@@ -288,7 +288,7 @@ fn density(
     palette: &Palette,
 ) {
     for segment in segments {
-        // A column is two points wide. The bar of a segment leaves a point free at both of its ends.
+        // A column is two points wide, with a line in its middle. The bar of a segment leaves a point free at both of its ends.
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
 

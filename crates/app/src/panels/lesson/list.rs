@@ -92,6 +92,7 @@ fn entry(
         .filter(|(_, gate)| is_done(&gate.name))
         .count();
 
+    // Index 0 stands for a lesson without a number.
     let number = if index == 0 {
         String::new()
     } else {
