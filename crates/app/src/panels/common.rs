@@ -36,8 +36,8 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
-/// Shows how far work is, and about how long it still takes. `name` tells the work from others, `activity` says in words how
-/// far it is, and `fraction` is the share that is done.
+/// Shows how far work is, and about how long it still takes. `name` tells the work from others, `activity` says what goes on
+/// now, and `fraction` is the share that is done.
 pub fn progress(
     ui: &mut Ui,
     name: &str,

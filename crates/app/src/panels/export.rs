@@ -437,6 +437,7 @@ impl Sheet<'_> {
     /// Cancel is below them, so that a double click on the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
+            // The height is that of the button, unless this is enlarged for fingers.
             let activity = job.activity();
             progress(ui, "export", &activity, job.fraction(), 34.0, self.palette)
                 .known_as("export.progress");
