@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Region, Report, verify_levels};
+use tilescope_analysis::{Report, verify_levels};
 use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
     WHOLE_FILE_BYTES, check_stream, is_valid,
