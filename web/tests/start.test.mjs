@@ -75,7 +75,7 @@ function slowClock() {
 }
 
 test("the first frame comes soon after the load, and the page is idle when nothing happens", async (t) => {
-  const { page } = await started(t, "", { prepare: (context) => context.addInitScript(slowClock) });
+  const { page } = await started(t, "?play", { prepare: (context) => context.addInitScript(slowClock) });
   // Printed only, without a limit, since machines differ.
   const marks = await page.evaluate(() => performance.getEntriesByType("mark").map((mark) => [mark.name, mark.startTime]));
   const first = new Map(marks).get("tilescope: first frame");
@@ -101,7 +101,7 @@ test("the first frame comes soon after the load, and the page is idle when nothi
 });
 
 test("a browser without WebAssembly is told so, with a picture", async (t) => {
-  const { page } = await opened(t, "", {
+  const { page } = await opened(t, "?play", {
     prepare: (context) => context.addInitScript(() => delete globalThis.WebAssembly),
   });
   await page.waitForSelector("#missing:not([hidden])");
@@ -115,21 +115,21 @@ test("a browser without WebGL 2 and WebGPU is told so, with a picture", async (t
     HTMLCanvasElement.prototype.getContext = () => null;
     Object.defineProperty(Navigator.prototype, "gpu", { value: undefined });
   };
-  const { page } = await opened(t, "", { prepare: (context) => context.addInitScript(takeDisplays) });
+  const { page } = await opened(t, "?play", { prepare: (context) => context.addInitScript(takeDisplays) });
   await page.waitForSelector("#missing:not([hidden])");
   assert.match(await page.textContent("#missing-list"), /neither WebGL 2 nor WebGPU/);
   await pictured(page, "#missing img");
 });
 
 test("without scripts the page says that it needs them", async (t) => {
-  const { page } = await opened(t, "", { settings: { javaScriptEnabled: false } });
-  await page.waitForSelector("noscript h2", { state: "visible" });
-  assert.match(await page.textContent("noscript h2"), /needs JavaScript/);
-  await pictured(page, "noscript img");
+  const { page } = await opened(t, "?play", { settings: { javaScriptEnabled: false } });
+  await page.waitForSelector("noscript p", { state: "visible" });
+  assert.match(await page.textContent("noscript p"), /allow JavaScript/);
+  await pictured(page, ".hero img");
 });
 
 test("a module that cannot be loaded is reported", async (t) => {
-  const { page } = await opened(t, "", {
+  const { page } = await opened(t, "?play", {
     prepare: (context) => context.route(/sheets-/, (route) => route.abort()),
     expected: [/Failed to load resource/],
   });
@@ -228,7 +228,7 @@ slowTest("where the browser does not report the size of the canvas, the program 
 
 test("loading shows its progress", async (t) => {
   const server = await doled(t, await host());
-  const { page } = await opened(t, "", { server });
+  const { page } = await opened(t, "?play", { server });
   const bar = page.locator("#loading-bar");
   const lights = [];
   for (const share of [0.25, 0.5, 0.75]) {
@@ -257,7 +257,7 @@ test("the page can be installed: its manifest is sound, and its icons are of the
     });
     return { manifest, icons: await Promise.all(icons) };
   });
-  assert.deepEqual([manifest.name, manifest.display, manifest.start_url], ["Tilescope", "standalone", "./"]);
+  assert.deepEqual([manifest.name, manifest.display, manifest.start_url], ["Tilescope", "standalone", "./?play"]);
   assert.deepEqual(icons.map(({ is }) => is), icons.map(({ told }) => told));
   for (const purpose of ["any", "maskable"]) {
     const sizes = icons.filter((icon) => icon.purpose === purpose).map(({ is }) => is);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tilescope_figures::{escape, to_svg};
+use tilescope_figures::{Scene, escape, to_svg};
 use tilescope_lessons::{Control, Curve, Item, Lesson, Row, Style, Translation, spans};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::language::Language;
@@ -47,11 +47,94 @@ pub fn handout(task: HandoutTask) -> Result<String, String> {
     task.run(&Monitor::reporting(|_, _| {}))
 }
 
+/// A lesson as a page shows it before any program runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LessonSheet {
+    /// Its title, as plain text.
+    pub title: String,
+    /// What a learner can do afterwards, as plain text.
+    pub objective: String,
+    /// How many minutes it takes alone.
+    pub minutes: u32,
+    /// Its steps, in order.
+    pub steps: Vec<StepSheet>,
+}
+
+/// A step of a lesson as a page shows it, with its question open: no answer stands in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepSheet {
+    /// Its name in links.
+    pub name: String,
+    /// Its title, as plain text.
+    pub title: String,
+    /// The paragraphs before the question, as HTML.
+    pub texts: String,
+    /// The question with its options, as HTML; empty if the step has none.
+    pub question: String,
+    /// The picture of its moment, light on dark and dark on light.
+    pub pictures: [Scene; 2],
+}
+
+/// Returns a lesson for a page, with pictures of a size in points. Neither answers nor notes stand in it.
+///
+/// # Errors
+///
+/// As [`handout`].
+pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, String> {
+    let (lesson, translation) = task.read()?;
+
+    let mut steps = Vec::new();
+    // Steps of one run share its recording.
+    let mut last = None;
+    for index in 0..lesson.steps.len() {
+        let open = step_at(&lesson, &translation, index, &mut last)
+            .map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
+        let step = open.learner.step();
+
+        // Apart, as a page may set the question off. Nothing is revealed, so that the controls show no answer.
+        let (mut texts, mut question) = (String::new(), String::new());
+        for paragraph in &step.text {
+            put(&mut texts, &open.learner.words(paragraph));
+        }
+        if let Some(asked) = open.learner.question() {
+            ask(
+                &mut question,
+                asked.ask(0),
+                &open.controls(&task.language.0),
+            );
+        }
+
+        // Both looks of one moment, since finding it takes longer than drawing it.
+        steps.push(StepSheet {
+            name: step.name.clone(),
+            title: open.learner.words(&step.title),
+            texts,
+            question,
+            pictures: [true, false].map(|dark| picture(&open, PictureStyle { size, dark }, &[])),
+        });
+    }
+
+    Ok(LessonSheet {
+        title: translation.of(&lesson.title).to_owned(),
+        objective: translation.of(&lesson.objective).to_owned(),
+        minutes: lesson.minutes,
+        steps,
+    })
+}
+
 impl Task for HandoutTask {
     type Outcome = Result<String, String>;
     const NAME: &'static str = "handout";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
+        let (lesson, translation) = self.read()?;
+        self.html(&lesson, &translation, monitor)
+    }
+}
+
+impl HandoutTask {
+    /// Reads the lesson and its translation.
+    fn read(&self) -> Result<(Arc<Lesson>, Arc<Translation>), String> {
         let (name, text) = &self.lesson;
         let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
         let translation = match &self.language.1 {
@@ -59,12 +142,12 @@ impl Task for HandoutTask {
             None => Translation::default(),
         };
         let sign = Language::of(&self.language.0).map_or('.', Language::decimal_sign);
-        let translation = Arc::new(translation.with_decimal_sign(sign));
-        self.html(&Arc::new(lesson), &translation, monitor)
+        Ok((
+            Arc::new(lesson),
+            Arc::new(translation.with_decimal_sign(sign)),
+        ))
     }
-}
 
-impl HandoutTask {
     /// Returns the handout: a head, and a section for each step.
     fn html(
         &self,

@@ -26,6 +26,7 @@ fn documents() -> Vec<PathBuf> {
         "crates/cli/README.md",
         "crates/python/README.md",
         "crates/python/distributed.md",
+        "web/ACCESSIBILITY.md",
         "web/README.md",
     ];
     let mut all = fixed.map(PathBuf::from).to_vec();

@@ -1,4 +1,5 @@
-//! The bytes to be downloaded before the program starts, as a table and as a limit.
+//! The bytes to be downloaded before the program starts, as a table and as a limit. The first page is for readers and not
+//! for the program, so that its bytes are counted apart.
 
 use std::fmt;
 
@@ -8,6 +9,9 @@ use crate::compress::Packed;
 
 /// The most bytes, compressed, that may be needed to start.
 pub const MAX_TO_START: usize = 2_950_000;
+
+/// The line of the first page's sizes.
+const FIRST_PAGE: &str = "first page, in index.html";
 
 /// A file's sizes in bytes: uncompressed, by gzip, by brotli.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,11 +23,16 @@ struct Row {
 
 /// The sizes of all files.
 #[derive(Clone, Debug)]
-pub struct Table(Vec<Row>);
+pub struct Table {
+    rows: Vec<Row>,
+    /// The sizes of the first page, which comes within `index.html`.
+    first_page: [usize; 3],
+}
 
 impl Table {
-    /// Returns the table: files needed to start first, then large files before small ones.
-    pub fn of(packed: &[Packed]) -> Self {
+    /// Returns the table: files needed to start first, then large files before small ones. `first_page` has the sizes of
+    /// the first page.
+    pub fn of(packed: &[Packed], first_page: [usize; 3]) -> Self {
         let row = |packed: &Packed| Row {
             path: packed.file.path.clone(),
             sizes: [
@@ -35,16 +44,19 @@ impl Table {
         };
         let mut rows: Vec<Row> = packed.iter().map(row).collect();
         rows.sort_by_key(|row| (!row.to_start, std::cmp::Reverse(row.sizes[2])));
-        Self(rows)
+        Self { rows, first_page }
     }
 
-    /// Returns the total sizes of the files needed to start.
+    /// Returns the total sizes of the files that the start needs, without the first page.
     pub fn to_start(&self) -> [usize; 3] {
         let mut sum = [0; 3];
-        for row in self.0.iter().filter(|row| row.to_start) {
+        for row in self.rows.iter().filter(|row| row.to_start) {
             for (sum, size) in sum.iter_mut().zip(row.sizes) {
                 *sum += size;
             }
+        }
+        for (sum, size) in sum.iter_mut().zip(self.first_page) {
+            *sum = sum.saturating_sub(size);
         }
         sum
     }
@@ -62,17 +74,18 @@ impl Table {
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let longest = self.0.iter().map(|row| row.path.len()).max();
-        let width = longest.unwrap_or(0).max("needed to start".len());
+        let longest = self.rows.iter().map(|row| row.path.len()).max();
+        let width = longest.unwrap_or(0).max(FIRST_PAGE.len());
         let mut line = |name: &str, sizes: [String; 3]| {
             let [plain, gzip, brotli] = sizes;
             writeln!(f, "{name:width$} {plain:>10} {gzip:>10} {brotli:>10}")
         };
 
         line("file", ["bytes", "gzip", "brotli"].map(str::to_owned))?;
-        for row in &self.0 {
+        for row in &self.rows {
             line(&row.path, row.sizes.map(|size| size.to_string()))?;
         }
+        line(FIRST_PAGE, self.first_page.map(|size| size.to_string()))?;
         line(
             "needed to start",
             self.to_start().map(|size| size.to_string()),
@@ -105,7 +118,10 @@ mod tests {
             packed("still.png", 500, 500, false),
             packed("main.js", 20, 10, true),
         ];
-        let table = Table::of(&files);
+        let table = Table::of(&files, [5, 4, 3]);
+        // The first page does not count.
+        assert_eq!(table.to_start(), [105, 106, 67]);
+        let table = Table::of(&files, [0; 3]);
         assert_eq!(table.to_start(), [110, 110, 70]);
         assert!(table.check(70).is_ok());
         let error = table.check(69).unwrap_err().to_string();
@@ -118,12 +134,12 @@ mod tests {
     #[test]
     fn the_table_has_a_line_a_file_and_the_sum() {
         let files = [packed("b.js", 20, 10, true), packed("a.wasm", 90, 60, true)];
-        let text = Table::of(&files).to_string();
+        let text = Table::of(&files, [5, 4, 3]).to_string();
         let first: Vec<&str> = text
             .lines()
             .map(|line| line.split(' ').next().unwrap())
             .collect();
-        assert_eq!(first, ["file", "a.wasm", "b.js", "needed"]);
-        assert!(text.ends_with("70\n"), "{text}");
+        assert_eq!(first, ["file", "a.wasm", "b.js", "first", "needed"]);
+        assert!(text.ends_with("67\n"), "{text}");
     }
 }

@@ -32,6 +32,11 @@ impl Packed {
     }
 }
 
+/// Returns how many bytes a text has: uncompressed, by gzip, by brotli.
+pub fn sizes(text: &[u8]) -> [usize; 3] {
+    [text.len(), gzip(text).len(), brotli(text).len()]
+}
+
 /// Compresses files. Copies in `earlier`, from an earlier run, are reused if they decompress to the same bytes.
 pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     let packed = files.into_iter().map(|file| {

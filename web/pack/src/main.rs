@@ -8,6 +8,7 @@ mod folder;
 mod names;
 mod page;
 mod rewrite;
+mod site;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -88,11 +89,14 @@ fn pack(arguments: &Arguments) -> Result<()> {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
 
-    let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
+    let address = arguments.address.as_deref().unwrap_or_default();
+    site::add(&mut sources, address)?;
+    let mut files = page::assemble(&sources, address)?;
+    let first_page = site::first_page_sizes(&files)?;
     files.extend(page::example(&arguments.example)?);
 
     let packed = compress::all(files, &arguments.out);
-    let table = budget::Table::of(&packed);
+    let table = budget::Table::of(&packed, first_page);
     print!("{table}");
     // The table is most useful where the budget is exceeded, so that it is printed before the check.
     table.check(arguments.most)?;

@@ -5,10 +5,25 @@
 pub const DIGITS: usize = 12;
 
 /// Files whose addresses must not change.
-const STABLE: [&str; 3] = ["index.html", "manifest.webmanifest", "sw.js"];
+const STABLE: [&str; 5] = [
+    "index.html",
+    "manifest.webmanifest",
+    "robots.txt",
+    "sitemap.xml",
+    "sw.js",
+];
 
 /// The endings of files that are text.
-const TEXT: [&str; 7] = ["css", "html", "js", "json", "svg", "txt", "webmanifest"];
+const TEXT: [&str; 8] = [
+    "css",
+    "html",
+    "js",
+    "json",
+    "svg",
+    "txt",
+    "webmanifest",
+    "xml",
+];
 
 /// The endings of files that are pictures.
 const PICTURES: [&str; 5] = ["ico", "jpg", "png", "svg", "webp"];
@@ -18,9 +33,9 @@ fn ending(name: &str) -> &str {
     name.rsplit_once('.').map_or("", |(_, ending)| ending)
 }
 
-/// Whether a file keeps its name.
+/// Whether a file keeps its name. In folders lie pages, which are asked for by the names of their folders.
 pub fn is_stable(name: &str) -> bool {
-    STABLE.contains(&name)
+    STABLE.contains(&name) || name.contains('/')
 }
 
 /// Whether a file is text, which may have placeholders.
@@ -39,8 +54,11 @@ pub fn is_later(name: &str) -> bool {
     is_picture(name) || is_table || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
 
-/// The lessons, the voting card, the notes of a talk, and the texts of these two.
-const LATER: [&str; 4] = [LESSONS, "card.js", "notes.js", "words.js"];
+/// The lessons, the voting card, the notes of a talk, the texts of these two, and what only the pages before the program
+/// use.
+const LATER: [&str; 6] = [
+    LESSONS, "card.js", "notes.js", "site.css", "site.js", "words.js",
+];
 
 /// The file that holds the lessons and their translations.
 pub const LESSONS: &str = "lessons.json";

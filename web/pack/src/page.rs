@@ -14,6 +14,8 @@ pub struct Source {
     bytes: Vec<u8>,
     /// Whether two opening braces begin a placeholder in it, as in the page's own text files.
     has_placeholders: bool,
+    /// Whether the program and the first page do without it: it is not stored for use without a network.
+    is_apart: bool,
 }
 
 impl Source {
@@ -22,7 +24,30 @@ impl Source {
         Self {
             bytes,
             has_placeholders: false,
+            is_apart: false,
         }
+    }
+
+    /// Returns a page beside the program's own.
+    pub fn apart(name: &str, bytes: Vec<u8>) -> Self {
+        Self::of_page(name, bytes).set_apart()
+    }
+
+    /// Returns this file as one that only pages beside the program's own show.
+    pub fn set_apart(self) -> Self {
+        Self {
+            is_apart: true,
+            ..self
+        }
+    }
+
+    /// Returns its text.
+    ///
+    /// # Errors
+    ///
+    /// It is not in UTF-8.
+    pub fn text(&self) -> Result<&str> {
+        Ok(std::str::from_utf8(&self.bytes)?)
     }
 
     /// Returns a file of the page.
@@ -30,6 +55,7 @@ impl Source {
         Self {
             bytes,
             has_placeholders: names::is_text(name),
+            is_apart: false,
         }
     }
 }
@@ -92,7 +118,7 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
-/// Returns every file under its final name, the service worker last. `address` is the folder's public address, or
+/// Returns every file under its final name, those of the program first. `address` is the folder's public address, or
 /// empty.
 ///
 /// # Errors
@@ -109,16 +135,28 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
     assembly.finish("index.html")?;
     let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
-    for name in sources.keys().filter(|name| *name != WORKER) {
+    let own = |(name, source): &(&String, &Source)| *name != WORKER && !source.is_apart;
+    for (name, _) in sources.iter().filter(own) {
         // A file that is not finished yet is one that `index.html` does not lead to.
         if assembly.finish(name)? {
             eprintln!("warning: nothing that index.html leads to refers to {name}");
         }
     }
+    let stored: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
-    let mut files: Vec<File> = Vec::new();
+    // Then the pages beside it, with the pictures that they alone show.
+    for name in sources.keys().filter(|name| *name != WORKER) {
+        assembly.finish(name)?;
+    }
+
+    let (mut files, mut apart) = (Vec::new(), Vec::new());
     for (name, (path, bytes)) in assembly.done {
-        files.push(File {
+        let list = if stored.contains(&name) {
+            &mut files
+        } else {
+            &mut apart
+        };
+        list.push(File {
             to_start: to_start.contains(&name) && !names::is_later(&name),
             hashed: !names::is_stable(&name),
             path,
@@ -126,7 +164,7 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
         });
     }
 
-    // The service worker comes last, as it lists all other files.
+    // The service worker comes after the files that it lists.
     if let Some(worker) = sources.get(WORKER) {
         let bytes = service_worker(worker, &files)?;
         files.push(File {
@@ -137,10 +175,11 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
         });
     }
 
+    files.extend(apart);
     Ok(files)
 }
 
-/// The service worker, which lists all others.
+/// The service worker, which lists all files of the program and the first page.
 const WORKER: &str = "sw.js";
 
 /// Returns the service worker with the addresses of `files` and their version.

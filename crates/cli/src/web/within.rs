@@ -7,9 +7,15 @@ use percent_encoding::percent_decode_str;
 
 /// Returns the file of a request's path, if the file and its compressed copies lie within `folder`, links followed.
 /// `folder` is canonical. Names that begin with a dot are refused; so are characters that are special on some system:
-/// slashes of either kind, colons, control characters.
+/// slashes of either kind, colons, control characters. A path that ends with a slash names the page of a folder.
 pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
-    let path = if path == "/" { "/index.html" } else { path };
+    let page = if path.ends_with('/') {
+        "index.html"
+    } else {
+        ""
+    };
+    let path = format!("{path}{page}");
+
     let mut named = folder.to_owned();
     for part in path.strip_prefix('/')?.split('/') {
         let part = percent_decode_str(part).decode_utf8().ok()?;
@@ -20,6 +26,7 @@ pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
         }
         named.push(&*part);
     }
+
     let file = named.canonicalize().ok()?;
     // Without a copy the file itself is served; a broken link fails when it is opened.
     let is_outside = |ending| {
@@ -41,8 +48,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path().canonicalize().unwrap();
         std::fs::create_dir(folder.join("example")).unwrap();
+        std::fs::create_dir_all(folder.join("lesson/gaps")).unwrap();
         for (path, name) in [
             ("/", "index.html"),
+            ("/lesson/gaps/", "lesson/gaps/index.html"),
             ("/a-1.js", "a-1.js"),
             ("/example/a%20b.js", "example/a b.js"),
             ("/%C3%A4.js", "\u{e4}.js"),
@@ -61,16 +70,22 @@ mod tests {
         let folder = folder.path().canonicalize().unwrap();
         std::fs::create_dir_all(folder.join("a/b")).unwrap();
         // Each of these files exists, and would be served by a plain name.
-        for name in ["a/c", "a/b/d", ".git", "etc"] {
+        for name in ["a/c", "a/b/d", "a/b/index.html", ".git", "etc"] {
             std::fs::write(folder.join(name), "x").unwrap();
         }
         assert!(file(&folder, "/a/c").is_some() && file(&folder, "/etc").is_some());
+        assert!(file(&folder, "/a/b/").is_some());
         for path in [
             "",
             "etc",
             "*",
             "//",
             "/a/",
+            "/a/b",
+            "/a/b//",
+            "//a/b/",
+            "/a/b/./",
+            "/a/../a/b/",
             "//etc",
             "/a//c",
             "/.",

@@ -79,6 +79,24 @@ fn the_service_worker_lists_all_but_itself() {
 }
 
 #[test]
+fn pages_apart_are_served_and_not_stored_but_what_they_share_is() {
+    let mut all = sources(&small());
+    let page = b"{{asset:still.png}} {{asset:own.png}} {{asset:part.js}}".to_vec();
+    let name = "lesson/gaps/index.html";
+    all.insert(name.to_owned(), Source::apart(name, page));
+    all.insert("own.png".to_owned(), Source::made(vec![1]).set_apart());
+    let files = assemble(&all, "").unwrap();
+
+    let page = by_start(&files, name);
+    assert!(page.path == name && !page.to_start && !page.hashed);
+    let own = by_start(&files, "own-");
+    assert!(own.hashed && text(page).contains(&own.path));
+    let worker = text(by_start(&files, "sw.js"));
+    assert!(!worker.contains("lesson/") && !worker.contains(&own.path));
+    assert!(worker.contains(&by_start(&files, "still-").path));
+}
+
+#[test]
 fn what_does_not_fit_together_is_refused() {
     let refused = |change: fn(&mut Vec<(&str, &str)>)| {
         let mut files = small();
