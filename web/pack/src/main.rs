@@ -8,6 +8,7 @@ mod folder;
 mod names;
 mod page;
 mod rewrite;
+mod script;
 mod site;
 
 use std::path::PathBuf;

@@ -38,6 +38,11 @@ pub fn is_stable(name: &str) -> bool {
     STABLE.contains(&name) || name.contains('/')
 }
 
+/// Whether a file is a script.
+pub fn is_script(name: &str) -> bool {
+    ending(name) == "js"
+}
+
 /// Whether a file is text, which may have placeholders.
 pub fn is_text(name: &str) -> bool {
     TEXT.contains(&ending(name))

@@ -8,6 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::names;
 use crate::rewrite::{Placeholder, rewrite};
+use crate::script::without_comments;
 
 /// A file from which the page is made.
 pub struct Source {
@@ -250,6 +251,14 @@ impl Assembly<'_> {
             filled.with_context(|| name.to_owned())?.into_bytes()
         } else {
             source.bytes.clone()
+        };
+
+        // Before the name, which is a hash of what is served.
+        let bytes = if names::is_script(name) {
+            let text = std::str::from_utf8(&bytes).with_context(|| name.to_owned())?;
+            without_comments(text).into_bytes()
+        } else {
+            bytes
         };
 
         self.open.pop();

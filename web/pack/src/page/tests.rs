@@ -38,7 +38,7 @@ fn references_lead_to_final_names() {
     let part = by_start(&files, "part-");
     let main = by_start(&files, "main-");
     let index = by_start(&files, "index.html");
-    assert_eq!(text(main), format!("import '{}' // 4", part.path));
+    assert_eq!(text(main), format!("import '{}' // 5\n", part.path));
     assert!(text(index).contains(&main.path));
     assert!(main.to_start && part.to_start && main.hashed && !index.hashed);
     assert!(!by_start(&files, "still-").to_start);
@@ -130,7 +130,7 @@ fn what_tools_made_is_left_as_it_is() {
     let made = "const wasm = {{...imports}};";
     all.insert("part.js".to_owned(), Source::made(made.as_bytes().to_vec()));
     let files = assemble(&all, "").unwrap();
-    assert_eq!(text(by_start(&files, "part-")), made);
+    assert_eq!(text(by_start(&files, "part-")), format!("{made}\n"));
 }
 
 #[test]
