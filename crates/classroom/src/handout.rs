@@ -101,6 +101,7 @@ pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, S
                 &mut question,
                 asked.ask(0),
                 &open.controls(&task.language.0),
+                task.decimal_sign(),
             );
         }
 
@@ -141,11 +142,15 @@ impl HandoutTask {
             Some(text) => Translation::read(text).map_err(|error| error.to_string())?,
             None => Translation::default(),
         };
-        let sign = Language::of(&self.language.0).map_or('.', Language::decimal_sign);
         Ok((
             Arc::new(lesson),
-            Arc::new(translation.with_decimal_sign(sign)),
+            Arc::new(translation.with_decimal_sign(self.decimal_sign())),
         ))
+    }
+
+    /// Returns what divides a number from its decimals in its language.
+    fn decimal_sign(&self) -> char {
+        Language::of(&self.language.0).map_or('.', Language::decimal_sign)
     }
 
     /// Returns the handout: a head, and a section for each step.
@@ -222,7 +227,8 @@ impl HandoutTask {
 
         // The controls are written first: once the answer is revealed they show it. Of a trace the first event is asked for.
         if let Some(question) = open.learner.question() {
-            ask(html, question.ask(0), &open.controls(&self.language.0));
+            let controls = open.controls(&self.language.0);
+            ask(html, question.ask(0), &controls, self.decimal_sign());
             if self.answers {
                 open.learner.reveal();
 
@@ -256,8 +262,8 @@ impl HandoutTask {
     }
 }
 
-/// Writes a question with the controls that paper has.
-fn ask(html: &mut String, ask: &str, controls: &[Control]) {
+/// Writes a question with the controls that paper has. `sign` divides a number from its decimals.
+fn ask(html: &mut String, ask: &str, controls: &[Control], sign: char) {
     let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(ask));
 
     for control in controls {
@@ -270,9 +276,9 @@ fn ask(html: &mut String, ask: &str, controls: &[Control]) {
             }
             // Other lines say how to use the controls of a window.
             Control::Line { .. } => {}
-            Control::List { items } => list(html, items.iter().map(item)),
+            Control::List { items } => list(html, items.iter().map(|one| item(one, sign))),
             Control::Chips { items } => {
-                let names: Vec<String> = items.iter().map(item).collect();
+                let names: Vec<String> = items.iter().map(|one| item(one, sign)).collect();
                 choices(html, &names.join(" &#160; "));
             }
             Control::Rows { rows } => {
@@ -289,7 +295,7 @@ fn ask(html: &mut String, ask: &str, controls: &[Control]) {
             Control::Field { unit, .. } => choices(html, &format!("_______ {}", escape(unit))),
             Control::Plot { curves } => {
                 let curves: Vec<&Curve> = curves.iter().collect();
-                html.push_str(&plot(&curves));
+                html.push_str(&plot(&curves, sign));
             }
         }
     }
@@ -310,8 +316,8 @@ fn choices(html: &mut String, choices: &str) {
 }
 
 /// Returns an item with the spectrum beside it.
-fn item(item: &Item) -> String {
-    let plot = item.curve.as_ref().map(|curve| plot(&[curve]));
+fn item(item: &Item, sign: char) -> String {
+    let plot = item.curve.as_ref().map(|curve| plot(&[curve], sign));
     inline(&item.text) + plot.as_deref().unwrap_or("")
 }
 
@@ -321,8 +327,9 @@ fn line(name: &str, row: &Row) -> String {
     format!("{name}: {}", words.join(" / "))
 }
 
-/// Returns a plot of spectra: power by frequency in 1/r.
-fn plot(curves: &[&Curve]) -> String {
+/// Returns a plot of spectra: power by frequency in 1/r. Screen readers skip it, as in the program: its numbers alone would say
+/// nothing.
+fn plot(curves: &[&Curve], sign: char) -> String {
     let [width, height] = PLOT;
 
     // In a picture y points downwards, while power grows upwards. A power beyond the plot is drawn at its top.
@@ -340,7 +347,7 @@ fn plot(curves: &[&Curve]) -> String {
 
     // Below the plot there is room for the numbers of the ticks.
     let mut svg = format!(
-        "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" role=\"img\">",
+        "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" aria-hidden=\"true\">",
         height + 16.0
     );
 
@@ -350,12 +357,14 @@ fn plot(curves: &[&Curve]) -> String {
         svg.push_str(&line(&ends, "#999"));
     }
 
-    // A tick is written as it is shown, and read for its place.
-    for tick in ["0.5", "1", "1.5", "2", "2.5"] {
-        let at = tick.parse::<f64>().unwrap_or_default() / REACH[0] * width;
+    for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
+        let at = tick / REACH[0] * width;
+        let number = tick.to_string().replace('.', &sign.to_string());
+        // One number has the unit, which would not fit beside each.
+        let unit = if tick > 2.0 { " / r" } else { "" };
         let _ = write!(
             svg,
-            "<text x=\"{at:.1}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{tick}</text>",
+            "<text x=\"{at:.1}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{number}{unit}</text>",
             height + 13.0
         );
     }
@@ -491,6 +500,20 @@ mod tests {
             ..task
         });
         assert!(full.contains("The answer:") && full.contains(&note) && full.contains(&after));
+    }
+
+    #[test]
+    fn numbers_of_a_plot_have_the_decimal_sign_of_the_language() {
+        let [english, german] = ["en", "de"].map(|language| {
+            let task = HandoutTask {
+                language: (language.to_owned(), None),
+                ..survivors()
+            };
+            plot(&[], task.decimal_sign())
+        });
+        assert!(english.contains(">1.5<") && english.contains(">2.5 / r<"));
+        assert!(german.contains(">1,5<") && german.contains(">2,5 / r<"));
+        assert!(!german.contains(">1.5<") && german.contains(">1<"));
     }
 
     #[test]
