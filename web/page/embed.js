@@ -125,12 +125,21 @@ export function bridge(origin, ask) {
 
   let isReady = false;
   let answers = 0;
+  /** @type {number | undefined} */
+  let height;
   return {
     /** Sent once, even if the program restarts. */
     ready: () => {
       if (!isReady) {
         isReady = true;
         tell({ event: "ready" });
+      }
+    },
+    /** Sent when it changes. @param {number | undefined} wished in pixels, with a lesson */
+    height: (wished) => {
+      if (wished && wished !== height) {
+        height = wished;
+        tell({ event: "height", height });
       }
     },
     /** @param {string} error */

@@ -466,6 +466,25 @@ function walk(lesson) {
 }
 
 /**
+ * Returns how high a frame has to be so that the lesson in it is read without scrolling, in pixels; undefined without a lesson.
+ * @returns {number | undefined}
+ */
+export function wishedHeight() {
+  const panel = element("lesson");
+  if (panel.hidden) {
+    return undefined;
+  }
+
+  const { top, width } = panel.getBoundingClientRect();
+  const ends = [...panel.children].map((part) => part.getBoundingClientRect().bottom);
+  // Its border and padding stand around its parts.
+  const text = Math.max(...ends) - top + panel.scrollTop + 17;
+  // Below the canvas a frame gives it 46% of the height, and all but 480 pixels where that is more (style.css).
+  const isBelow = width === innerWidth;
+  return Math.ceil(isBelow ? Math.min(text / 0.46, text + 480) : Math.max(text, 480));
+}
+
+/**
  * Connects the panel to the program. Digits choose answers; PageDown and PageUp go on and back.
  * @param {(request: object) => any} ask
  */

@@ -3,7 +3,7 @@
 // program's requirements are checked in `missing.js`.
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
-import { connectLesson, restoreDraft, showLesson } from "./{{asset:lesson.js}}";
+import { connectLesson, restoreDraft, showLesson, wishedHeight } from "./{{asset:lesson.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
@@ -236,6 +236,7 @@ const hooks = {
     if (hasText) {
       element("lesson").dataset.look = told.view.look;
       showLesson(told.lesson);
+      frame?.height(wishedHeight());
     }
     frame ? frame.state(told) : entitle(told);
   },
@@ -572,6 +573,8 @@ if (embed) {
   for (const type of /** @type {const} */ (["touchstart", "touchmove", "touchend"])) {
     window.addEventListener(type, shareTouch, { capture: true, passive: true });
   }
+  // In another width lines break elsewhere.
+  window.addEventListener("resize", () => frame?.height(wishedHeight()));
 }
 
 window.addEventListener("hashchange", (event) => {

@@ -162,6 +162,43 @@ test("on a phone the canvas has at least half of the height, and targets have 44
   assert.deepEqual(await small(), []);
 });
 
+for (const [name, width] of [["beside", 900], ["below", 390]]) {
+  test(`a frame tells the height in which a lesson ${name} the canvas is read without scrolling`, async (t) => {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+    t.after(() => context.close());
+    const around = await context.newPage();
+    await around.route(`${address}around`, (route) =>
+      route.fulfill({ contentType: "text/html", body: `<iframe src="./?embed=player" width="${width}" height="300"></iframe>` }));
+    await around.goto(`${address}around`);
+    await around.evaluate(() => {
+      window.heights = [];
+      window.addEventListener("message", ({ data }) => {
+        if (data.event === "height") {
+          window.heights.push(data.height);
+          document.querySelector("iframe").style.height = `${data.height}px`;
+        }
+      });
+    });
+    const frame = around.frames()[1];
+    await frame.waitForFunction(() => "show" in window);
+    const text = Array.from({ length: 12 }, () => [{ text: "Three samples are joined, each closer than one radius to the next.", style: "plain" }]);
+    for (const state of [lesson(), lesson("en", { text })]) {
+      const before = await around.evaluate(() => window.heights.length);
+      await frame.evaluate((state) => window.show(state), state);
+      await around.waitForFunction((before) => window.heights.length > before, before);
+      await frame.waitForFunction(() => document.getElementById("lesson").scrollHeight <= document.getElementById("lesson").clientHeight);
+      // What is left below the lesson is less than a line of text, but where the picture needs the height.
+      const { bottom, panel, height } = await frame.locator("#lesson").evaluate((one) => ({
+        bottom: Math.max(...[...one.children].map((part) => part.getBoundingClientRect().bottom)), panel: one.getBoundingClientRect().bottom, height: innerHeight,
+      }));
+      assert.ok(panel - bottom < 24 || height === 480, `${panel - bottom} pixels of ${height} are empty`);
+    }
+    // Control: in the height of before the longer lesson is not seen whole.
+    await around.evaluate(() => (document.querySelector("iframe").style.height = `${window.heights[0]}px`));
+    await frame.waitForFunction(() => document.getElementById("lesson").scrollHeight > document.getElementById("lesson").clientHeight);
+  });
+}
+
 test("buttons are renewed with the language, and each says what is written on it", async (t) => {
   const page = await shown(t, lesson("en"));
   assert.equal(await page.textContent("#lesson-back"), LABELS.en.back);

@@ -97,11 +97,14 @@ test("a snippet of a question has this server's address, and is copied", async (
   const { server, context, page } = await read(t, "lesson/survivors/");
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.click("summary");
-  await page.click("pre + button");
+  const script = page.locator("pre").first();
+  assert.ok((await script.textContent()).includes(`origin !== "${server.address}"`));
+  const question = page.locator("pre").nth(1);
+  await question.locator("+ button").click();
   const copied = await page.evaluate(() => navigator.clipboard.readText());
   const address = `${server.address}/?embed=player&amp;origin=https://course.example#lesson=survivors&amp;step=one-of-two`;
   assert.ok(copied.includes(`src="${address}"`), copied);
-  assert.equal(await page.textContent("pre + button"), "Copied");
+  assert.equal(await question.locator("+ button").textContent(), "Copied");
 });
 
 test("pages can be read without scripts", async (t) => {
@@ -109,6 +112,57 @@ test("pages can be read without scripts", async (t) => {
   assert.match(await page.textContent(".steps"), /It eliminates every sample with a later turn/);
   assert.equal(await page.isVisible("noscript p"), true);
 });
+
+/** The most bytes over the network before a page can be painted: itself, its style and its first script, compressed. */
+const MAX_BEFORE_PAINT = 16_000;
+
+/** Records the parts of a page that move after they were painted. */
+function recordShifts() {
+  globalThis.shifts = [];
+  new PerformanceObserver((list) => globalThis.shifts.push(...list.getEntries().map(({ value }) => value))).observe({ type: "layout-shift", buffered: true });
+}
+
+for (const path of PAGES) {
+  test(`/${path} is painted from few bytes, and nothing in it moves`, async (t) => {
+    const { server, context } = await contextOf(t);
+    await context.addInitScript(recordShifts);
+    const page = await context.newPage();
+    const network = await context.newCDPSession(page);
+    await network.send("Network.enable");
+    const kinds = new Map();
+    let bytes = 0;
+    network.on("Network.responseReceived", ({ requestId, type, response }) => kinds.set(requestId, type === "Stylesheet" && response.url.includes("/style-") ? "Other" : type));
+    network.on("Network.loadingFinished", ({ requestId, encodedDataLength }) => {
+      // The program's style is loaded last, and modules wait until the page is there.
+      const isBefore = ["Document", "Stylesheet"].includes(kinds.get(requestId)) || kinds.get(requestId) === "Script";
+      bytes += isBefore ? encodedDataLength : 0;
+    });
+    await page.goto(`${server.address}/${path}`, { waitUntil: "networkidle" });
+    assert.ok(bytes > 2_000 && bytes <= MAX_BEFORE_PAINT, `${bytes} bytes`);
+
+    // Pictures have their places before they are loaded.
+    const height = await page.evaluate(() => document.documentElement.scrollHeight);
+    for (let top = 0; top < height; top += 700) {
+      await page.evaluate((top) => scrollTo(0, top), top);
+      await page.waitForLoadState("networkidle");
+    }
+    assert.deepEqual(await page.evaluate(() => globalThis.shifts), []);
+    // Control: what pushes the text down is seen.
+    await page.evaluate(() => scrollTo(0, 0));
+    await page.evaluate(() => document.querySelector("main").prepend(Object.assign(document.createElement("div"), { style: "height: 300px" })));
+    await page.waitForFunction(() => globalThis.shifts.length > 0);
+  });
+}
+
+/** Returns what can be tapped and is lower or narrower than 44 px, apart from links within a sentence or a list of words. */
+function smallTargets() {
+  const isInText = (link) => link.parentElement.closest("p, li, figcaption")?.textContent.trim() !== link.textContent.trim();
+  return [...document.querySelectorAll("a, button, summary")]
+    .filter((one) => one.checkVisibility() && !(one.matches("a") && isInText(one) && !one.closest(".row, nav")))
+    .filter((one) => !one.matches(".whole"))
+    .map((one) => [one.textContent.trim(), Math.round(one.getBoundingClientRect().width), Math.round(one.getBoundingClientRect().height)])
+    .filter(([, width, height]) => Math.min(width, height) < 44);
+}
 
 /** Returns what is wrong with the structure of a page. */
 function faults() {
@@ -175,6 +229,7 @@ for (const path of PAGES) {
     const { page } = await read(t, path);
     await page.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
     assert.deepEqual(await page.evaluate(faults), []);
+    assert.deepEqual(await page.evaluate(smallTargets), []);
     for (const colorScheme of ["dark", "light"]) {
       await page.emulateMedia({ colorScheme });
       const { ratio, text } = await page.evaluate(lowestContrast);

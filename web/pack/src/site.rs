@@ -88,7 +88,7 @@ const ENGLISH: Words = Words {
         ("embed", "Put a question into your own page"),
         (
             "embed-text",
-            "Copy the snippet of a question and replace course.example by the origin of your page. Behind each answer the frame sends your page a message with lesson, step, score and tries:",
+            "Copy the snippet of a question and replace course.example by the origin of your page. The frame sends your page messages: the height that the question needs, and after each answer lesson, step, score and tries. This script, once in your page, gives frames their height and is where to use the answers:",
         ),
         ("licence", "Text and pictures of this lesson:"),
         ("next", "Next lesson"),
@@ -111,17 +111,17 @@ const GERMAN: Words = Words {
         ("steps", "Was gefragt wird"),
         (
             "no-answers",
-            "Die Antworten werden aus dem Lauf berechnet, deshalb stehen sie hier nicht. Beginnen Sie, sagen Sie voraus, und sehen Sie, was geschieht.",
+            "Die Antworten werden aus dem Lauf berechnet, deshalb stehen sie hier nicht. Beginne, sage voraus, und sieh, was geschieht.",
         ),
         (
             "no-scripts",
-            "Der Text ist so zu lesen. Um zu beginnen, erlauben Sie JavaScript für diese Seite: Die Lektion läuft im Browser und schickt nichts fort.",
+            "Der Text lässt sich so lesen. Um zu beginnen, erlaube JavaScript für diese Seite: Die Lektion läuft im Browser und sendet nichts.",
         ),
         ("picture", "die Punkte in diesem Augenblick"),
         ("embed", "Eine Frage in die eigene Seite setzen"),
         (
             "embed-text",
-            "Kopieren Sie den Ausschnitt einer Frage und ersetzen Sie course.example durch den Ursprung Ihrer Seite. Nach jeder Antwort schickt der Rahmen Ihrer Seite eine Nachricht mit Lektion, Schritt, Punktzahl und Zahl der Versuche:",
+            "Kopiere den Ausschnitt einer Frage und ersetze course.example durch den Ursprung deiner Seite. Der Rahmen sendet deiner Seite Nachrichten: die Höhe, die die Frage braucht, und nach jeder Antwort Lektion, Schritt, Punktzahl und Zahl der Versuche. Dieses Skript gehört einmal in deine Seite; es gibt Rahmen ihre Höhe, und die Antworten kommen hier an:",
         ),
         ("licence", "Text und Bilder dieser Lektion:"),
         ("next", "Nächste Lektion"),
@@ -245,7 +245,7 @@ impl Entry {
         let [dark, light] = self.picture_names(index);
         let [width, height] = PICTURE;
         format!(
-            "<picture><source media=\"(prefers-color-scheme: light)\" srcset=\"{up}{{{{asset:{light}}}}}\">\
+            "<picture><source media=\"print, (prefers-color-scheme: light)\" srcset=\"{up}{{{{asset:{light}}}}}\">\
              <img src=\"{up}{{{{asset:{dark}}}}}\" width=\"{width}\" height=\"{height}\" {attributes}></picture>"
         )
     }
@@ -510,7 +510,7 @@ fn sections(entry: &Entry, words: &Words) -> String {
         let _ = writeln!(
             html,
             "<section>\n<div>\n<h2>{number}. {title}</h2>\n{texts}{question}\
-             <p><a href=\"{up}#lesson={lesson}&amp;step={name}{link}\">{begin}<span class=\"unseen\">: {title}</span></a></p>\n</div>\n\
+             <p class=\"start\"><a href=\"{up}#lesson={lesson}&amp;step={name}{link}\">{begin}<span class=\"unseen\">: {title}</span></a></p>\n</div>\n\
              {picture}\n</section>",
             number = index + 1,
             texts = without_placeholders(&step.texts),
