@@ -8,7 +8,7 @@
 //! that none of them reaches, or whose middle is farther than the limit from all of them, has a gap. Begin with [`cubes`].
 //!
 //! Conflicts are looked for apart from that ([`pairs`]): a cube of side r may be proven by one sample and yet hold two, so
-//! that whoever looks for conflicts only where cubes are cut misses some.
+//! that a search for conflicts only where cubes are cut misses some.
 //!
 //! [`circles`] has the second judge and its theorem.
 
@@ -262,7 +262,7 @@ fn agreed(cubes: SolidReport, circles: SolidReport) -> Result<SolidReport, Solid
     let apart = (cubes.min_distance - circles.min_distance).abs();
     let near = apart <= 1e-12 * cubes.min_distance || cubes.min_distance == circles.min_distance;
 
-    // Circles find only what is beyond the bound. Of a hole less deep cubes may see a place.
+    // Circles find holes deeper than the bound alone; cubes may see a place of a shallower hole.
     let bound = cubes.covering_bound() * (1.0 + 1e-12);
     let is_deep = cubes.first_gaps.iter().any(|gap| gap.distance > bound);
     let difference = if cubes.conflicts > 0 || !near {

@@ -124,7 +124,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());
     let own_radii = own_radii(arguments, read)?;
-    // Disks of one radius would say nothing of a set whose radius varies.
+    // Disks of one radius would mislead where the radius varies.
     let stated = certificate
         .map(|c| &c.radius)
         .filter(|radius| !radius.is_field());
@@ -197,7 +197,7 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
     if arguments.no_disks || (set.radius.is_some() && !ground.is_given()) {
         return Ok(None);
     }
-    // The column of a file with a certificate is what was certified: the digest of the file is compared.
+    // The column is certified with the file, whose digest is compared, and needs no field.
     if let (Some(radii), false) = (&read.radii, ground.is_given()) {
         return Ok(Some(radii.clone()));
     }

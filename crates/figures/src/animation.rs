@@ -250,7 +250,7 @@ struct Frames<'a, I> {
 }
 
 impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I> {
-    /// Returns the frames of an animation of which none is drawn yet, or the error for too few or too many, or too short a delay.
+    /// Returns the frames of an animation, to be drawn one by one, or the error for too few or too many, or too short a delay.
     fn new(frames: I, delay: u16, progress: FrameProgress<'a>) -> Result<Self, AnimationError> {
         let count = frames.len();
         match count {

@@ -40,7 +40,7 @@ pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     Ok(json!(named).to_string())
 }
 
-/// Reads a file. What is not given is of its certificate, and else of the periodic unit square. Refuses a set whose
+/// Reads a file. Missing parts of the domain are those of its certificate, or of the periodic unit square. Refuses a set whose
 /// certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was made. Returns also
 /// what the set is judged in, if its radius varies or it covers a shape.
 #[pyfunction]
@@ -67,6 +67,7 @@ pub fn read<'py>(
             py,
             progress.as_ref().map(|one| one.clone_ref(py)),
             |watch| {
+                // Asked for first, as a failed allocation would end the interpreter.
                 ask_to_read(&path)?;
                 Ok(of_file(
                     &path,
@@ -88,6 +89,7 @@ pub fn read<'py>(
         Ok(ground)
     };
 
+    // A field that is given judges a file even if it has no certificate.
     let mut ground = None;
     if field.is_some() {
         ground = ground_by(&mut overrides)?;
@@ -114,8 +116,8 @@ fn of_found<'py>(
         Some(varying) => varying.judged.region(),
         None => given.region_over(stated.map(|stated| stated.region))?,
     };
-    let radius = varying.map(|varying| varying.radius.least());
-    let radius = radius
+    // Where the radius varies, the least one stands for the set's.
+    let radius = (varying.map(|varying| varying.radius.least()))
         .or(given.radius)
         .or(stated.map(|stated| stated.radius.least()));
 

@@ -84,7 +84,7 @@ impl FieldArgument<'_> {
         if let Some((name, text)) = &self.shape {
             let shown = if name.is_empty() { "shape" } else { name };
             let polygon = PlanarPolygon::from_geojson(shown, text, self.planar)?;
-            // Certificates name files by their content, and what is no file by its corners alone.
+            // Certificates name the file of a shape; a shape without a file is known by its corners alone.
             let polygon = if name.is_empty() {
                 polygon.unnamed()
             } else {
@@ -109,6 +109,7 @@ impl FieldArgument<'_> {
             return Ok(GivenRadius::Expression(expression));
         }
         if let Some(function) = &self.function {
+            // The nodes of an expression, so that a function with its values makes the same set.
             let [xs, ys] = like.node_places().map_err(failure)?;
             let columns = xs.len();
             let py = function.py();
@@ -119,11 +120,13 @@ impl FieldArgument<'_> {
             return Ok(GivenRadius::Grid(grid));
         }
 
+        // An array has its values at pixels, and nodes have the means of those around.
         if let Some(radii) = &self.radii {
             let (columns, radii) = pixels(radii);
             let grid = RadiusGrid::of_pixels(columns, radii, like.boundary).map_err(failure)?;
             return Ok(GivenRadius::Grid(grid));
         }
+        // An image stands for radii that only a certificate states.
         if let Some(path) = &self.image {
             return Ok(GivenRadius::Image(image(path)?));
         }
@@ -209,7 +212,7 @@ impl Ground {
         })
     }
 
-    /// Returns what the set of a certificate was made from, with what is given in the place of what is stated.
+    /// Returns the field and the shape that a certificate states. Those that are given stand for its own.
     fn of_certificate(
         stated: &Certificate,
         domain: &GivenDomain,
@@ -254,7 +257,7 @@ impl Ground {
         self.origin
     }
 
-    /// Returns what a set in a file is judged in, if there is a field or a shape: by its certificate, or by what is given.
+    /// Returns the field and the shape that a file is judged by, of its certificate or as they are given; nothing without both.
     pub fn of_file(
         stated: Option<&Certificate>,
         domain: &GivenDomain,
@@ -273,7 +276,7 @@ impl Ground {
 
 #[pymethods]
 impl Ground {
-    /// Returns what was stored of one.
+    /// Returns the field and the shape that [`Self::__reduce__`] stored.
     #[staticmethod]
     fn stored(text: &str) -> PyResult<Self> {
         let recipe = serde_json::from_str(text);

@@ -106,6 +106,7 @@ pub fn check(
         overrides.varying = ground.map(|ground| ground.varying);
         Ok(())
     };
+    // A field that is given judges a file even if it has no certificate.
     if field.is_some() {
         with_ground(&mut overrides)?;
     }

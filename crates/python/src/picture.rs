@@ -38,27 +38,16 @@ pub fn draw(
     theme: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<u8>> {
-    let refused = |text: String| Err(Failure::Value(text).into());
-    let size = whole("size", size)?;
-    if !SIZES.contains(&size) {
-        let (least, most) = (SIZES.start(), SIZES.end());
-        return refused(format!(
-            "size is {size}; it must be between {least} and {most} pixels"
-        ));
-    }
+    let size = width(size)?;
     let (points, region) = (set.points()?, set.region()?);
     let window = window_within(window, &region)?;
 
-    let palette = match theme {
-        "light" => Palette::LIGHT,
-        "dark" => Palette::DARK,
-        _ => return refused(format!("theme is '{theme}'; it must be 'light' or 'dark'")),
-    };
-
+    // A large set has few samples in a window, and the others need not be laid out. The largest disks reach farthest.
     let (varying, radius) = (set.varying(), set.known_radius());
     let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
     let reach = greatest.or(radius).unwrap_or_default();
     let near = near(points, &region, reach, window);
+
     let points = near.as_deref().unwrap_or(points);
     let own = varying.map_or_else(Vec::new, |varying| varying.radii(points));
     let radii = match radius {
@@ -79,7 +68,7 @@ pub fn draw(
 
     let options = PictureOptions {
         width: size as f64,
-        palette,
+        palette: palette(theme)?,
         window: window.map(|[x0, y0, x1, y1]| Rect::new([x0, y0], [x1, y1])),
         disks,
     };
@@ -101,6 +90,29 @@ pub fn draw(
             to_png_controlled(&scene, 1.0, &mut control)?
         })
     })
+}
+
+/// Returns the width of a picture in pixels.
+fn width(size: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let size = whole("size", size)?;
+    if SIZES.contains(&size) {
+        return Ok(size);
+    }
+    let (least, most) = (SIZES.start(), SIZES.end());
+    let text = format!("size is {size}; it must be between {least} and {most} pixels");
+    Err(Failure::Value(text).into())
+}
+
+/// Returns the colours of a theme.
+fn palette(theme: &str) -> PyResult<Palette> {
+    match theme {
+        "light" => Ok(Palette::LIGHT),
+        "dark" => Ok(Palette::DARK),
+        _ => {
+            let text = format!("theme is '{theme}'; it must be 'light' or 'dark'");
+            Err(Failure::Value(text).into())
+        }
+    }
 }
 
 /// Returns the corners of a window that is given. Refuses one that is empty or does not reach into the domain.

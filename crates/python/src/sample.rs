@@ -195,6 +195,7 @@ pub fn sample_field<'py>(
     let (made, recipe) = run(py, progress, |watch| {
         Ok(recipe.make_settled(&mut watch.observer())?)
     })?;
+    // The set keeps the field and the shape, which `verify` and pictures need and positions do not show.
     let ground = Ground::of_made(recipe, &made.facts);
     let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
     Ok((into_python(made, py)?, ground))

@@ -7,7 +7,7 @@
 //! *Proof.* Let a place of the closed box be in no open ball, and look at the boundary of the set of such places. If a sphere
 //! has a part in it, that part is closed. It is not the whole sphere, which meets another surface: of a circle in which they
 //! meet each place is covered. So it has an end on the sphere, and there another surface passes: the end lies on a circle,
-//! and is not covered, against what was assumed. If only faces have a part in it, the same argument ends on a circle or on
+//! and is not covered, against the assumption. If only faces have a part in it, the same argument ends on a circle or on
 //! an edge. If nothing has, no place of the box is covered, and neither are its edges.
 //!
 //! It shares nothing with [`super::cubes`] and [`super::pairs`], which look for other things in other structures.
@@ -306,7 +306,7 @@ impl Circle {
         Share::above(squares / 2.0 + MARGIN * limit * limit, reach, angle)
     }
 
-    /// Returns what lies beyond a face.
+    /// Returns the share of the circle that lies beyond a face.
     fn share_beyond(&self, face: &Face, limit: f64) -> Share {
         let (reach, angle) = self.reach(face.normal);
         let least = face.distance - dot(face.normal, self.middle);
@@ -381,7 +381,7 @@ impl Sphere<'_> {
                 found.add(self.user(circle.place(angle)), witnesses);
             }
         }
-        // On a face the sphere's circle is bare unless balls, or what lies beyond other faces, cover it.
+        // On a face the sphere's circle is bare unless balls or the half-spaces beyond other faces cover it.
         for face in met() {
             let circle = Circle::of_sphere(self.limit, face.normal, face.distance);
             let balls = self.near.iter();

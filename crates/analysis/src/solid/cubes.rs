@@ -15,7 +15,7 @@ const TASK_SAMPLES: usize = 2_048;
 /// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes.
 const CUT_SHARE: f64 = 0.6;
 
-/// What was found in some cubes.
+/// The gaps found in some cubes.
 #[derive(Default)]
 pub(super) struct CubesFound {
     pub gaps: u64,
@@ -98,7 +98,7 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Returns what is found in a cube, given all samples that are within the limit of some place of it.
+    /// Returns the gaps in a cube, given all samples that are within the limit of some place of it.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<CubesFound, SolidError> {
         // Crowded samples stay together however small the cubes are.
         if near.len() <= TASK_SAMPLES || cube.longest_half() < self.rule.radius / 2.0 {

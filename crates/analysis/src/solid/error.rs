@@ -109,7 +109,7 @@ impl From<VerifyError> for SolidError {
     }
 }
 
-/// Refuses what cannot be judged, with its first offence.
+/// Returns the error of the first input that cannot be judged, if there is one.
 pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
     let SolidQuestion {
         points,

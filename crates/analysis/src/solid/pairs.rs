@@ -32,7 +32,7 @@ const CHUNKS: usize = 64;
 /// With more samples in a bin, pairs are too many to look at all of them. A conflict-free set has at most seven.
 const CROWD: usize = 64;
 
-/// What was found among pairs.
+/// The conflicts among pairs, and the distance of the nearest one.
 pub(super) struct PairsFound {
     pub conflicts: u64,
     pub worst: Worst<Conflict>,
@@ -48,7 +48,7 @@ impl PairsFound {
         }
     }
 
-    /// Returns what is known of a set whose nearest samples are not in conflict.
+    /// Returns no conflicts, for a set whose nearest samples are this far apart.
     pub fn without_conflicts(min_distance: f64) -> Self {
         Self {
             min_distance,

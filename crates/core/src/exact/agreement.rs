@@ -1,4 +1,4 @@
-//! A whole run by windows that know nothing of each other, and the proof that they made the run.
+//! A whole run by windows that are made without each other, and the proof that together they are the run.
 //!
 //! What a window has near the ends of its halo is not what the domain has there, and differences spread. A window alone can be
 //! certain of its samples only by following all that is in doubt, which takes as long as the samples. A whole run needs no

@@ -451,8 +451,8 @@ impl<'a> ExactTiling<'a> {
         for (tile, held) in (0..).zip(&self.tiles) {
             let rect = self.present.rect_in_domain(tile, &held.rect);
             for piece in held.first_piece..held.end_piece {
-                // Where the tile has the sample that covers the cell in the pattern, cutting the cell would leave nothing of
-                // it. Three of four cells are found so; a recording cuts all.
+                // A sample of the pattern that is in the tile, too, covers its whole cell: no dart of the cell can be one.
+                // That leaves out three of four cells. A recording cuts all, and so shows why they are closed.
                 let inside = self.cells.pieces()[piece as usize].sources_around(&rect, R);
                 let is_closed = |column: i32, row: i32| {
                     let covering = history.covering(column, row).filter(|_| !T::ENABLED);

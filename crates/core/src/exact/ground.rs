@@ -59,7 +59,7 @@ impl Ground {
         }
     }
 
-    /// Returns the same ground as if there was nothing beyond it. What lies near its ends is then not what the domain has there.
+    /// Returns the same ground with nothing beyond it. Near its ends samples then differ from those of the domain.
     pub(crate) fn alone(domain: &Domain, window: &Rect, halo: i32) -> Self {
         Self {
             known: None,
@@ -67,7 +67,7 @@ impl Ground {
         }
     }
 
-    /// Returns whether some place of the domain lies on it twice.
+    /// Returns whether some place of the domain lies on the ground twice.
     pub(crate) fn repeats(&self) -> bool {
         let Frame { end, sides, .. } = &self.frame;
         self.frame.periodic && (end[0] > sides[0] || end[1] > sides[1])

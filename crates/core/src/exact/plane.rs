@@ -47,11 +47,11 @@ pub struct ExactPlane<'a> {
     history: &'a PatternHistory,
     clipper: Clipper,
     idle: Pool<ExactTiling<'a>>,
-    /// Of a whole run, how its windows are made without doubt.
+    /// How windows of a whole run are made without following doubt; nothing for single windows.
     alone: Option<Alone>,
 }
 
-/// How windows are made that know nothing of each other.
+/// Windows of a whole run that are made without asking their neighbours, and compared with them afterwards.
 struct Alone {
     /// The width of the halo in cells.
     halo: i32,

@@ -90,7 +90,7 @@ impl BallGrid {
         let beyond = [0, 1, 2].map(|axis| if ends[axis][1] < half { UPPER[axis] } else { 0 });
         let mut covered: u8 = beyond[0] | beyond[1] | beyond[2];
 
-        // Whoever covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not so deep.
+        // A ball that covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not so deep.
         let is_whole = ends.iter().all(|end| end[1] == side - 1);
         let depth = if is_whole { half - 1 } else { 0 };
         self.any_near(min, side, depth, |sample| {

@@ -38,7 +38,7 @@ pub(super) struct BallFrame {
 impl BallFrame {
     pub fn new(domain: &SolidDomain) -> Self {
         let last = domain.last();
-        // From the cell below the origin to the one that holds what is R beyond the last place.
+        // From the cell below the origin to the one that holds places R beyond the last one.
         let counts = last.map(|last| ((last + R) >> R.ilog2()) as usize + 2);
 
         let row = counts[0] as isize;

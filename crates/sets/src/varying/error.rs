@@ -89,7 +89,7 @@ pub enum VaryingError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is possible.
+        /// The possible values.
         range: RangeInclusive<f64>,
     },
     /// Blocks of pixels do not fill an image.
@@ -100,7 +100,7 @@ pub enum VaryingError {
         /// The pixels of a row and of a column.
         pixels: [usize; 2],
     },
-    /// Nothing of an image is dark enough for dots.
+    /// No pixel of an image is dark enough for dots.
     #[error(
         "{name}: no place of the image is darker than white ({white} of black), so that it has no dots; make it darker, or white less"
     )]

@@ -29,7 +29,7 @@ pub struct GrayImage {
     /// The digest of the file's bytes, or of the pixels.
     digest: String,
     pub(super) columns: usize,
-    /// What is seen: the tone of the light, on white paper where the image is transparent.
+    /// The tone of the light, on white paper where the image is transparent.
     pub(super) grey: Arc<[u16]>,
     /// How grey values follow from the light of the pixels.
     pub(super) tone: Tone,

@@ -1,5 +1,7 @@
 //! Where the radius and the shape of a set come from.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_core::Boundary;
@@ -122,12 +124,6 @@ impl RadiusSource {
         if !stated.radius.is_field() {
             return Ok(Self::Constant(stated.radius.least()));
         }
-        // A certificate may say anything: a value that is no number is refused by its name.
-        let number = |value: &Value, what: &str| {
-            let unstated = || VaryingError::Unstated(format!("`{what}` is {value}"));
-            value.as_f64().ok_or_else(unstated)
-        };
-
         // A function of x and y has the values of an expression at its nodes, so that either may stand for the other.
         let scale = || {
             let names = ["radius-expression", RADIUS_GRID, DENSITY_GRID];
@@ -137,6 +133,8 @@ impl RadiusSource {
             found.map_or(Ok(1.0), |name| number(&parameters[name]["scale"], "scale"))
         };
         let image = match given {
+            GivenRadius::Image(image) => Some(image),
+            GivenRadius::Nothing => None,
             GivenRadius::Expression(expression) => {
                 let scale = scale()?;
                 return Ok(Self::Expression { expression, scale });
@@ -145,23 +143,25 @@ impl RadiusSource {
                 let scale = scale()?;
                 return Ok(Self::Grid { grid, scale });
             }
-            GivenRadius::Image(image) => Some(image),
-            GivenRadius::Nothing => None,
         };
         if let Some(field) = parameters.get("radius-expression") {
             let text = field["expression"].as_str().unwrap_or_default();
             let (expression, scale) = (Expression::parse(text)?, scale()?);
             return Ok(Self::Expression { expression, scale });
         }
-
-        // Neither images nor arrays are in the certificate.
-        if let Some(name) = [RADIUS_GRID, DENSITY_GRID]
-            .into_iter()
-            .find(|name| parameters.contains_key(*name))
-        {
+        // An array is not in the certificate, and must be given.
+        let mut arrays = [RADIUS_GRID, DENSITY_GRID].into_iter();
+        if let Some(name) = arrays.find(|name| parameters.contains_key(*name)) {
             return Err(VaryingError::NeedsGrid { name });
         }
+        Self::of_image(parameters, image)
+    }
 
+    /// Returns the source that the parameters of a certificate state of an image, which is not in the certificate.
+    fn of_image(
+        parameters: &BTreeMap<String, Value>,
+        image: Option<GrayImage>,
+    ) -> Result<Self, VaryingError> {
         if let Some(field) = parameters.get("radius-image") {
             let option = "--radius-image";
             let image =
@@ -176,6 +176,7 @@ impl RadiusSource {
             let image =
                 image.ok_or_else(|| needed("a field", parameters, "density-image", option))?;
             let black = number(&field["black"], "density-image.black")?;
+            // The field was made in the tone and in the stated blocks, which the given image need not have.
             let mut image = image.toned(Tone::of_stated(field))?;
             if let Some(block) = field["block"].as_u64() {
                 image = image.in_blocks(usize::try_from(block).unwrap_or(usize::MAX))?;
@@ -227,6 +228,12 @@ impl RadiusSource {
     }
 }
 
+/// Returns a number of a certificate, which may say anything: a value that is no number is refused by its name.
+fn number(value: &Value, what: &str) -> Result<f64, VaryingError> {
+    let unstated = || VaryingError::Unstated(format!("`{what}` is {value}"));
+    value.as_f64().ok_or_else(unstated)
+}
+
 /// Returns the radius of the mean of so many grey values, of which the sum is given.
 pub(super) fn radius_of_grey([black, white]: [f64; 2], sum: u32, count: u32) -> f64 {
     let share = f64::from(sum) / f64::from(count * WHITE);
@@ -254,7 +261,7 @@ pub enum ShapeSource {
     Dark {
         /// The image.
         image: GrayImage,
-        /// White: the least darkness of what is covered, 1 being black.
+        /// The least darkness of covered places: 0 is white, and 1 black.
         white: f64,
     },
 }
