@@ -93,7 +93,7 @@ pub fn draw(
 }
 
 /// Returns the width of a picture in pixels.
-fn width(size: &Bound<'_, PyAny>) -> PyResult<usize> {
+fn width(size: &Bound<'_, PyAny>) -> PyResult<u64> {
     let size = whole("size", size)?;
     if SIZES.contains(&size) {
         return Ok(size);

@@ -124,6 +124,7 @@ impl RadiusSource {
         if !stated.radius.is_field() {
             return Ok(Self::Constant(stated.radius.least()));
         }
+
         // A function of x and y has the values of an expression at its nodes, so that either may stand for the other.
         let scale = || {
             let names = ["radius-expression", RADIUS_GRID, DENSITY_GRID];
@@ -132,6 +133,8 @@ impl RadiusSource {
                 .find(|name| parameters.contains_key(*name));
             found.map_or(Ok(1.0), |name| number(&parameters[name]["scale"], "scale"))
         };
+
+        // Images wait for the parameters that name them.
         let image = match given {
             GivenRadius::Image(image) => Some(image),
             GivenRadius::Nothing => None,
@@ -144,6 +147,7 @@ impl RadiusSource {
                 return Ok(Self::Grid { grid, scale });
             }
         };
+
         if let Some(field) = parameters.get("radius-expression") {
             let text = field["expression"].as_str().unwrap_or_default();
             let (expression, scale) = (Expression::parse(text)?, scale()?);
