@@ -131,6 +131,7 @@ impl Canvas {
             .show(ui, context, &mut self.second, &mut self.marks, commands)
             .known_as("canvas-b");
 
+        // With linked cameras the pointer over one picture is marked at the same place of the other.
         titles::echo(
             ui,
             [left.rect, right.rect],

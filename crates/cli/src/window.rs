@@ -91,6 +91,8 @@ fn show(
     let seconds = began.elapsed().as_secs_f64();
     let report = judge(plane, &window)?;
 
+    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window: around it
+    // the cut makes gaps.
     let count = points.len();
     let set = PointSet::from_points(domain.users_from_lattice(&points));
     let file = arguments.out.as_ref().map(|path| named(path));

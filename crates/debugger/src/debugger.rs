@@ -233,8 +233,8 @@ impl Debugger {
                 enabled.any(|b| b.line == event.line())
             };
 
-            // `nearest` asks about one event of each class instead of every event, so that a run past millions of events
-            // takes a few binary searches.
+            // Events of a class have one line and one kind, so that `nearest` asks about one event of each class instead of all
+            // events, and finds the nearest beyond `from` by a few binary searches, past millions of events.
             let hit = self.recording.classes().nearest(from, direction, armed);
             let Some(cursor) = hit else {
                 let forwards = direction == Direction::Forwards;

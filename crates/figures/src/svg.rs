@@ -66,8 +66,8 @@ pub fn to_svg_with_fonts_controlled(
 ) -> Result<String, FigureError> {
     let svg = written(scene, control)?;
 
-    let texts = scene.groups.iter().flat_map(|group| &group.shapes);
-    let used: Vec<Font> = texts
+    let shapes = scene.groups.iter().flat_map(|group| &group.shapes);
+    let used: Vec<Font> = shapes
         .filter_map(|shape| match shape {
             Shape::Text(text) => Some(text.font),
             _ => None,

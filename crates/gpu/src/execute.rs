@@ -19,8 +19,8 @@ use crate::setup::Setup;
 /// Bytes from one job to the next in their buffer: the alignment that every device supports.
 const JOB_STRIDE: u64 = 256;
 
-/// The most passes timed in one submission.
-const MAX_TIMED: u32 = 1024;
+/// The most timestamps of one submission: two for each pass, before and after it.
+const MAX_TIMESTAMPS: u32 = 1024;
 
 /// The buffers of a window, and the commands run on them.
 pub(crate) struct Device {
@@ -116,7 +116,7 @@ impl Device {
     fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
-            JOB_STRIDE * u64::from(MAX_TIMED),
+            JOB_STRIDE * u64::from(MAX_TIMESTAMPS),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;
 
@@ -212,7 +212,7 @@ impl Device {
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
         // So many passes fit the timestamps, two each, and the buffer of jobs.
-        for part in commands.chunks(MAX_TIMED as usize / 2) {
+        for part in commands.chunks(MAX_TIMESTAMPS as usize / 2) {
             self.write_jobs(part);
             // A pass without its own job would use the job of another pass.
             self.gpu.check()?;
@@ -414,7 +414,7 @@ impl Device {
 
         let pending = std::mem::take(&mut times.pending);
         // Passes past the last timestamp have no time.
-        let count = (2 * pending.len() as u32).min(MAX_TIMED);
+        let count = (2 * pending.len() as u32).min(MAX_TIMESTAMPS);
         if count == 0 {
             return Ok(());
         }
@@ -444,12 +444,12 @@ impl Times {
         let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("times"),
             ty: wgpu::QueryType::Timestamp,
-            count: MAX_TIMED,
+            count: MAX_TIMESTAMPS,
         });
 
         let resolved = gpu.buffer(
             "times",
-            8 * u64::from(MAX_TIMED),
+            8 * u64::from(MAX_TIMESTAMPS),
             wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
         )?;
 
@@ -464,7 +464,7 @@ impl Times {
     /// Returns the index of the next pass' two timestamps, or `None` if there is no more room.
     fn next(&mut self) -> Option<u32> {
         let first = 2 * self.pending.len() as u32;
-        (first + 2 <= MAX_TIMED).then_some(first)
+        (first + 2 <= MAX_TIMESTAMPS).then_some(first)
     }
 }
 

@@ -461,7 +461,7 @@ const CIRCLES: [f64; 2] = [0.1, 20.0];
 /// Reads a gate with the name of its step, from the lines of its directive.
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
     let mut fields = Fields::read("a gate", line, lines)?;
-    // Which other fields there may be depends on the type: without it, a field that looks like a misspelt `type` is named.
+    // Without a type the other fields cannot be checked. A misspelt `type` is then the likeliest error, and is named.
     let is_alike = |field: &&Field| nearest(&field.key, &["type"]).is_some();
     if let (None, Some(field)) = (fields.get("type"), fields.all.iter().find(is_alike)) {
         let (line, what) = (field.line, "field of a gate");

@@ -100,13 +100,14 @@ pub fn sample<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PythonSet<'py>> {
     let (method, engine) = (named("method", method)?, named("engine", engine)?);
-    // With a count the radius is an estimate, which is near enough.
-    let limited = request.recipe.parameters.validate_sequential();
+    // Arguments that the method does not take are named before those that are out of range.
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
 
-    // Only now, so that an argument that the method does not take is named first.
-    let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
+    // Memory is asked for by the number of samples. With a count the radius is an estimate, which is near enough for that.
+    let domain = request.recipe.parameters.validate_sequential();
+    let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
+
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
         (SetMethod::Kdrt, None) if is_sequential(request, engine) => Making::Sequential,

@@ -490,6 +490,7 @@ fn learning_resource(entry: &Entry, words: &Words, address: &str) -> serde_json:
 
     // Catalogues copy these, so that a relative address would lead nowhere.
     if !address.is_empty() {
+        // The packer puts the file's final name in the place of `{{asset:NAME}}`.
         let path = format!("lesson/{}/{}", entry.name, words.folder);
         data["url"] = json!(format!("{address}{path}"));
         data["image"] = json!(format!("{address}{{{{asset:{}}}}}", entry.preview_name()));

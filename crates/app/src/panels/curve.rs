@@ -368,7 +368,7 @@ impl CurveFrame<'_> {
             // The column ends where the next pixel begins.
             let last = self.points.at(track::cursor_at(self.segments, x + 1.0));
             let values = &self.points.values[first..=last];
-            // The line passes over events at which the number is not defined.
+            // Events at which the number is not defined are skipped, and the line joins those around them.
             let defined = values.iter().copied().filter(|value| value.is_finite());
             let [low, high] = defined.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], value| {
                 [a.min(value), b.max(value)]

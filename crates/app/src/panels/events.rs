@@ -200,8 +200,8 @@ fn list(
             }
         }
         focus::follow(ui);
-        // The current row is scrolled to when it or the number of rows changes, so that a user may scroll on from there. It is
-        // done after the rows: before them it would be limited to the rows of the previous frame.
+        // The list scrolls to the current row when that or the number of rows changes, so that a user may scroll on from there.
+        // It scrolls after the rows are laid out: before that, egui would stop at the last row of the previous frame.
         let now = (here, count);
         if ui.data(|data| data.get_temp::<(Option<usize>, usize)>(seen)) != Some(now) {
             ui.data_mut(|data| data.insert_temp(seen, now));

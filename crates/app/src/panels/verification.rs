@@ -127,6 +127,7 @@ fn explanation(context: &PanelContext<'_>) -> String {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
         }
         Verification::Failed(reason) => reason.clone(),
+        // A verdict with a claim is that of a prefix of nested levels. The next prefix may be at work by then.
         Verification::Done(verdict) if verdict.claim.is_some() => {
             let judges = Judge::joined(&verdict.report.judges);
             let next = context

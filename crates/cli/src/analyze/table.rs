@@ -172,15 +172,16 @@ pub fn text(table: &Table) -> String {
         .map(|(label, unit)| with_unit(label, unit))
         .collect();
     let lengths = (labels.iter().chain([&table.head])).map(|text| character_count(text));
-    let first = lengths.max().unwrap_or(0);
+    let label_width = lengths.max().unwrap_or(0);
 
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
     while !rest.is_empty() {
-        let (part, behind) = rest.split_at(end_of_part(rest, MAX_WIDTH.saturating_sub(first)));
+        let (part, behind) =
+            rest.split_at(end_of_part(rest, MAX_WIDTH.saturating_sub(label_width)));
         let mut out = String::new();
         let mut line = |label: &str, cell: &dyn Fn(&Column) -> String| {
-            let _ = write!(out, "{label:first$}");
+            let _ = write!(out, "{label:label_width$}");
             for column in part {
                 let _ = write!(out, "{:>1$}", cell(column), width(column));
             }

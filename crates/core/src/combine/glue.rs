@@ -218,6 +218,7 @@ fn fill(
 ) -> Result<(), SampleError> {
     let key = Key::from_seed(options.seed);
     let samples = &mut glued.samples;
+    // The search for the first detectors is progress of iteration 1, whose own meter follows in the loop.
     let mut meter = Meter::begin(observer, Stage::Iterate(1), samples.len() as u64)?;
     let mut survivors = survivors(domain, samples, &mut meter)?;
     let mut detectors = first_detectors(samples, &survivors, &mut meter, &mut Unrecorded)?;

@@ -65,7 +65,7 @@ impl Combined {
 fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
     let [width, height] = domain.size();
 
-    // A leaf says how short edges may be: the pieces' shortest. There is at least one piece.
+    // The leaf is the least length of an edge: here of the shortest edge of a piece. There is at least one piece.
     let sides = pieces.iter().map(|piece| {
         let rect = piece.rect;
         rect.width().min(rect.height())
@@ -85,6 +85,7 @@ fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
         ..Parameters::default()
     };
 
+    // A run has one pattern. Here each piece has its own, and the first stands for all of them.
     let mut run = Run::new(&parameters, domain, Arc::clone(&pieces[0].set));
     run.blocks = blocks(pieces, Key::from_seed(options.seed));
     run

@@ -252,7 +252,8 @@ impl NestedPlane {
         self
     }
 
-    /// Returns exactly `count` samples: the first of a run of which the finest set has as many or a few more. The
+    /// Returns exactly `count` samples: the first of a run whose finest set has at least as many, and at most a
+    /// few more. The
     /// radius of `parameters` is not used.
     ///
     /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] has the guarantees of these.
@@ -576,8 +577,8 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
     let domain = parameters.validate()?;
     check_levels(levels)?;
 
-    // Nested levels are defined for the default of each choice alone (see the head of `levels`). Names are those of the error's
-    // message.
+    // Nested levels are defined for the default of each choice alone (see the head of `levels`). The names
+    // complete the error's message.
     let choices = [
         ("exact tiling", parameters.method != TilingMethod::default()),
         (
@@ -605,6 +606,7 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
+    // In radii of the finest level: each coarser one has a radius larger by the root of 2, and so half of the samples.
     let coarsest_radius = f64::from(1_u32 << (levels - 1)).sqrt();
 
     for (name, units) in [("width", domain.width()), ("height", domain.height())] {

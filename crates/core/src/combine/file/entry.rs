@@ -191,6 +191,8 @@ fn parameters(
     }
 
     let parameters: Parameters = serde_json::from_value(all).map_err(form)?;
+    // A combination is glued by stages that keep the origin and fate of every sample, as the sequential engine does: it has
+    // the same limit of samples.
     parameters.validate_sequential()?;
     Ok(parameters)
 }

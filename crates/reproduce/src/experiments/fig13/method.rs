@@ -12,7 +12,8 @@ use crate::sets::{Set, exact, pattern_side};
 pub const PATTERN: f64 = 100.0;
 /// Copies of one set along each side of the control.
 const COPIES: i32 = 4;
-/// Added to the seeds of the first group of reference sets, gives those of the second.
+/// Is added to the seeds of [`Method::Reference`] to give those of [`Method::Again`]: the seeds of a group ten further on, as no
+/// picture has so many groups.
 const APART: u64 = 10_000;
 
 /// A method of making sets.
