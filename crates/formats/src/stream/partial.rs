@@ -177,7 +177,11 @@ impl Partial {
         // The head is compared byte by byte, the rows by their digest.
         if head != self.head {
             let found = "another head".to_owned();
-            return Err(differs("a head of", format!("{} bytes", head.len()), found));
+            return Err(differs(
+                "a head of",
+                format!("{} bytes", self.head.len()),
+                found,
+            ));
         }
 
         let (mut all, mut rows) = (blake3::Hasher::new(), blake3::Hasher::new());

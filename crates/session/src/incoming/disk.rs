@@ -38,10 +38,10 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
 
         let read = io::copy(&mut file.by_ref().take(CHUNK), &mut bytes).map_err(named)?;
         if bytes.len() as u64 > limit {
-            let most = tilescope_debugger::grouped(limit);
-            return Err(
-                format!("it has more than {most} bytes, which are the most that are read").into(),
-            );
+            let (name, most) = (path.display(), tilescope_debugger::grouped(limit));
+            return Err(Unread::Failed(format!(
+                "{name} has more than {most} bytes, which are the most that are read"
+            )));
         }
 
         // The end of the file.
