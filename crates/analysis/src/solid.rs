@@ -128,7 +128,7 @@ impl SolidReport {
 ///     verify_solid(&points, region, radius, &VerifyOptions::default(), &|_| ControlFlow::Continue(()))
 /// };
 /// assert!(judge(1.0)?.valid() && judge(0.8661)?.valid());
-/// assert!(!judge(0.866)?.maximal() && !judge(1.1)?.conflict_free());
+/// assert!(!judge(0.8659)?.maximal() && !judge(1.1)?.conflict_free());
 /// # Ok::<(), tilescope_analysis::SolidError>(())
 /// ```
 ///
