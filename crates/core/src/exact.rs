@@ -20,6 +20,7 @@ mod bare;
 mod cells;
 mod darts;
 mod engine;
+mod filter;
 mod ground;
 mod history;
 mod lists;

@@ -153,7 +153,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "note: {format} has longitudes and latitudes by its standard (RFC 7946), and these positions are \
-                     planar: whoever reads the file must know their coordinate system"
+                     planar: programs that read the file must be given their coordinate system"
                 )
             }
             Self::ProvenanceLeftOut { format } => {

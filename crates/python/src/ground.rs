@@ -1,4 +1,4 @@
-//! A radius that varies and shapes: what Python says of them, what sets are made from by that, and what they are judged in.
+//! Radii that vary, and shapes: the arguments of Python, the recipes of sets, and the field and shape that sets are judged by.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::task::run;
 use crate::values::real_if_given;
 
-/// What callers say of a radius that varies and of a shape, as the Python class `Field` holds it: at most one field and at
+/// The arguments about a radius that varies and a shape, as the Python class `Field` holds them: at most one field and at
 /// most one shape.
 #[derive(FromPyObject)]
 pub struct FieldArgument<'py> {
@@ -240,8 +240,8 @@ impl Ground {
         Ok(Self::new(recipe)?)
     }
 
-    /// Returns what a set was made from, as its facts state it, if its radius varies or it covers a shape. `recipe` is
-    /// settled, so that copies of the set need not search for the scale of a count again.
+    /// Returns the field and the shape of a set that was made, if it has any, from its facts. `recipe` is settled, so that
+    /// copies of the set need not search for the scale of a count again.
     pub fn of_made(recipe: VaryingRecipe, facts: &Facts) -> Option<Self> {
         let varying = facts.varying.clone()?;
         let origin = facts.origin;
@@ -257,7 +257,8 @@ impl Ground {
         self.origin
     }
 
-    /// Returns the field and the shape that a file is judged by, of its certificate or as they are given; nothing without both.
+    /// Returns the field and the shape that a file is judged by, those of its certificate or those that are given; nothing if there
+    /// are none.
     pub fn of_file(
         stated: Option<&Certificate>,
         domain: &GivenDomain,
@@ -284,7 +285,7 @@ impl Ground {
         Ok(Self::new(recipe)?)
     }
 
-    /// Returns what copies and pickles make the same one from.
+    /// Returns a function and its argument, by which `copy` and `pickle` make an equal value.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let text = serde_json::to_string(&slf.get().recipe);
         let text = text.map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -341,7 +342,7 @@ impl Ground {
     }
 }
 
-/// Returns what positions of unknown origin are judged in.
+/// Returns the field and the shape by which positions of unknown origin are judged.
 #[pyfunction]
 pub fn ground_of(given: GivenDomain, field: FieldArgument<'_>) -> PyResult<Ground> {
     let like = bare(given.size(), given.origin, given.bounded_or_given()?);

@@ -410,9 +410,9 @@ fn exposed_arcs_are_those_that_no_other_disk_covers() {
 #[test]
 fn one_rule_decides_at_the_limit() {
     let mut verdicts = BTreeMap::new();
+    // Any side rounds in ways of its own; those that are tried are spread over all of them.
+    let step = 40usize.div_ceil(tilescope_tests::cases(80) as usize);
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
-        // Any side rounds in ways of its own; these are spread over all of them.
-        let step = 40usize.div_ceil(tilescope_tests::cases(80) as usize);
         for side in (1..40).step_by(step) {
             let spacing = 0.017 * f64::from(side);
             let points: Vec<[f64; 2]> = (0..64)
@@ -448,6 +448,9 @@ fn one_rule_decides_at_the_limit() {
         }
     }
     // Both verdicts occur, so the radii lie on either side of the limit.
-    assert!(verdicts.values().all(|count| *count > 30), "{verdicts:?}");
+    assert!(
+        verdicts.values().all(|count| *count > 100 / step),
+        "{verdicts:?}"
+    );
     assert_eq!(verdicts.len(), 2);
 }

@@ -23,6 +23,7 @@ use crate::error::SampleError;
 use crate::exact::agenda::{Agenda, What};
 use crate::exact::bare::{MARK_SIDE, MarkedCells, OpenCells, PieceCell};
 use crate::exact::darts::{Arrival, PlacedDart};
+use crate::exact::filter::SampleFilter;
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
@@ -111,21 +112,6 @@ struct ExactTile {
     end_piece: u32,
     /// The pattern's samples that are lost or doubtful here.
     missing: SampleFilter,
-}
-
-/// Numbers of samples, each known by eight of its bits: few of a tile are lost.
-#[derive(Clone, Copy, Default)]
-struct SampleFilter([u64; 4]);
-
-impl SampleFilter {
-    fn add(&mut self, sample: u32) {
-        self.0[sample as usize / 64 % 4] |= 1 << (sample % 64);
-    }
-
-    /// Returns whether a sample, or another one with the same eight bits, was added.
-    const fn may_have(&self, sample: u32) -> bool {
-        self.0[sample as usize / 64 % 4] >> (sample % 64) & 1 == 1
-    }
 }
 
 /// An exact tiling in progress. Its buffers can be used again.

@@ -390,7 +390,7 @@ fn a_link_with_only_unknown_layers_shows_the_default_ones() {
 fn random_links_are_harmless() {
     let mut draws = Draws(0x5eed_0f11_2233);
     let mut opened_runs = 0;
-    let links = cases(8_000);
+    let links = cases(20_000);
     for _ in 0..links {
         let pairs: Vec<String> = (0..draws.below(9))
             .map(|_| format!("{}={}", draws.of(&KEYS), draws.of(&VALUES)))
@@ -402,7 +402,7 @@ fn random_links_are_harmless() {
         opened_runs > 7 * links as usize / 20,
         "many say something: {opened_runs}"
     );
-    for _ in 0..cases(2_000) {
+    for _ in 0..cases(5_000) {
         let bytes: Vec<u8> = (0..draws.below(80)).map(|_| draws.next() as u8).collect();
         check(&String::from_utf8_lossy(&bytes));
         let ascii: String = bytes.iter().map(|b| char::from(32 + b % 95)).collect();
@@ -420,7 +420,7 @@ fn links_with_small_changes_are_harmless() {
     assert_eq!(warnings.text(), "");
     assert!(content.view.second.is_some() && content.scenes.len() == 1);
     let mut draws = Draws(77);
-    let (links, mut damaged) = (cases(2_500), 0);
+    let (links, mut damaged) = (cases(5_000), 0);
     for _ in 0..links {
         let mut bytes = whole.as_bytes().to_vec();
         let at = draws.below(bytes.len());
