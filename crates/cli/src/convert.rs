@@ -51,9 +51,11 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     check_target(path, arguments.to, "--to")?;
     check_inputs_stay(path, [arguments.input.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.input);
+
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control))
         .in_file(path)?;
+
     let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
     let verdict = output::verdict_text(&report, levels);
@@ -78,8 +80,8 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
     let mut checked = check(&overrides);
-    // Only a set with a field or a shape is checked a second time, with the ones that certificate and arguments
-    // describe.
+    // A field and a shape are made only for a set whose certificate states them, which the first check finds out before
+    // it judges. It then ends, and a second one judges in them.
     if let Err(CheckError::NoField) = checked {
         (arguments.ground).judge_in(path, &arguments.set, &mut overrides)?;
         checked = check(&overrides);
@@ -96,6 +98,7 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
         context.origin = origin;
     }
     context.varying = overrides.varying;
+    // An origin cannot be left out of a set with a field or a shape, so that these have to be known first.
     leave_out_origin(arguments, &mut context)?;
     context.format = arguments.to;
     context.verify = arguments.judge.options();
@@ -128,6 +131,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
         bail!("{path}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
     let mut context = of_unknown_origin(check.report.region, check.report.radius);
+    // The verdict is not carried over: it is that of the file to be written, which may round positions.
     if let Some(certificate) = check.certificate {
         context.origin = certificate.origin.unwrap_or_default();
         context.levels = check.levels.iter().map(CertifiedLevel::claim).collect();
@@ -166,6 +170,7 @@ fn of_unknown_origin(region: Region, radius: f64) -> ExportContext {
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
     // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
     let spacing = (region.width * region.height / points.len().max(1) as f64).sqrt();
+    // One judge is enough to measure it: the judges that the arguments choose judge the written file.
     let options = VerifyOptions {
         judges: JudgeChoice::Delaunay,
         ..VerifyOptions::default()
@@ -173,12 +178,14 @@ fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
     let report =
         verifying(|control| tilescope_analysis::verify(points, region, spacing, &options, control))
             .context("no radius is known, and none can be measured; give --radius")?;
+
     let distance = report.min_distance;
     ensure!(
         distance.is_finite(),
         "a single sample has no radius; give --radius"
     );
-    // With the smallest distance as its radius every disk would be empty.
+    // Two samples at one place are 0 apart, and disks of radius 0 cover nothing. They are a conflict for any spacing, and
+    // the worst one.
     if let (true, Some(pair)) = (distance <= 0.0, report.worst_conflicts.first()) {
         let (first, second) = (pair.first, pair.second);
         bail!(

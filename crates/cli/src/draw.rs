@@ -1,5 +1,6 @@
 //! `tilescope draw`: draws a point set as PNG or SVG.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -17,6 +18,10 @@ use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
+
+/// Widths of a picture in pixels. In a smaller one even the disks of the coarsest periodic set, 10 r wide, would be no more than
+/// three pixels across; the exporters refuse wider ones ([`tilescope_figures::MAX_SIDE`]).
+const WIDTHS: RangeInclusive<u32> = 16..=32_768;
 
 /// Arguments of `tilescope draw`.
 #[derive(Debug, Args)]
@@ -81,9 +86,11 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     check_inputs_stay(path, [arguments.file.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.file);
     ensure!(
-        (16..=32_768).contains(&arguments.size),
-        "--size is {}; it must be between 16 and 32768 pixels",
-        arguments.size
+        WIDTHS.contains(&arguments.size),
+        "--size is {}; it must be between {} and {} pixels",
+        arguments.size,
+        WIDTHS.start(),
+        WIDTHS.end()
     );
 
     let read = arguments.set.read_varying(&arguments.file)?;
@@ -105,8 +112,10 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
     } else {
-        match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
-            // The request to end is the reason, and no error of the picture.
+        // The scene is laid out in pixels already.
+        let scale = 1.0;
+        match to_png_controlled(&scene, scale, &mut |_, _| interrupt::flow()) {
+            // Only a request to end cancels the picture, and the check below reports it.
             Err(FigureError::Cancelled) => Vec::new(),
             drawn => drawn?,
         }
@@ -135,6 +144,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     let as_certified =
         certificate.is_some_and(|c| c.region == region && Some(c.radius.least()) == radius);
 
+    // Nothing verifies the set here, so that lengths of the command line were not checked yet.
     let sides = [("--width", region.width), ("--height", region.height)];
     let of_radius = radius.map(|radius| ("--radius", radius));
     for (name, length) in sides.into_iter().chain(of_radius) {
@@ -157,6 +167,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
          circles show no gaps; tilescope verify counts them; leave it out"
     );
     let exposed = (arguments.gaps).then(|| exposed(set, region, radius));
+
     let radii = match (&own_radii, radius) {
         (Some(own), _) => DiskRadii::Own(own),
         (None, Some(radius)) => DiskRadii::Equal(radius),
@@ -207,7 +218,8 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
         return Ok(None);
     }
     let varying = match ground.judged(file, set, stated) {
-        // The samples alone are better than nothing.
+        // The certificate states a field of which this command line lacks the image, say. The samples can still be drawn; a
+        // field that was given and cannot be used is an error.
         Err(error) if !ground.is_given() => {
             output::note(&format!("note: disks are left out: {error:#}"));
             return Ok(None);
@@ -217,6 +229,8 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
     let Some(varying) = varying.map(|ground| ground.varying) else {
         return Ok(None);
     };
+
+    // The disks of another field would show conflicts and gaps that the set does not have.
     if let Some(stated) = stated {
         ensure!(
             stated.radius == varying.radius,
@@ -231,6 +245,7 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
 /// Returns the parts of the circles around samples that lie in no other disk.
 fn exposed(set: &PointSet, region: Region, radius: Option<f64>) -> Result<Vec<(usize, [f64; 2])>> {
     let radius = radius.context("--gaps needs a radius: from the certificate, or --radius")?;
+    // The verifier takes places within this distance of a sample for covered: arcs are left around the gaps that it counts.
     let covering = radius * (1.0 + COVERING_TOLERANCE);
     let arcs = verifying(|control| exposed_arcs(&set.points, region, covering, control))?;
     Ok(arcs
@@ -284,6 +299,7 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
     value["pattern"] = serde_json::json!(PatternSpec::default());
     let parameters: Parameters = serde_json::from_value(value).ok()?;
 
+    // Cuts are drawn from the seed for a domain and a leaf, whatever else is random: these are the blocks of the set's own run.
     let (domain, leaf) = (parameters.validate().ok()?, parameters.leaf_units().ok()?);
     let blocks = stages::blocks::split(&domain, leaf, Key::from_seed(parameters.seed));
     let corner = |p| domain.user_from_lattice(p);

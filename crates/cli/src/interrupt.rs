@@ -54,7 +54,8 @@ fn start() -> io::Result<()> {
             runtime.block_on(async {
                 loop {
                     next(&mut signals).await;
-                    // Relaxed is enough: the flag stands by itself, and no other memory is published with it.
+                    // The first request lets work stop in order; the second one does not wait for it. Relaxed is enough: the
+                    // flag stands by itself, and no other memory is published with it.
                     if REQUESTED.swap(true, Ordering::Relaxed) {
                         process::exit(i32::from(crate::EXIT_INTERRUPTED));
                     }
@@ -82,7 +83,8 @@ fn signals() -> io::Result<Vec<Signal>> {
     if !is_hangup_ignored() {
         kinds.push(SignalKind::hangup());
     }
-    // With a listener, a write beyond a limit on file sizes returns an error instead of ending the process.
+    // With a listener, a write beyond a limit on file sizes returns an error instead of ending the process. Tokio keeps its
+    // handler of a signal for the rest of the process, also without one that waits for it.
     let beyond_limit = SignalKind::from_raw(SIGXFSZ);
     drop(signal(beyond_limit));
     kinds.into_iter().map(signal).collect()

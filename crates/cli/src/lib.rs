@@ -157,8 +157,9 @@ impl Arguments {
     #[must_use]
     pub fn read() -> Self {
         Self::of(std::env::args_os()).unwrap_or_else(|error| {
-            // Words of the command line may be names of files of others: the message is that about the same words as
-            // they are shown. If those are no error, the message does not hold the word.
+            // A message repeats words of the command line, which may be names that others gave to files, with characters
+            // that a terminal obeys. So the words are read once more, with escapes for such characters, and the message
+            // about these is printed. Where they are no error, the first message holds none of those characters.
             let shown = |word: OsString| shown_in_line(&word.to_string_lossy()).into_owned();
             let words = std::env::args_os().map(shown).map(OsString::from);
             Self::of(words).err().unwrap_or(error).exit()
@@ -175,8 +176,11 @@ impl Arguments {
     }
 
     fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        // Coordinates may be negative; without this clap would take -0.5 for an option.
         let mut command = Self::command().mut_subcommands(|one| one.allow_negative_numbers(true));
         let words: Vec<OsString> = words.into_iter().map(plain).collect();
+
+        // The first word is the name of the program, and the second one that of the command.
         let reads_input = words.get(1).is_some_and(|word| word == "script");
         if !reads_input && words.iter().any(is_dash) {
             return Err(command.error(ErrorKind::InvalidValue, DASH));
@@ -201,6 +205,7 @@ fn with_file_named(
     };
     let text = first.to_string_lossy().into_owned();
     let is_file = Path::new(first).is_file();
+    // A command comes before a file of its name, which is reached as ./NAME.
     // clap adds `help` only when it parses, so that it is not among the commands yet.
     let is_command = command.find_subcommand(first).is_some() || text == "help";
 
@@ -328,6 +333,7 @@ fn describe(error: &anyhow::Error) -> String {
         let part = shown_in_line(&part).into_owned();
         let so_far = parts.join(": ");
         match parts.last_mut() {
+            // It begins with the message before it, such as a path, and says all of that.
             Some(last) if part.starts_with(last.as_str()) => *last = part,
             _ if so_far.contains(&part) => {}
             _ => parts.push(part),

@@ -18,7 +18,8 @@ use crate::output::{self, Judged, Outcome, Work};
 use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
 
-/// To verify and to save a sample of a set that is held in memory, in bytes: where making it takes less, this is the most.
+/// About how many bytes a sample takes while a set in memory is verified and saved. For methods that take less to make a
+/// sample, this is the largest need.
 const FINISHING: f64 = 100.0;
 
 /// Asks for the memory that the set of `parameters` takes. Fails if the system does not give it, or if no set is so large.
@@ -92,6 +93,7 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     // The memory is asked for before the work, as a failed allocation would end the program without a reason.
     ask_for_whole(making, &run.parameters)?;
 
+    // A set in memory may be saved in any format, and some state where samples come from.
     let sources = true;
     let (made, backend) = if is_sequential {
         (run.sequential(sources, &mut watch)?, backend.clone())
@@ -168,6 +170,7 @@ fn with_set(
         return error.context(format!("{path} could not be saved: {failed}"));
     }
 
+    // A file without a verdict has no certificate: the command states what one would.
     let (radius, region) = (context.radius, json!(context.region));
     let [width, height] = [context.region.width, context.region.height];
     let boundary = region["boundary"].as_str().unwrap_or_default();

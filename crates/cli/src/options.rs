@@ -60,10 +60,12 @@ pub fn named<T>(names: &[(&'static str, &'static str)]) -> impl TypedValueParser
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
+    // Names that say all have no help, which clap tells from an empty one.
     let values = names.iter().map(|(name, help)| match *help {
         "" => PossibleValue::new(*name),
         help => PossibleValue::new(*name).help(help),
     });
+    // Names are those of JSON, so that its reader finds the value.
     PossibleValuesParser::new(values)
         .try_map(|name| serde_json::from_value::<T>(serde_json::Value::String(name)))
 }
@@ -155,6 +157,8 @@ impl SetArguments {
 
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
         let columns = self.columns.clone();
+        // A region of which nothing is given, and a radius and an origin that are not, stay empty: the check takes them from
+        // the certificate.
         Ok(Overrides {
             format: self.format,
             set: self.set,
@@ -196,6 +200,7 @@ impl SetArguments {
         if self.no_certificate {
             return Ok(None);
         }
+        // A file that cannot be read in pieces is read as a whole; that also tells why, if it cannot be read at all.
         if let Ok(reader) = StreamReader::open(path, self.format) {
             return Ok(reader.certificate().cloned());
         }
@@ -254,6 +259,7 @@ impl SetArguments {
         certificate: CertificateUse,
         varying: bool,
     ) -> Result<ReadSet> {
+        // The parser of arguments takes two names or none, so that no other number gets lost here.
         let columns =
             (self.columns.as_deref()).and_then(|columns| <&[String; 2]>::try_from(columns).ok());
 
@@ -267,6 +273,7 @@ impl SetArguments {
             ..Hint::default()
         };
         let read = tilescope_formats::read(path, &hint).map_err(|error| match error {
+            // The points may be as wanted all the same, and an option reads them.
             FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
                 anyhow!("{error}; {WITHOUT_CERTIFICATE}")
             }

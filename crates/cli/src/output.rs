@@ -166,13 +166,15 @@ impl Outcome {
     pub fn text(&self) -> String {
         let (facts, judged) = (&self.facts, &self.judged);
         let region = region_text(&facts.region);
-        // A field has no single radius.
+        // A field has no single radius: its least and its greatest stand in the place of one.
         let varying = facts
             .varying
             .as_ref()
             .map(|varying| radius_text(&varying.radius));
         let radius = varying.unwrap_or_else(|| Number(facts.radius).to_string());
+
         let mut out = format!("{} on {region}, r = {radius}\n", facts.method);
+        // Only of KDRT there are several engines, and a reason why this one was taken.
         if let Some(Backend { engine, reason, .. }) = &self.work.backend {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
         }
@@ -253,33 +255,38 @@ pub fn region_text(region: &Region) -> String {
 /// Returns a table with a row for each stage: its time and its effect.
 fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     let mut out = String::new();
-    let mut rest = 0.0;
+    let mut dart_seconds = 0.0;
     let summary = facts.summary.as_ref();
-    // The reference sampler and exact tiling end in many levels that fill a handful of slivers.
-    let adds_up = summary.is_none() || facts.method == "exact";
+    // The reference sampler, which has no summary, and exact tiling end in many levels that fill a handful of slivers: all
+    // levels share a row.
+    let levels_share_row = summary.is_none() || facts.method == "exact";
 
-    // Algorithm 4 as printed has no separate iteration 1.
+    // Algorithm 4 as printed fills the first gaps while it eliminates, and has no separate iteration 1.
     let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
     for &(stage, time) in seconds {
-        if matches!(stage, Stage::Iterate(_)) && adds_up {
-            rest += time;
+        if matches!(stage, Stage::Iterate(_)) && levels_share_row {
+            dart_seconds += time;
             continue;
         }
         let did = summary.map(|summary| what_happened(stage, summary, at_once));
         let (name, did) = (stage.to_string(), did.unwrap_or_default());
         let _ = writeln!(out, "  {name:<12} {:>9.1} ms   {did}", time * 1e3);
     }
-    if rest > 0.0 {
-        // Insertions at once are in the row of elimination.
+
+    if dart_seconds > 0.0 {
+        // What was inserted at once is counted in the row of elimination.
         let inserted = |s: &Summary| s.inserted.iter().skip(at_once.into()).sum::<usize>();
         let did = (summary.map(|summary| format!("   {} inserted", inserted(summary))))
             .unwrap_or_default();
-        let _ = writeln!(out, "  {:<12} {:>9.1} ms{did}", "throw darts", rest * 1e3);
+        let milliseconds = dart_seconds * 1e3;
+        let _ = writeln!(out, "  {:<12} {milliseconds:>9.1} ms{did}", "throw darts");
     }
     out
 }
 
+/// Returns the effect of a stage in a few words. `at_once` says that the first insertions happened during elimination.
 fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
+    // Samples are dropped only beyond a bounded border: of a periodic domain there is nothing to say.
     let dropped = |text: &str| match s.dropped {
         0 => String::new(),
         count => text.replace('#', &count.to_string()),
@@ -331,7 +338,8 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
     let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
     let conflict_free = conflicts_answer(report.conflicts);
     let maximal = answer(report.maximal(), report.gaps);
-    // Positions are rounded to a lattice, and maximality has a tolerance for it.
+    // Positions are rounded to a lattice, and maximality has a tolerance for it. Squares of lengths on the lattice are whole
+    // numbers, 2^30 for r: lengths near r differ by 2^-31 r and more, which about nine decimals show.
     let limit = 1.0 + report.covering_tolerance;
     let (closest, _) = compared(closest, 1.0, 9);
     let (farthest, most) = compared(farthest, limit, 9);
@@ -356,8 +364,7 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart}");
     }
 
-    let gaps = report.worst_gaps.iter().take(3);
-    for gap in gaps.filter(|_| !report.maximal()) {
+    for gap in report.worst_gaps.iter().take(3) {
         let ([x, y], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
         let place = format!("({x}, {y}) is {far} r from the nearest sample");
         let _ = writeln!(out, "  gap: {place}");
@@ -388,6 +395,7 @@ fn subdivision_text(report: &Report) -> String {
         Judge::joined(&report.judges),
     );
 
+    // Three of each show the fault. Lengths stay in the units of the file, as each place has a radius of its own.
     for conflict in report.worst_conflicts.iter().take(3) {
         let (a, b, apart) = (conflict.first, conflict.second, Number(conflict.distance));
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} apart");
@@ -402,14 +410,17 @@ fn subdivision_text(report: &Report) -> String {
 
 /// Returns the row of a level.
 pub fn level_row(level: &CertifiedLevel) -> String {
+    // A single point is infinitely far from a second one.
     let found = level.min_distance.unwrap_or(f64::INFINITY);
-    let (closest, least) = compared(found, level.distance, 6);
+    let (closest, promised_distance) = compared(found, level.distance, 6);
+
+    // Where no covering is promised, a dash stands for the promise; compared with itself, the measured one has six decimals.
     let measured = level.covering_radius;
-    let promised = level.covering.unwrap_or(measured);
-    let (farthest, most) = compared(measured, promised, 6);
-    let most = level.covering.map_or_else(|| "-".to_owned(), |_| most);
+    let (farthest, covering) = compared(measured, level.covering.unwrap_or(measured), 6);
+    let promised_covering = (level.covering).map_or_else(|| "-".to_owned(), |_| covering);
+
     format!(
-        "  {:>8}   {least} ({closest})   {most} ({farthest})   {}\n",
+        "  {:>8}   {promised_distance} ({closest})   {promised_covering} ({farthest})   {}\n",
         level.count,
         validity(level.valid)
     )
@@ -420,10 +431,12 @@ pub fn level_row(level: &CertifiedLevel) -> String {
 pub fn compared(value: f64, limit: f64, decimals: usize) -> (String, String) {
     let texts = |decimals| (format!("{value:.decimals$}"), format!("{limit:.decimals$}"));
     let shown = |text: &str| text.parse::<f64>().ok();
+    // The texts have to compare as the numbers do: below the limit, equal to it, or above.
     let shows = |(value_text, limit_text): &(String, String)| {
         shown(value_text).partial_cmp(&shown(limit_text)) == Some(value).partial_cmp(&Some(limit))
     };
-    // Lengths are in radii; of two that differ by rounding, the 17th decimal differs.
+    // Lengths are in radii, near 1; of two that differ by rounding, the 17th decimal differs. Tiny ones, which no number of
+    // decimals tells apart, are written with exponents.
     let mut all = (decimals..=17).map(texts);
     all.find(shows)
         .unwrap_or_else(|| (format!("{value:e}"), format!("{limit:e}")))

@@ -40,13 +40,13 @@ const SIZE: [&str; 2] = ["radius", "count"];
 
 impl Args for RunArguments {
     fn augment_args(command: Command) -> Command {
-        // `--help` lists options in this order: the size first, as it must be given, and a pattern's file behind the options
-        // of a generated pattern.
-        // Both are given where two radii are scaled to a count.
+        // Both options of the size are given where two radii are scaled to a count.
         let size = ArgGroup::new("size")
             .args(SIZE)
             .required(true)
             .multiple(true);
+        // `--help` lists options in this order: the size first, as it must be given, and a pattern's file behind the options
+        // of a generated pattern.
         let mut command = command
             .group(size)
             .arg(option(Parameter::Radius))
@@ -67,15 +67,17 @@ impl Args for RunArguments {
 
 impl FromArgMatches for RunArguments {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut asked = Parameters {
-            radius: 0.0,
-            ..Parameters::default()
-        };
+        // The radius stays 0 where a count or a formula is given in its place.
         let span: Option<&RadiusSpan> = matches.get_one(Parameter::Radius.key());
         let span = span.copied().unwrap_or_default();
-        asked.radius = span.least;
+        let mut asked = Parameters {
+            radius: span.least,
+            ..Parameters::default()
+        };
         let count = matches.get_one("count").copied();
         refuse_sizes(matches, span.greatest, count.is_some())?;
+
+        // The radius is read above, as its option may hold two numbers.
         for parameter in options().filter(|it| *it != Parameter::Radius) {
             let taken = take(&mut asked, parameter, matches);
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
@@ -129,6 +131,8 @@ fn refuse_sizes(
     // Commands without images do not know the id, which means that it is not given.
     let is_given = |id: &str| matches.try_get_raw(id).is_ok_and(|values| values.is_some());
     let has_image = is_given("radius_image");
+    // The conflicts of clap have no exceptions, and with an image a radius and a count go together: they are refused here, in
+    // the words of clap.
     let why = if greatest.is_some() && !has_image {
         "--radius takes two radii, MIN..MAX, with --radius-image only\n"
     } else if has_count && is_given("radius") && !has_image {
@@ -150,18 +154,19 @@ fn options() -> impl Iterator<Item = Parameter> {
 /// Returns the option of a parameter, with the default that the core has.
 fn option(parameter: Parameter) -> Arg {
     let row = parameter.row();
-    let arg = Arg::new(row.key).long(row.key).help(row.help);
-    let arg = match row.kind {
+    let bare = Arg::new(row.key).long(row.key).help(row.help);
+    let with_parser = match row.kind {
         ParameterKind::Real { .. } if parameter == Parameter::Radius => {
-            arg.value_parser(RadiusSpan::parse)
+            bare.value_parser(RadiusSpan::parse)
         }
-        ParameterKind::Real { .. } => arg.value_parser(value_parser!(f64)),
-        ParameterKind::Whole(_) => arg.value_parser(value_parser!(u64)),
-        ParameterKind::Choice { options, .. } => arg.value_parser(words(options)),
-        ParameterKind::Switch { .. } => return arg.action(ArgAction::SetTrue),
+        ParameterKind::Real { .. } => bare.value_parser(value_parser!(f64)),
+        ParameterKind::Whole(_) => bare.value_parser(value_parser!(u64)),
+        ParameterKind::Choice { options, .. } => bare.value_parser(words(options)),
+        // A switch has no value: it is on where it stands, and off by default.
+        ParameterKind::Switch { .. } => return bare.action(ArgAction::SetTrue),
     };
 
-    let arg = arg.value_name(row.value_name);
+    let arg = with_parser.value_name(row.value_name);
     // The radius has no default, as it or a count must be given.
     if parameter == Parameter::Radius {
         return arg;
@@ -274,6 +279,7 @@ impl RunArguments {
         in_memory: bool,
         watch: &mut Stopwatch,
     ) -> Result<Settled> {
+        // The size is known before the pattern is read or made, which may take long; that of a count follows below.
         if in_memory && recipe.count.is_none() {
             recipe.parameters.validate_sequential()?;
         }

@@ -22,6 +22,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
     }
 
+    // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them.
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
@@ -59,8 +60,12 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         SamplingMethod::Kdrt => {
             let variant = recipe.parameters.variant;
             let backend = arguments.engine.choose(variant, expected)?;
+
             let mut watch = Stopwatch::start();
-            let run = arguments.run.settle(recipe.clone(), !streams, &mut watch)?;
+            let in_memory = !streams;
+            let run = arguments
+                .run
+                .settle(recipe.clone(), in_memory, &mut watch)?;
             // A large set passes by band by band, and is never in memory as a whole.
             if streams {
                 let passed = stream::pass(arguments, &run, &backend, watch);
@@ -74,7 +79,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         }
     };
 
-    // The radius of a count is known only now.
+    // With --count the radius in the recipe is an estimate; the set has the one that gave the count.
     let parameters = Parameters {
         radius: worked.made.facts.radius,
         ..recipe.parameters
@@ -86,7 +91,8 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
 /// Verifies a set and saves it, as the arguments ask.
 fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
     let context = arguments.context(&worked.made.facts);
-    let Some(path) = arguments.out.as_deref().filter(|_| arguments.no_verify) else {
+    let unverified_file = arguments.out.as_deref().filter(|_| arguments.no_verify);
+    let Some(path) = unverified_file else {
         return worked.finish(arguments.out.as_deref(), &context);
     };
 
@@ -117,6 +123,7 @@ fn with_remarks(
         let remark = format!(
             "the pattern of {own} r repeats within the largest blocks, which shows in spectra; --pattern-side {side} would avoid that"
         );
+        // It concerns the samples, and the warnings that are there concern the file: it comes first.
         outcome.warnings.insert(0, remark);
     }
 

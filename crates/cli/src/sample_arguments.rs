@@ -162,23 +162,25 @@ impl SampleArguments {
     /// Returns whether the set is made band by band: if it is large, if it is resumed, and if it is not verified.
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method() == SamplingMethod::Kdrt;
-        let engine = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
+        let makes_bands = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
         // A shuffled set is in no order of rows, in which bands could be written.
-        let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
+        let takes_bands = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
+
+        // Checkpoints lie between bands: a set that is made as a whole has none, and could only begin again.
         if self.resume {
             ensure!(
-                engine,
+                makes_bands,
                 "--resume needs the parallel engine or a GPU, which make sets band by band"
             );
             let streams = Format::ALL.into_iter().filter(|format| format.streams());
             let streams: Vec<_> = streams.map(Format::extension).collect();
             ensure!(
-                format,
+                takes_bands,
                 "--resume needs a format that is written band by band ({}), and no --shuffle",
                 streams.join(", ")
             );
         }
-        Ok(engine && format && (self.resume || self.no_verify || expected > LARGE))
+        Ok(makes_bands && takes_bands && (self.resume || self.no_verify || expected > LARGE))
     }
 
     /// Returns the statements of the set's certificate.

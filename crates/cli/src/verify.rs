@@ -70,15 +70,15 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     }
     let (file, set) = (&arguments.file, &arguments.set);
     let source = arguments.source.as_deref();
-    let thinned = || thinned::run(file, set, &arguments.ground, source, arguments.json);
+    let judge_thinned = || thinned::run(file, set, &arguments.ground, source, arguments.json);
     if source.is_some() {
-        return thinned();
+        return judge_thinned();
     }
 
     let (check, given) = match checked(arguments) {
         // Only the certificate says that a set was thinned, and it is read with the points.
         Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
-            return thinned();
+            return judge_thinned();
         }
         outcome => outcome?,
     };
@@ -94,7 +94,8 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 /// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
 fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
-    // A file that is not as its certificate states is judged all the same: the claim is the certificate's.
+    // The file is not compared with its certificate, which is about all samples: a fault behind the first `count` says
+    // nothing about these. They are judged by the certificate's claim alone.
     let read = set.read_as(file, set.set, CertificateUse::AsStated)?;
     let name = named(file);
     let Some(certificate) = read.certificate else {
@@ -103,6 +104,7 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let Some(claim) = certificate.prefix(count) else {
         bail!("{name}: the certificate states no levels, or fewer than {count} samples");
     };
+
     let region = set.region_over(certificate.region);
     let options = arguments.judge.options();
     let found =
@@ -132,7 +134,8 @@ fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     let mut checked = check_or_unit_square(&overrides, check);
 
-    // Only for a field or a shape, which few sets have, is the certificate read a second time.
+    // The certificate is read with the points. Only when it states a field or a shape, which few sets have, is the file
+    // read a second time, to be judged in them.
     if let Err(CheckError::NoField) = checked {
         ground.judge_in(file, set, &mut overrides)?;
         checked = check_or_unit_square(&overrides, check);
@@ -175,7 +178,8 @@ fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
 
 fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     let mut report = check.report.clone();
-    // Places are given as they are in the file.
+    // Gaps are printed at their places in the file, whose domain begins at its origin; the report's begins at zero. The
+    // samples of conflicts have numbers, and no place is printed.
     let [x, y] = origin.unwrap_or_default();
     for gap in &mut report.worst_gaps {
         gap.center = [gap.center[0] + x, gap.center[1] + y];
