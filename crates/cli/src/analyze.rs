@@ -105,7 +105,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     }
 
     let mut analysis = Analysis::of(arguments)?;
-    // Without a set that could be used there is nothing to draw.
+    // The reference alone is compared with nothing: there is nothing to draw.
     let is_empty = analysis.compared().is_empty();
     let written = match out.filter(|_| !is_empty) {
         Some(path) => save(&mut analysis, path).map(|()| out),
@@ -114,6 +114,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 
     // The results are printed, whether or not they could be saved.
     let saved = (written.as_ref().ok().copied().flatten()).map(|path| path.display().to_string());
+    // The failures were printed as they came. Programs get their object all the same, with the failures in it.
     if arguments.json || !is_empty {
         let json = || report::json(&analysis, saved.as_deref());
         output::report(arguments.json, json, || text(&analysis, saved.as_deref()))?;
@@ -123,6 +124,9 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     let is_fine = analysis.failures.is_empty();
     Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
 }
+
+/// Pixels of a point in a PNG picture, so that letters stay sharp on screens of high density.
+const SCALE: f64 = 2.0;
 
 fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
     let extension = extension(path);
@@ -140,7 +144,7 @@ fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
             }
             let scene = scene(&figure)?;
             if extension == "png" {
-                tilescope_figures::to_png(&scene, 2.0)?
+                tilescope_figures::to_png(&scene, SCALE)?
             } else {
                 // A file of its own has no page around it whose style has the fonts.
                 tilescope_figures::to_svg_with_fonts(&scene)?.into_bytes()

@@ -37,6 +37,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         2.0 * Bench::WINDOW_SAMPLES
     );
 
+    // Numbers of threads are checked before the first round, which may take minutes.
     let bench = arguments.bench(threads(&arguments.threads)?);
     let rates = with_bar(arguments, |watch| bench.cpu(watch))?;
     // A rate counts only if the sets are valid.
@@ -52,6 +53,7 @@ fn threads(asked: &[usize]) -> Result<Vec<usize>> {
     if !asked.is_empty() {
         return Ok(asked.to_vec());
     }
+    // On a machine of one core the two are one.
     let mut threads = vec![1, rayon::current_num_threads()];
     threads.dedup();
     Ok(threads)
@@ -78,6 +80,7 @@ of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
     for row in &rates.rows {
+        // Only the parallel engine has a row on one thread to be compared with.
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
         // Of three quartiles the middle one is the median.
         let _ = writeln!(

@@ -17,10 +17,12 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         "--threads and --sequential are options of the CPU's bench: --engine gpu compares with all threads"
     );
     let gpu = Arc::new(arguments.adapter.open().context("--engine gpu")?);
+    // The bench of a GPU does not look at numbers of threads: the CPU has all of them.
     let bench = arguments.bench(Vec::new());
     let rates = with_bar(arguments, |watch| bench.gpu(&gpu, watch))?;
     let json = || to_json(&rates, &gpu, arguments);
     output::report(arguments.json, json, || to_text(&rates, &gpu, arguments))?;
+    // The rate of an engine that makes other points, or a set with faults, means nothing.
     let fine = |row: &EngineRate| row.equal() && row.valid();
     Ok(verdict_code(rates.rows.iter().all(fine)))
 }
@@ -46,11 +48,9 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
         );
     }
 
-    let (rounds, adapter, first) = (
-        arguments.rounds,
-        &gpu.report().name,
-        rates.first_seconds * 1e3,
-    );
+    // The first run compiles the passes, and is in no row.
+    let (rounds, first) = (arguments.rounds, rates.first_seconds * 1e3);
+    let adapter = &gpu.report().name;
     let _ = writeln!(
         out,
         "\nmedian of {rounds} rounds on {adapter}; the first run of all, with the passes compiled: {first:.1} ms\n"
@@ -71,6 +71,7 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
 
     for pass in &run.passes {
         let (stage, name, times) = (&pass.stage, &pass.name, pass.times);
+        // Of passes that visit a part of the elements the bytes are not known, and on some devices the seconds are not.
         let bytes = pass.bytes.map(|bytes| bytes as f64);
         let share = pass.seconds.zip(total).map(|(s, all)| s / all * 100.0);
         let rate = pass.seconds.zip(bytes).map(|(s, bytes)| bytes / 1e9 / s);

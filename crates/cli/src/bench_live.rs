@@ -99,7 +99,7 @@ struct MotionRow {
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
-    // Where a measure is made anew on several threads, their time would not be counted.
+    // The clock counts this thread alone: of a measure that is made anew on several, it would miss the others' time.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread();
@@ -112,6 +112,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
 
 fn measured() -> Result<Vec<MotionRow>> {
     let mut rows = Vec::new();
+    // Each motion has a row with the analysis and one without it.
     let bar = bar("bench", (RADII.len() * Motion::ALL.len() * 2) as u64);
     for radius in RADII {
         let parameters = Parameters {
@@ -162,6 +163,7 @@ fn row(
         }
     }
 
+    // Every cursor but the first is the end of a move.
     let moves = (cursors.len() - 1) as f64;
     Ok(MotionRow {
         samples: course.final_count(),

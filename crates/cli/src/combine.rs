@@ -99,6 +99,7 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
         seams,
     } = glue(&arguments.layout, out).in_file(&arguments.layout)?;
 
+    // Without a file there is nothing to be written in a format.
     let context = ExportContext {
         format: arguments.format.or_else(|| Format::from_path(out?)),
         precision: arguments.precision,
@@ -130,6 +131,7 @@ struct Glued {
 fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     let layout = read(path)?;
     let placed = layout.placed()?;
+    // Files of a layout are relative to its folder, so that both can be moved together.
     let folder = path.parent().unwrap_or(Path::new(""));
     // Only the layout names the files of its pieces, so that they are known no earlier.
     if let Some(out) = out {

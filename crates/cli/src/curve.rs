@@ -98,6 +98,7 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
     };
 
     let course = course(arguments)?;
+    // More samples than a spectrum can follow are refused here, before the first number is computed.
     let maker = CurveMaker::new(Arc::new(course), &numbers, arguments.moments)?;
     let table = made(maker)?.csv();
     match &arguments.out {
@@ -112,10 +113,11 @@ fn made(mut maker: CurveMaker) -> Result<Curve> {
     /// The steps between two looks at the bar: those of 25 frames, about a tenth of a second.
     const SLICE: u64 = 25 * FRAME_STEPS;
 
-    let [_, moments] = maker.progress();
-    let bar = bar("curve", moments as u64);
+    let [_, all_moments] = maker.progress();
+    let bar = bar("curve", all_moments as u64);
     while !maker.proceed(SLICE)? {
-        bar.set_position(maker.progress()[0] as u64);
+        let [made_moments, _] = maker.progress();
+        bar.set_position(made_moments as u64);
         interrupt::check("the curve was made")?;
     }
     Ok(maker.finish())
@@ -165,6 +167,7 @@ fn of_session(path: &Path, watch: &mut Stopwatch) -> Result<Arc<Recording>> {
     let session = Session::from_json(&text)?;
     let mut load = |file: &PatternFile| pattern_beside(path, file).map_err(|e| format!("{e:#}"));
     let recording = Arc::new(session.record(&mut load, watch)?);
+    // The debugger compares the run with the digest in the session; what it would show is not needed.
     Debugger::resume(&session, Arc::clone(&recording))?;
     Ok(recording)
 }

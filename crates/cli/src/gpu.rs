@@ -49,6 +49,7 @@ struct TestedAdapter {
 
 pub fn run(arguments: &GpuArguments) -> Result<u8> {
     interrupt::listen();
+    // Every name contains the empty one: without the option all adapters stay.
     let part = (arguments.gpu_adapter.as_deref())
         .unwrap_or("")
         .to_lowercase();
@@ -169,6 +170,7 @@ fn limits_text(limits: &Limits) -> String {
 
 /// Returns a number of bytes in the largest unit of which there is at least one.
 fn bytes_text(bytes: u64) -> String {
+    // Each unit is 2^10 of the one before; u64 ends within the last.
     let power = bytes.max(1).ilog2() / 10;
     let unit = ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"][power as usize];
     let text = format!("{:.1}", bytes as f64 / 1024_f64.powi(power as i32));

@@ -59,14 +59,14 @@ impl GroundArguments {
 
     /// Returns the first option that is given.
     pub fn option(&self) -> Option<&'static str> {
-        let files = [
+        let options = [
             ("--radius-image", self.radius_image.is_some()),
             ("--density-image", self.density_image.is_some()),
             ("--radius-expression", self.radius_expression.is_some()),
             ("--shape", self.shape.is_some()),
             ("--mask", self.mask.is_some()),
         ];
-        files
+        options
             .into_iter()
             .find(|(_, is_given)| *is_given)
             .map(|(name, _)| name)
@@ -97,6 +97,7 @@ impl GroundArguments {
 
     /// Returns the field and the shape that the arguments give to judge a set.
     pub fn given(&self, planar: bool) -> Result<GivenGround> {
+        // Both kinds of images are given as such: the certificate says whether its field follows from radii or from densities.
         let radius = if let Some(path) = &self.radius_image {
             GivenRadius::Image(image(path, "--radius-image")?)
         } else if let Some(path) = &self.density_image {
@@ -152,6 +153,7 @@ impl GroundArguments {
         if let Some(ground) = self.judged(file, set, stated.as_ref())? {
             // Positions of others are in the coordinates of the shape, whose rectangle is then the domain.
             overrides.origin = overrides.origin.or(Some(ground.origin));
+            // The verifier takes the region and the radius from it.
             overrides.varying = Some(ground.varying);
         }
         Ok(())
@@ -159,6 +161,8 @@ impl GroundArguments {
 
     /// Returns the field and the shape that the arguments state for a set without a certificate.
     fn foreign(&self, set: &SetArguments) -> Result<VaryingRecipe> {
+        // Of an expression, a density and a radius, each needs less beside it than the next: a density needs a radius, that
+        // of black, and a shape alone has one radius everywhere.
         let radius = match (&self.radius_expression, &self.density_image, set.radius) {
             (Some(text), ..) => formula(text)?,
             (None, Some(path), Some(black)) => RadiusSource::Density {
@@ -182,6 +186,7 @@ impl GroundArguments {
             size: [set.width, set.height],
             origin: set.origin(),
             boundary: Boundary::of(boundary == Border::Periodic),
+            // By these a set is made; only the field and the shape are taken to judge one.
             seed: 0,
             count: None,
         })
@@ -207,6 +212,7 @@ fn expression(text: &str) -> Result<Expression> {
 /// Returns the radius that a formula gives.
 pub fn formula(text: &str) -> Result<RadiusSource> {
     let expression = expression(text)?;
+    // As it is written; only a count scales it.
     let scale = 1.0;
     Ok(RadiusSource::Expression { expression, scale })
 }

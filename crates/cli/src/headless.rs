@@ -117,8 +117,10 @@ fn session(folder: &Path) -> Result<u8> {
 
 /// Draws every stage and returns the files.
 fn pictures(run: Run, folder: &Path) -> Result<Vec<PathBuf>> {
+    // Sessions are numbered where one follows another, as in the window; here there is one.
     let session = Session::from_run(run, 0);
     let mut paths = Vec::new();
+    // The number comes first in a name, so that lists of the folder have the stages in their order.
     for (number, &stage) in session.stages.iter().enumerate() {
         let name = match stage {
             Stage::Iterate(k) => format!("iterate-{k}"),

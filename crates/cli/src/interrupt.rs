@@ -43,6 +43,7 @@ fn start() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
         .build()?;
+
     // From here on no signal is missed, although the thread starts later.
     let mut signals = {
         let _within = runtime.enter();

@@ -117,10 +117,14 @@ pub struct HandoutArguments {
 /// The content of a handout.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Handout {
-    /// The lesson's name and text.
-    pub lesson: (String, String),
-    /// The language, and the text of the translation, if the language is not the lesson's.
-    pub language: (String, Option<String>),
+    /// The lesson's name.
+    pub name: String,
+    /// The lesson's text.
+    pub text: String,
+    /// The language of the handout.
+    pub language: String,
+    /// The text of the translation, if the language is not the lesson's.
+    pub translation: Option<String>,
     /// Whether the answers are printed.
     pub answers: bool,
     /// Whether the speaker's notes are printed.
@@ -163,10 +167,20 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
 /// A lesson to be played.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Played {
-    /// The name of a lesson that comes with the program, and whether it begins in presenter mode.
-    Shipped(String, bool),
-    /// A file, and whether it begins in presenter mode.
-    File(PathBuf, bool),
+    /// A lesson that comes with the program.
+    Shipped {
+        /// Its name.
+        name: String,
+        /// Whether it begins in presenter mode.
+        is_presented: bool,
+    },
+    /// A lesson in a file.
+    File {
+        /// The path of the file.
+        file: PathBuf,
+        /// Whether it begins in presenter mode.
+        is_presented: bool,
+    },
     /// The lecture of fifty minutes, in presenter mode.
     Lecture,
 }
@@ -181,14 +195,15 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
     let LessonCommand::Play { lesson, present } = command else {
         return None;
     };
-    let file = PathBuf::from(lesson);
+    let (file, is_presented) = (PathBuf::from(lesson), *present);
     // Names of the program come before files; a file of such a name is reached as ./NAME.
     Some(if lesson == "lecture" {
         Ok(Played::Lecture)
     } else if shipped_lesson(lesson).is_some() {
-        Ok(Played::Shipped(lesson.clone(), *present))
+        let name = lesson.clone();
+        Ok(Played::Shipped { name, is_presented })
     } else if file.is_file() {
-        Ok(Played::File(file, *present))
+        Ok(Played::File { file, is_presented })
     } else {
         let names: Vec<_> = shipped::all().into_iter().map(|one| one.name).collect();
         let (no_lesson, names) = (no_lesson(lesson), names.join(", "));
@@ -250,6 +265,7 @@ impl Source {
         // Systems list a folder in any order; the report is to have one order.
         paths.sort();
 
+        // A fault of the text is a finding of the check; only a file that cannot be read ends it.
         let translation = |path: &PathBuf| Ok((named(path), Translation::read(&read(path)?)));
         Ok(Self {
             name: named(file),
@@ -301,9 +317,12 @@ fn create(file: &Path, text: &str) -> Result<()> {
 
 /// Checks a lesson with a bar.
 fn checked(lesson: &Lesson, seeds: u64) -> Result<Checked> {
-    let bar = bar(&lesson.name, 1000);
+    /// More steps than a terminal has columns.
+    const STEPS: u64 = 1000;
+
+    let bar = bar(&lesson.name, STEPS);
     let mut go_on = |share: f64| {
-        bar.set_position((1000.0 * share) as u64);
+        bar.set_position((STEPS as f64 * share) as u64);
         interrupt::flow().is_continue()
     };
     let (seeds, mut runs) = (seeds as usize, Runs::default());
@@ -323,6 +342,7 @@ fn with_line<T>(read: Result<T, LessonError>, file: &Path) -> Result<T> {
 }
 
 fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
+    // All files are read before the first is checked, which may take minutes.
     let sources: Vec<Source> = if arguments.files.is_empty() {
         shipped::all().iter().map(Source::of_shipped).collect()
     } else {
@@ -372,6 +392,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
         }
     };
     let found = checked(&lesson, seeds)?;
+    // A letter that is missing is no fault: the lesson may be for machines whose fonts have it.
     let original = lesson.texts().concat();
     let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
 
@@ -389,6 +410,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
     for (name, translation) in source.translations {
         if let Ok(translation) = &translation {
             let texts = lesson.texts();
+            // As the window shows it: a text that is not translated stays in the lesson's language.
             let said: String = texts.iter().map(|text| translation.of(text)).collect();
             warnings.extend(letters_warning(&name, &said));
         }
@@ -433,7 +455,7 @@ fn faults_of_translation(
         Err(error) => (Vec::new(), vec![error]),
         Ok(translation) => translation.compared(&lesson.texts()),
     };
-    // A text that is missing has no line.
+    // A text that is missing has no line of its own, and editors go to the first one.
     let missing = missing
         .iter()
         .map(|text| LessonError::new(1, format!("not translated: \"{text}\"")));
@@ -473,25 +495,42 @@ fn list() -> Result<()> {
     output::emit(&text)
 }
 
-/// Returns the name and the text of a lesson, and the text of its translation if the language is not English.
-fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
+/// Returns the content of the handout that the arguments ask for, with the translation if the language is not English.
+fn handout_content(arguments: &HandoutArguments) -> Result<Handout> {
+    let HandoutArguments {
+        lesson,
+        answers,
+        notes,
+        language,
+        ..
+    } = arguments;
     check_language(language)?;
+
     let is_translated = language != "en";
-    if let Some(shipped) = shipped_lesson(name) {
+    let of = |name: String, text: String, translation: Option<String>| Handout {
+        name,
+        text,
+        language: language.clone(),
+        translation,
+        answers: *answers,
+        notes: *notes,
+    };
+    // Lessons of the program have a German translation, and no files beside them in which others could be.
+    if let Some(shipped) = shipped_lesson(lesson) {
         ensure!(
             !is_translated || language == "de",
-            "--language {language}: {name} comes in en and de"
+            "--language {language}: {lesson} comes in en and de"
         );
         let translation = is_translated.then(|| shipped.german.into_owned());
-        return Ok((name.to_owned(), shipped.text.into_owned(), translation));
+        return Ok(of(lesson.clone(), shipped.text.into_owned(), translation));
     }
 
-    let file = Path::new(name);
-    ensure!(file.is_file(), no_lesson(name));
+    let file = Path::new(lesson);
+    ensure!(file.is_file(), no_lesson(lesson));
     let name = name_of(file)?;
     let beside = file.with_file_name(format!("{name}.{language}.md"));
     let translation = is_translated.then(|| read(&beside)).transpose()?;
-    Ok((name, read(file)?, translation))
+    Ok(of(name, read(file)?, translation))
 }
 
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
@@ -499,14 +538,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let is_html = out.extension().is_some_and(|extension| extension == "html");
     let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
-    let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
-
-    let made = (window.handout)(Handout {
-        lesson: (name, text),
-        language: (arguments.language.clone(), translation),
-        answers: arguments.answers,
-        notes: arguments.notes,
-    });
+    let made = (window.handout)(handout_content(arguments)?);
     let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
 
     check_inputs_stay(out, [Path::new(lesson)])?;
@@ -519,9 +551,11 @@ const MAX_SESSION: u64 = 16 << 20;
 
 fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
+    // Its name is the lesson's, which has to be one before the work begins.
     name_of(&out)?;
     let made = (window.lesson_of_session)(&read_text(session, MAX_SESSION)?);
     let text = made.map_err(|fault| anyhow!("{}: {fault}", named(session)))?;
+    // The lesson may have been edited since it was made, so that it is not replaced.
     create(&out, &text)?;
     let (path, html) = (named(&out), out.with_extension("html"));
     output::emit(&format!(
@@ -572,6 +606,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
         Translation::default()
     };
 
+    // Missing and stale texts are counted in the old translation: a renewed one has neither.
     let texts = lesson.texts();
     let (missing, stale) = old.compared(&texts);
     write(&target, &old.renewed(&texts))?;
@@ -588,6 +623,8 @@ fn merge(arguments: &ResultsArguments) -> Result<()> {
     for target in out.iter().chain(gain) {
         check_inputs_stay(target, files.iter().map(PathBuf::as_path))?;
     }
+
+    // A learner who gave no name is known by the name of the file.
     let results = |file: &PathBuf| {
         let name = lossy(file.file_stem().unwrap_or_default());
         Ok((
@@ -612,6 +649,7 @@ fn merge(arguments: &ResultsArguments) -> Result<()> {
 
     let entries: usize = merged.all.iter().map(|one| one.entries.len()).sum();
     let learners = merged.learners();
+    // A learner may hand in a file and later a longer one, which has the same entries and more.
     let repeated = match merged.repeated {
         0 => String::new(),
         count => format!("; {count} entries that were given twice count once"),
@@ -628,6 +666,7 @@ fn entries_text(merged: &Merged, file: &Path) -> Result<String> {
     match extension(file).as_str() {
         "csv" => Ok(results::csv(&merged.all)?),
         "json" => {
+            // Each learner's results are a list of statements; the file is one list of all.
             let statements: Vec<Value> = merged.all.iter().map(Results::xapi).collect();
             let lists = statements.iter().filter_map(Value::as_array);
             Ok(serde_json::to_string_pretty(

@@ -274,7 +274,7 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     }
 
     if dart_seconds > 0.0 {
-        // What was inserted at once is counted in the row of elimination.
+        // Insertions at once are counted in the row of elimination.
         let inserted = |s: &Summary| s.inserted.iter().skip(at_once.into()).sum::<usize>();
         let did = (summary.map(|summary| format!("   {} inserted", inserted(summary))))
             .unwrap_or_default();

@@ -47,6 +47,7 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
 /// Refuses an output in the place of an input or of its certificate, by whatever names and links; the certificate of the
 /// output, which is written or removed, counts too.
 pub fn check_inputs_stay<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    // Through a link the file behind it is replaced.
     let file = destination(out)?;
     let replaced = [certificate_path(&file), file];
     for input in inputs {

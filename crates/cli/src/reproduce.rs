@@ -91,6 +91,7 @@ fn wanted(name: &str) -> Result<Wanted, String> {
     if name == "all" {
         return Ok(Wanted(None));
     }
+    // The error lists the names of experiments, of which "all" is none.
     let one = name
         .parse()
         .map_err(|error: String| format!("{error}, all"));
@@ -146,7 +147,11 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
 /// Returns the experiments in the sequence of a report, each once.
 fn chosen(wanted: &[Wanted]) -> Vec<Experiment> {
     let mut all = Experiment::ALL.to_vec();
-    all.retain(|one| wanted.iter().any(|it| it.0.is_none_or(|it| it == *one)));
+    let is_wanted = |one: &Experiment| {
+        let mut wanted = wanted.iter();
+        wanted.any(|Wanted(asked)| asked.is_none_or(|asked| asked == *one))
+    };
+    all.retain(is_wanted);
     all
 }
 

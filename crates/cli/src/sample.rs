@@ -96,6 +96,7 @@ fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
         return worked.finish(arguments.out.as_deref(), &context);
     };
 
+    // No verdict, and so no certificate: the count and the digest are all that is said of the set.
     let Worked { made, work } = worked;
     let unverified = Judged {
         warnings: save_unverified(&made.set, path, &context)?,

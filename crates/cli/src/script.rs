@@ -13,10 +13,10 @@ use crate::{EXIT_BAD_INPUT, EXIT_FINE, EXIT_NEGATIVE, output, verdict_code};
 /// Carries out the text of a script: prints the state after each command or after the last one; passes on the number of
 /// each command that was refused or failed, why, and whether a file could not be read or written; returns the verdict.
 pub type CarryOut = fn(
-    &str,
-    bool,
-    &mut dyn FnMut(&str) -> Result<()>,
-    &mut dyn FnMut(usize, &str, bool),
+    text: &str,
+    after_each: bool,
+    print: &mut dyn FnMut(&str) -> Result<()>,
+    refused: &mut dyn FnMut(usize, &str, bool),
 ) -> Result<Option<bool>>;
 
 /// Arguments of `tilescope script`.
@@ -86,6 +86,7 @@ fn read(file: &Path) -> Result<String> {
         Box::new(std::fs::File::open(file)?)
     };
     let mut bytes = Vec::new();
+    // One byte more than is allowed shows that there are more. Standard input has no length that could be asked for.
     source.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     ensure!(
         bytes.len() as u64 <= MAX_BYTES,

@@ -15,8 +15,9 @@ use serde::Serialize;
 use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{
-    Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point,
-    SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, WindowMaker, below,
+    Boundary, Domain, Insertion, Key, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
+    MIN_SIDE_RADII_PERIODIC, Order, Parameters, Pattern, PatternSpec, Plane, Point, SampleError,
+    Search, Sequential, Stream, Sweep, Unobserved, Window, WindowMaker, below,
 };
 use tilescope_sets::region;
 
@@ -183,6 +184,10 @@ impl Dice {
     }
 }
 
+/// The shortest side of a round's domain, in radii: that of a periodic domain and a little more, so that rounding to the lattice
+/// does not lead below it.
+const SHORTEST: f64 = MIN_SIDE_RADII_PERIODIC + 0.5;
+
 const ORDERS: [Order; 4] = [
     Order::Index,
     Order::Random,
@@ -195,15 +200,18 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     // r^2.
     let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
     let aspect = dice.scale(1, [0.05, 20.0]);
-    // Both sides at least as long as periodic domains must be. 111 is more than 10.5 squared, so that the range is not
-    // empty.
-    let width = (area * aspect).sqrt().clamp(10.5, area.max(111.0) / 10.5);
+    // Neither side is too short. 111 is more than the square of the shortest, so that the range is not empty.
+    let width = (area * aspect)
+        .sqrt()
+        .clamp(SHORTEST, area.max(111.0) / SHORTEST);
 
-    let leaf = dice.scale(2, [6.0, 120.0]);
+    // From the shortest leaf to those for which most of these domains are a single block.
+    let leaf = dice.scale(2, [MIN_LEAF_RADII, 120.0]);
     let boundary = dice.pick(3, &[Boundary::Periodic, Boundary::Bounded]);
 
     let pattern = if dice.share(4) < 0.15 {
-        // A bounded pattern must hold every enlarged block.
+        // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
+        // either side.
         PatternSpec {
             side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
             boundary: Boundary::Bounded,
@@ -211,8 +219,9 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         }
     } else {
         // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
-        let any = dice.scale(5, [10.0, 160.0]);
+        let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
         let side = dice.pick(10, &[20.0, 30.0, 50.0, 100.0, 200.0, any, any]);
+        // The side that users have unless they ask for another is tried with eight seeds.
         let is_default = (side - 100.0).abs() < 1e-9;
         PatternSpec {
             side,
@@ -229,7 +238,8 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
 
     Parameters {
         width,
-        height: (area / width).max(10.5),
+        height: (area / width).max(SHORTEST),
+        // The lattice depends on sides over radius alone: all lengths are in radii.
         radius: 1.0,
         boundary,
         seed,
@@ -249,6 +259,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         return Tally::default();
     }
     let key = Key::from_seed(arguments.seed).derive(Stream::Pattern, index as u32);
+    // The round's key is its seed as well, in the 64 bits of both.
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
@@ -304,7 +315,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         unequal: u64::from(!engines_agree || !windows_agree),
         ..Tally::default()
     };
-    // A reach of two radii may leave gaps, which is no fault.
+    // A reach of two radii may leave gaps: that is the finding of an experiment, and no fault.
     if parameters.search == Search::Complete {
         round.gaps = report.gaps;
         round.covering_radius_r = report.covering_radius;
@@ -337,6 +348,7 @@ fn windows_agree(
 ) -> Result<bool, SampleError> {
     let windows = (0..WINDOWS).filter_map(|index| random_window(domain, dice, index));
     for window in windows {
+        // A window has its samples in the order of the set.
         let inside = points.iter().filter(|p| shows(&window, domain, **p));
         if !made(&window)?.iter().eq(inside) {
             return Ok(false);
@@ -348,6 +360,7 @@ fn windows_agree(
 /// Returns a window of random size and place, if it is one.
 fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
+    // Room for ten draws of each window, behind those of the parameters.
     let share = |k: u32| dice.share(100 + 10 * index + k);
     // Windows may begin outside: a periodic domain goes on there, and a bounded one cuts them at its border.
     let corner = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
@@ -365,6 +378,7 @@ fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
 fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     let [min, max] = [window.min, window.max].map(I64Vec2::from);
     let mut at = I64Vec2::from(p) - min;
+    // A window is at most as long as the domain: it holds the image of a sample that follows its corner, or none.
     if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(at)) {
         at = wrapped.into();
     }
@@ -383,6 +397,7 @@ impl SoakMethod {
 
 /// Returns the command that makes the set of a round of KDRT.
 fn command(p: &Parameters) -> String {
+    // Options take the names that JSON has, but for the reach, which is a number of radii.
     let names = json!([p.order, p.insertion]);
     let [order, insertion] = [0, 1].map(|k| names[k].as_str().unwrap_or(""));
     let search = if p.search == Search::TwoRadii { 2 } else { 4 };

@@ -124,6 +124,7 @@ Examples:
 pub fn run(arguments: &StippleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
+    // Options of the end are checked before the dots are made, which takes longest.
     arguments.check_out()?;
     arguments.look.check()?;
     let recipe = arguments.recipe()?;
@@ -192,10 +193,12 @@ impl StippleArguments {
             drawing: Some(drawing),
             ..worked.made.facts.context()
         };
-        let Some(path) = self.out.as_deref().filter(|_| self.is_picture()) else {
+        let picture_path = self.out.as_deref().filter(|_| self.is_picture());
+        let Some(path) = picture_path else {
             return worked.finish(self.out.as_deref(), &context);
         };
 
+        // A picture is drawn first, as the verdict takes the set. It is written only when there is a verdict.
         let picture = picture(&worked.made, &context, self.look.size)?;
         let outcome = worked.finish(None, &context)?;
         interrupt::check("the picture")?;
@@ -227,6 +230,7 @@ impl LookArguments {
                 let radii = radii(&stipple.made);
                 let darkness = radii.iter().map(|radius| (black / radius).powi(2));
                 let mean = darkness.sum::<f64>() / radii.len().max(1) as f64;
+                // The areas of all dots add up to those of as many dots of the even radius.
                 let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
                 Dots::ByDensity(of_black * black)
             }
@@ -269,6 +273,7 @@ fn radii(made: &Made) -> Vec<f64> {
 
 /// Returns the picture of a stipple as a PNG file.
 fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>> {
+    // Dots are drawn in the units of the set, and the view makes pixels of them.
     let [width, height] = context.region.size();
     let scale = f64::from(columns) / width;
     let drawing = (context.drawing.as_ref()).context("no colours are chosen")?;
@@ -289,12 +294,13 @@ fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>
         dots.shapes.push(Shape::circle(center, radius, style));
     }
 
+    // A picture has at least one row, however flat the image is.
     let rows = (height * scale).round().max(1.0);
     let mut scene = Scene::new(f64::from(columns), rows, color(drawing.paper));
     scene.title = format!("{} dots", made.set.len());
     scene.groups.push(dots);
     match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
-        // Ctrl-C: before the picture is written, the caller refuses to go on, and says why.
+        // Only a request to end cancels the picture. The caller checks for it before it writes, and reports it.
         Err(FigureError::Cancelled) => Ok(Vec::new()),
         drawn => Ok(drawn?),
     }
@@ -336,6 +342,7 @@ fn color(text: &str) -> Result<[u8; 3], String> {
         _ => {}
     }
     let digits = text.strip_prefix('#').unwrap_or_default();
+    // Numbers in Rust may have a sign, and colours not.
     let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
     let number = number.ok_or("a colour is written as #rrggbb, or as black or white")?;

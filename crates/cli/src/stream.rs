@@ -56,6 +56,7 @@ pub fn pass(
     if let Some(state) = &state {
         bands.restore(state);
     }
+
     let parameters = serde_json::to_value(&facts.parameters)?;
     let verify = !arguments.no_verify;
     // A run that is resumed compares the first two with its own arguments.
@@ -114,6 +115,7 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
         let resume = resume_path(path);
         format!("there is nothing to resume: no {}", named(&resume))
     })?;
+    // Bands of other parameters would not fit to those that the file has already.
     for (name, asked) in &facts.parameters {
         let begun = &token["parameters"][name];
         ensure!(
@@ -121,14 +123,16 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
             "the interrupted run had {name} {begun}, this one has {asked}; all arguments must be the same"
         );
     }
-    let other = [
-        "not verified (--no-verify)",
-        "verified, without --no-verify",
-    ];
+
+    // The verifier must have seen every band, or none.
+    let was = if no_verify {
+        "verified, without --no-verify"
+    } else {
+        "not verified (--no-verify)"
+    };
     ensure!(
         token["verify"] == !no_verify,
-        "the interrupted run was {}; all arguments must be the same",
-        other[usize::from(no_verify)]
+        "the interrupted run was {was}; all arguments must be the same"
     );
     let state = token["state"].clone();
     serde_json::from_value(state).context("the checkpoint is not that of a run")
@@ -194,7 +198,9 @@ impl Sink {
             return Ok(Self::Judge(Box::new(verifier)));
         };
         let export = if arguments.resume {
-            StreamExport::resume(path, context)?.0
+            // The state of the run was taken from the token before, with which the engine began.
+            let (export, _token) = StreamExport::resume(path, context)?;
+            export
         } else {
             let (verify, resumable) = (!arguments.no_verify, true);
             StreamExport::create(path, context, StreamOptions { verify, resumable })?
@@ -256,6 +262,7 @@ impl Sink {
         Ok(match self {
             Self::File { export, .. } => {
                 let streamed = export.finish(&|_| interrupt::flow())?;
+                // With --no-verify there is neither a report nor a certificate.
                 let verified = streamed.verified.map(|v| (v.report, v.certificate_path));
                 let (report, certificate) = verified.unzip();
                 Judged {

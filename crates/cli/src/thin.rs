@@ -124,6 +124,7 @@ pub fn run(arguments: &ThinArguments) -> Result<u8> {
 /// Thins a file, has the choice judged, and writes it.
 fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
+        // The certificate is written as well, and has to be a file that can be replaced.
         destination(&certificate_path(&destination(path)?))?;
         check_file(path)?;
         let inputs = [Some(&arguments.input), arguments.radius_image.as_ref()];
@@ -145,7 +146,10 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
         file.check_name(&file_name(path)).in_file(path)?;
     }
-    let mut thinning = recipe.prepare(&file, true).in_file(&arguments.input)?;
+    let with_ranks = true;
+    let mut thinning = recipe
+        .prepare(&file, with_ranks)
+        .in_file(&arguments.input)?;
     arguments.state(&mut thinning, &name);
     laps.add("read");
 
@@ -184,6 +188,7 @@ fn write(
     let chosen = file.keep(kept, &mut rows, &name).in_file(path)?;
     let certificate = thinning.certificate(file.points(), &chosen, report);
     let certificate_path = write_certified(path, chosen.bytes, &certificate).in_file(path)?;
+    // It borrows the rows, from which the names of the left-out parts are taken now.
     drop(chosen);
     Ok(Written {
         certificate,
@@ -225,6 +230,7 @@ impl ThinArguments {
         let span = self.radius.context(
             "give --radius R, or --radius-expression or --radius-image for radii that vary",
         )?;
+        // Grey needs two radii to lie between, and without an image there is nothing between two.
         match (&self.radius_image, span.greatest) {
             (None, None) => Ok(RadiusSource::Constant(span.least)),
             (None, Some(_)) => {
@@ -367,6 +373,7 @@ impl ThinnedFile {
             report_text(&self.report)
         );
         if let Some(file) = &self.written {
+            // Faces and edges number vertices by their places in the file, which the kept ones no longer have.
             for element in &file.left_out {
                 let warning = format!("{element} numbers vertices, and is left out");
                 out += &output::warning_line(&warning);

@@ -28,13 +28,14 @@ pub fn run(
     source: Option<&Path>,
     as_json: bool,
 ) -> Result<u8> {
-    let stated = set.certificate(path)?;
-    let Some((stated, thinned)) = stated
+    let certificate = set.certificate(path)?;
+    let thinned = certificate
         .as_ref()
-        .and_then(|stated| Some((stated, stated.thinned.as_ref()?)))
-    else {
+        .and_then(|stated| stated.thinned.as_ref());
+    let (Some(stated), Some(thinned)) = (&certificate, thinned) else {
         bail!("--source is for sets whose certificate states that they were thinned");
     };
+    // By the certificate's own values the points were chosen, and by no others can the choice be judged.
     refuse_others(set)?;
 
     let verdict = verdict(
@@ -91,6 +92,7 @@ fn verdict(
     let as_stated: Option<Vec<String>> = (stated.parameters.get(COLUMNS))
         .and_then(|names| serde_json::from_value(names.clone()).ok());
     let (bytes, name) = (read_whole(path)?, file_name(path));
+    // The certificate is about the choice, and compared below; no reader of single sets can check it.
     let hint = Hint {
         name: &name,
         format: set.format,
@@ -107,6 +109,7 @@ fn verdict(
         return alone(&chosen, &recipe, stated, thinned).in_file(path);
     };
     let (bytes, name) = (read_whole(source)?, file_name(source));
+    // The thinned file has one set, whichever of the source's it was chosen from.
     let of_set = stated
         .parameters
         .get(SET)
@@ -127,7 +130,9 @@ fn alone(
     stated: &Certificate,
     thinned: &Thinned,
 ) -> Result<Verdict, ThinFileError> {
-    let thinning = recipe.prepare(chosen, false)?;
+    // Which point came first decides only about points that are left out, and here there are none.
+    let with_ranks = false;
+    let thinning = recipe.prepare(chosen, with_ranks)?;
     let all = vec![true; chosen.points().len()];
     let found = verifying(|control| thinning.judge(chosen.points(), &all, control))?;
     // What only the source could show is taken as stated, and the report says so.
@@ -151,11 +156,13 @@ fn against(
     recipe: &ThinRecipe,
     stated: &Certificate,
 ) -> Result<Verdict, ThinFileError> {
-    let thinning = recipe.prepare(given, true)?;
+    let with_ranks = true;
+    let thinning = recipe.prepare(given, with_ranks)?;
     let points = given.points();
     let mut differences = Vec::new();
-    let kept = implied_kept(points, chosen.points(), thinning.ranks());
-    let kept = kept.unwrap_or_else(|index| {
+    let implied = implied_kept(points, chosen.points(), thinning.ranks());
+    // A point of another origin is a finding. The judge still goes on, over a choice of none.
+    let kept = implied.unwrap_or_else(|index| {
         let [x, y] = chosen.points()[index];
         differences.push(CertificateDifference {
             field: "points",
@@ -234,6 +241,7 @@ impl Verdict {
         if self.differences.is_empty() {
             let unchecked = stated.unchecked();
             let unchecked = shown_in_line(&unchecked.join(", ")).into_owned();
+            // These fields of the certificate are about the source.
             let of_source = if self.has_source {
                 ""
             } else {

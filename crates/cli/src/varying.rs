@@ -26,6 +26,7 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
     let recipe = recipe(arguments)?;
     let mut watch = Stopwatch::start();
     let made = recipe.make(&mut watch)?;
+    // The tries that find a count's radius are not part of the time that the set takes.
     if recipe.count.is_some() {
         watch.drop_tries();
     }
@@ -76,7 +77,9 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let (run, ground) = (&arguments.run, &arguments.ground);
     let asked = &run.asked;
     let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
+    // Where no radius is typed a count is, or a formula; and a count scales any radius that is put in its place.
     let black = is_typed(Parameter::Radius).then_some(asked.radius);
+    let any = 1.0;
     let radius = if let Some(text) = &ground.radius_expression {
         formula(text)?
     } else if let Some(path) = &ground.radius_image {
@@ -88,15 +91,15 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         RadiusSource::Image { image, radii }
     } else if let Some(path) = &ground.density_image {
         let image = image(path, "--density-image")?;
-        // With a count any radius is scaled to it.
-        let black = black.unwrap_or(1.0);
+        let black = black.unwrap_or(any);
         RadiusSource::Density { image, black }
     } else {
-        RadiusSource::Constant(black.unwrap_or(1.0))
+        RadiusSource::Constant(black.unwrap_or(any))
     };
 
     // A side that is not typed follows from the shape or the pixels, and not from the parameters' defaults.
     let given = |parameter: Parameter, value: f64| is_typed(parameter).then_some(value);
+    // A field seldom goes around, and a shape never: a periodic domain has to be asked for.
     let is_bounded = !is_typed(Parameter::Boundary) || asked.boundary == Boundary::Bounded;
     Ok(VaryingRecipe {
         radius,

@@ -135,7 +135,8 @@ fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
 
 /// Returns the address from which this machine reaches others, if it can. No packet is sent.
 fn outward(listening: IpAddr) -> Option<IpAddr> {
-    // The far addresses are reserved for documentation.
+    // To connect this kind of socket only chooses a way to the far address, and with it one's own. The far ones are reserved
+    // for documentation (RFC 5737, RFC 3849).
     let (own, far) = if listening.is_ipv4() {
         ("0.0.0.0:0", "192.0.2.1:9")
     } else {
@@ -150,6 +151,7 @@ fn outward(listening: IpAddr) -> Option<IpAddr> {
 fn folder(asked: Option<&Path>) -> Result<PathBuf> {
     let has_page = |folder: &Path| folder.join("index.html").is_file();
     if let Some(folder) = asked {
+        // Of a folder without the page all files would be served, and the page would not be found.
         ensure!(
             has_page(folder),
             "there is no index.html in {}; web/build makes the page, in web/dist",

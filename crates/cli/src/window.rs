@@ -35,6 +35,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
                 arguments.engine.makes_windows(arguments.run.asked.variant),
                 "--window needs the parallel engine: the others, also the GPU's, make whole sets"
             );
+            // Only the window is in memory, and `check_size` limits it.
             let in_memory = false;
             let run = arguments.run.settle(recipe, in_memory, &mut watch)?;
             let plane = Plane::new(&run.parameters, &run.pattern)?;
@@ -50,6 +51,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             let history = PatternHistory::of_spec(&recipe.parameters.pattern, &mut watch)?;
             let plane = ExactPlane::new(&recipe.parameters, &history)?;
 
+            // How many samples the whole set would have is estimated, as it is never made.
             let samples = arguments.run.expected(&recipe.parameters)?;
             let facts = facts_of_exact(
                 &recipe.parameters,
@@ -128,6 +130,7 @@ fn show(
 }
 
 fn check_size(window: &Window) -> Result<()> {
+    // In radii, as the density of a maximal set is that in a square of side r.
     let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
     let expected = side(0) * side(1) * MAXIMAL_DENSITY;
     ensure!(
@@ -170,6 +173,8 @@ fn text(
 
 /// Judges a window of a plane by the samples in it and around it.
 fn judge(plane: &impl WindowMaker, window: &Window) -> Result<CutReport> {
+    // Whether a place of the window is covered may depend on samples outside of it. The part around has ends of its own,
+    // also where the domain is periodic.
     let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
     let is_periodic = false;
     let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());

@@ -25,8 +25,8 @@ pub const WINDOW: FromWindow = FromWindow {
 
 fn made_handout(asked: Handout) -> Result<String, String> {
     handout(HandoutTask {
-        lesson: asked.lesson,
-        language: asked.language,
+        lesson: (asked.name, asked.text),
+        language: (asked.language, asked.translation),
         answers: asked.answers,
         notes: asked.notes,
         record: None,
@@ -36,8 +36,8 @@ fn made_handout(asked: Handout) -> Result<String, String> {
 /// Returns the commands that open a lesson.
 fn opening(played: Played) -> Vec<Command> {
     let (open, is_presented) = match played {
-        Played::Shipped(name, is_presented) => (LessonCommand::Open(name), is_presented),
-        Played::File(file, is_presented) => (LessonCommand::File(file), is_presented),
+        Played::Shipped { name, is_presented } => (LessonCommand::Open(name), is_presented),
+        Played::File { file, is_presented } => (LessonCommand::File(file), is_presented),
         Played::Lecture => return vec![Command::Talk(TalkCommand::Lecture)],
     };
     let present = Command::Talk(TalkCommand::Lesson { from_start: true });

@@ -36,6 +36,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     let left_out = subjects.len().saturating_sub(MAX_PICTURES);
     let shown = &subjects[..subjects.len() - left_out];
     let mut pictures: Vec<Panel> = shown.iter().map(periodogram).collect();
+
     let (spectra, pairs) = curve_rows(analysis);
     let mut rows = vec![spectra];
     // A row has room for the pair correlation and two pictures.
@@ -43,10 +44,13 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
         pictures.insert(0, pairs);
         rows.extend([pictures, difference_row(analysis)]);
     } else {
+        // Curves are what one compares, and come before any number of pictures.
         rows.extend([vec![pairs], difference_row(analysis)]);
         rows.extend(pictures.chunks(IN_A_ROW).map(<[Panel]>::to_vec));
     }
+
     let mut title = title(analysis);
+    // Who sees the picture alone has not seen the note of the command.
     if left_out > 0 {
         let all = subjects.len();
         let _ = write!(title, "; {left_out} of {all} periodograms are left out");
@@ -64,6 +68,7 @@ pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let (spectra, pairs) = curve_rows(analysis);
     let rows = vec![spectra, vec![pairs], difference_row(analysis)];
     let curves = of_rows(title(analysis), rows);
+    // A page has any number of figures, so that none of its periodograms is left out.
     let pictures = (subjects.chunks(MAX_PICTURES).enumerate()).map(|(index, some)| {
         let first = index * MAX_PICTURES + 1;
         let (last, all) = (first + some.len() - 1, subjects.len());
@@ -96,23 +101,29 @@ fn periodogram(subject: &Subject) -> Panel {
 /// Returns the row of spectra, and the pair correlation.
 fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let subjects = &analysis.subjects;
-    let series_of_curve = |curve: usize| {
+    let series_of_curve = |curve: usize| -> Vec<Series> {
         let each = subjects.iter().enumerate();
-        series(each.map(|(index, subject)| {
+        let lines = each.map(|(index, subject)| {
             // The reference comes first, with a look of its own, and the others count from 0.
             let number = index.checked_sub(usize::from(analysis.has_reference));
             let look = number.map_or(Look::Reference, Look::Numbered);
-            (subject.title.clone(), look, &subject.curves[curve].1)
-        }))
+            let (_, curve) = &subject.curves[curve];
+            series(&subject.title, look, curve)
+        });
+        lines.flatten().collect()
     };
+    // A subject has its curves in this order.
+    let [powers, anisotropies, correlations] = [0, 1, 2].map(series_of_curve);
+
+    let power = spectra::radial_mean(FREQUENCY, cut("power P(\u{3bd})", &powers), powers);
     let levels = levels_of_anisotropy(subjects);
     let axis = anisotropy_axis(subjects, &levels);
-    let [power, anisotropy, pairs] = [0, 1, 2].map(series_of_curve);
-    let power = spectra::radial_mean(FREQUENCY, cut("power P(\u{3bd})", &power), power);
-    let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropy, levels);
-    let (name, axis) = ("white noise".to_owned(), cut("g(r)", &pairs));
+    let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropies, levels);
+
+    // Samples that do not regard each other are as frequent at every distance: g(r) is 1.
+    let (name, axis) = ("white noise".to_owned(), cut("g(r)", &correlations));
     let noise = vec![Level { name, y: 1.0 }];
-    let pairs = chart("Pair correlation", DISTANCE, axis, pairs, noise);
+    let pairs = chart("Pair correlation", DISTANCE, axis, correlations, noise);
     (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
@@ -124,10 +135,12 @@ fn difference_row(analysis: &Analysis) -> Vec<Panel> {
     ];
     let charts = charts.iter().enumerate().map(|(curve, (what, x, y))| {
         let each = analysis.compared().iter().zip(&analysis.differences);
-        let all = series(each.enumerate().map(|(index, (subject, differences))| {
-            let curve = &differences.curves[curve].1;
-            (subject.label.clone(), Look::Numbered(index), curve)
-        }));
+        // Colours are those of the curves above, which count without the reference as well.
+        let lines = each.enumerate().map(|(index, (subject, differences))| {
+            let (_, curve) = &differences.curves[curve];
+            series(&subject.label, Look::Numbered(index), curve)
+        });
+        let all: Vec<Series> = lines.flatten().collect();
         let (name, title) = ("no difference".to_owned(), format!("Difference of {what}"));
         let axis = cut_difference(&format!("\u{394}{y}"), &all);
         chart(&title, x, axis, all, vec![Level { name, y: 0.0 }])
@@ -141,17 +154,15 @@ fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
     charts.map(Panel::Lines).collect()
 }
 
-/// Returns the curves that have points.
-fn series<'a>(curves: impl Iterator<Item = (String, Look, &'a Curve)>) -> Vec<Series> {
-    let curves = curves.filter(|(_, _, curve)| !curve.points.is_empty());
-    curves
-        .map(|(name, look, curve)| Series {
-            name,
-            look,
-            points: curve.points.clone(),
-            band: curve.bands.clone(),
-        })
-        .collect()
+/// Returns a curve as a chart draws it; `None` without a point, as its name would stand in the legend alone.
+fn series(name: &str, look: Look, curve: &Curve) -> Option<Series> {
+    let series = || Series {
+        name: name.to_owned(),
+        look,
+        points: curve.points.clone(),
+        band: curve.bands.clone(),
+    };
+    (!curve.points.is_empty()).then(series)
 }
 
 fn highest(series: &[Series]) -> f64 {
@@ -177,14 +188,18 @@ fn cut(label: &str, series: &[Series]) -> Axis {
     if top > 0.0 && high > MAX_BAND * top {
         return Axis::new(format!("{label}, bands cut off")).with_range(0.0, MAX_BAND * top);
     }
+    // An axis of its own choice would begin at the lower end of a band, where the quantity cannot be. White noise, at 1,
+    // stays in the chart, with a twentieth of room above.
     if low < 0.0 {
         return Axis::new(label).with_range(0.0, 1.05 * high.max(top).max(1.0));
     }
     Axis::new(label)
 }
 
+/// Returns the axis of differences: it cuts off those far from 0.
 fn cut_difference(label: &str, series: &[Series]) -> Axis {
     let [low, high] = ends_of_bands(series);
+    // The label names bands where they alone are cut off, and every curve is there as a whole.
     let (what, far) = match highest(series) {
         far if far > MAX_DIFFERENCE => ("", far),
         _ => ("bands ", high.max(-low)),
@@ -225,26 +240,40 @@ fn anisotropy_axis(subjects: &[Subject], levels: &[Level]) -> Axis {
     let annuli = (subjects.iter())
         .flat_map(|one| &one.spectrum.profile.annuli)
         .filter(|annulus| annulus.anisotropy_db.is_finite());
-    let all: Vec<_> = annuli.map(|one| (one.count, one.anisotropy_db)).collect();
+    let of_annulus = annuli.map(|one| Anisotropy {
+        frequencies: one.count,
+        decibels: one.anisotropy_db,
+    });
+    let all: Vec<Anisotropy> = of_annulus.collect();
     range_of_many(&all, levels.iter().map(|level| level.y))
 }
 
-fn range_of_many(all: &[(u64, f64)], levels: impl Iterator<Item = f64>) -> Axis {
+/// The anisotropy of an annulus.
+struct Anisotropy {
+    /// Over how many frequencies it was measured.
+    frequencies: u64,
+    decibels: f64,
+}
+
+fn range_of_many(all: &[Anisotropy], levels: impl Iterator<Item = f64>) -> Axis {
     let label = "anisotropy, dB";
     let wider = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
     let nothing = [f64::INFINITY, f64::NEG_INFINITY];
     let many = (all.iter())
-        .filter(|(count, _)| *count >= FEW)
-        .map(|(_, value)| *value)
+        .filter(|one| one.frequencies >= FEW)
+        .map(|one| one.decibels)
         .fold(nothing, wider);
     // Without an annulus of so many frequencies the curves determine the range.
     if many[0] > many[1] {
         return Axis::new(label);
     }
-    let many = levels.fold(many, wider);
-    let spare = (0.05 * (many[1] - many[0])).max(0.5);
-    let [low, high] = [many[0] - spare, many[1] + spare];
-    let is_cut = all.iter().any(|(_, value)| !(low..=high).contains(value));
+
+    // The lines of sets without a preferred direction are what the curves are compared with.
+    let [least, most] = levels.fold(many, wider);
+    // Half a decibel at least, so that a flat curve does not lie on the frame.
+    let spare = (0.05 * (most - least)).max(0.5);
+    let [low, high] = [least - spare, most + spare];
+    let is_cut = (all.iter()).any(|one| !(low..=high).contains(&one.decibels));
     let cut = if is_cut {
         "; few frequencies cut off"
     } else {
@@ -283,7 +312,13 @@ mod tests {
 
     #[test]
     fn a_handful_of_frequencies_does_not_stretch_the_axis_of_anisotropy() {
-        let axis = |all: &[(u64, f64)]| range_of_many(all, std::iter::once(0.0));
+        let axis = |all: &[(u64, f64)]| {
+            let all = all.iter().map(|&(frequencies, decibels)| Anisotropy {
+                frequencies,
+                decibels,
+            });
+            range_of_many(&all.collect::<Vec<_>>(), std::iter::once(0.0))
+        };
         let many = [(50, -1.0), (400, 1.0)];
         let with_few = [(4, -12.0), (50, -1.0), (400, 1.0)];
         assert_eq!(axis(&with_few).range, axis(&many).range);

@@ -3,7 +3,7 @@
 use tilescope_analysis::measures::{DifferenceCurve, MeasureError};
 
 use super::curve::Curve;
-use super::measure::Measure;
+use super::measure::{Form, Measure};
 use super::subject::Subject;
 
 /// The differences of a subject from the reference.
@@ -32,6 +32,7 @@ impl Differences {
         let [power, pairs] = subject.minus(reference)?;
 
         let difference = |measure: &Measure| {
+            // Averages have measures that single sets lack, so that places in the list do not match.
             let same = |other: &&Measure| other.key == measure.key;
             let base = reference.measures.iter().find(same);
             let error = |measure: &Measure| measure.spread.map(|spread| spread.standard_error);
@@ -46,8 +47,8 @@ impl Differences {
         };
 
         let [power_key, pairs_key] = ["power_difference", "pair_correlation_difference"];
-        let of_power = of_curve(&power, power_key, ["radial mean power", "annuli"], "nu");
-        let of_pairs = of_curve(&pairs, pairs_key, ["pair correlation", "bins"], "r_max");
+        let of_power = of_curve(&power, power_key, "radial mean power", "annuli", "nu");
+        let of_pairs = of_curve(&pairs, pairs_key, "pair correlation", "bins", "r_max");
 
         Ok(Self {
             measures: subject.measures.iter().map(difference).collect(),
@@ -64,21 +65,28 @@ impl Differences {
 fn of_curve(
     curve: &DifferenceCurve,
     key: &str,
-    [name, points]: [&str; 2],
+    name: &str,
+    points: &str,
     unit: &'static str,
 ) -> [Measure; 4] {
-    let [at, largest] = [0, 1].map(|axis| curve.largest().map(|point| point[axis]));
+    let (at, largest) = (
+        curve.largest().map(|[x, _]| x),
+        curve.largest().map(|[_, y]| y),
+    );
     let outside = curve.outside().map(|share| 100.0 * share);
+
     let (rms_label, at_label) = ("RMS difference", "position of the largest difference");
+    // Of equal curves the band holds a point with probability 0.95.
     let outside_label = format!("{points} outside the band (5 by chance)");
-    let measure = |end: &str, label: &str, unit, value| {
-        Measure::new(format!("{key}_{end}"), label.to_owned(), unit, value)
+    let measure = |end: &str, label: &str, unit, decimals, value| {
+        let form = Form { unit, decimals };
+        Measure::new(format!("{key}_{end}"), label.to_owned(), form, value)
     };
     [
-        measure("rms", &format!("{name}: {rms_label}"), ("", 4), curve.rms()),
-        measure("largest", "largest difference", ("", 4), largest),
-        measure("largest_at", at_label, (unit, 3), at),
-        measure("outside", &outside_label, ("%", 1), outside),
+        measure("rms", &format!("{name}: {rms_label}"), "", 4, curve.rms()),
+        measure("largest", "largest difference", "", 4, largest),
+        measure("largest_at", at_label, unit, 3, at),
+        measure("outside", &outside_label, "%", 1, outside),
     ]
 }
 

@@ -97,14 +97,15 @@ impl Analysis {
     }
 
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
-        for (path, same) in paths.iter().zip(repetitions(paths)) {
+        for (path, repetition) in paths.iter().zip(repetitions(paths)) {
             let set = (request.measure(Source::whole(path), None))
                 .and_then(|set| self.with_domain_of_reference(set));
             match set.and_then(|set| Ok(Subject::one(set)?)) {
                 Ok(subject) => {
                     self.subjects.extend(subject);
-                    if let Some(same) = same {
-                        self.note(format!("{same}: it is analysed twice"));
+                    // Two equal columns mislead no one, unlike a set that counts twice in an average.
+                    if let Some(repetition) = repetition {
+                        self.note(format!("{repetition}: it is analysed twice"));
                     }
                 }
                 Err(error) => self.fail(Source::whole(path), error)?,
@@ -116,12 +117,12 @@ impl Analysis {
     /// Averages all sets of files and keeps only their numbers.
     fn average(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<Option<Subject>> {
         let mut population = Population::default();
-        for (path, same) in paths.iter().zip(repetitions(paths)) {
-            let sources = match same {
-                Some(same) => Err(anyhow!("{same}: a set counts once in an average")),
+        for (path, repetition) in paths.iter().zip(repetitions(paths)) {
+            let found = match repetition {
+                Some(repetition) => Err(anyhow!("{repetition}: a set counts once in an average")),
                 None => request.sources(path),
             };
-            let sources = match sources {
+            let sources = match found {
                 Ok(sources) => sources,
                 Err(error) => {
                     self.fail(Source::whole(path), error)?;
@@ -143,6 +144,7 @@ impl Analysis {
     }
 
     fn fail(&mut self, source: Source<'_>, error: anyhow::Error) -> Result<()> {
+        // The file has no fault then: its work was stopped, and that of the others is not to begin.
         if interrupt::requested() {
             return Err(error);
         }
@@ -167,8 +169,9 @@ impl Analysis {
         Ok(set)
     }
 
-    /// Bands of differences are right only for independent sets.
+    /// Notes files that are on both sides of a comparison: bands of differences are right only for independent sets.
     fn note_shared(&mut self, arguments: &AnalyzeArguments) {
+        // A file may be named by several paths.
         let against = canonicals(&arguments.against);
         let mut shared = (arguments.files.iter()).filter(|path| against.contains(&canonical(path)));
         if let Some(first) = shared.next() {
@@ -183,7 +186,7 @@ impl Analysis {
         }
     }
 
-    /// Curves of different domains are in one chart, each over its own frequencies.
+    /// Notes domains that differ: their curves are in one chart, each over its own frequencies.
     fn note_domains(&mut self) {
         let named = |one: &Subject| format!("{} ({})", one.label, region_text(&one.region));
         let first = self.subjects.first().map(|first| first.region);
@@ -191,25 +194,28 @@ impl Analysis {
             (self.subjects.iter()).partition(|one| Some(one.region) == first);
         if !others.is_empty() {
             let others: Vec<String> = others.into_iter().map(named).collect();
+            // The first subject is among those of its own domain.
             let (others, first) = (others.join(", "), named(same[0]));
             self.note(format!("the domains differ: {others} beside {first}"));
         }
     }
 
-    /// Student's quantile of one degree of freedom is 12.7.
+    /// Notes averages of two sets, whose bands are wide.
     fn note_two_sets(&mut self) {
+        // A band at 0.95 is as wide as Student's quantile at 0.975: of one degree of freedom 12.7, and of two 4.3.
         let remark = "two sets hardly tell their spread; bands from it are 12.7 standard errors wide on either side, \
                       with three sets 4.3";
         self.note_each(|one| (one.members.len() == 2).then(|| format!("{}: {remark}", one.label)));
     }
 
-    /// The spectra of large sets end before their first ring.
+    /// Notes spectra that end early, as those of large sets do, even before their first ring.
     fn note_short_spectra(&mut self) {
         self.note_each(|one| {
             let [x, y] = one.spectrum.picture_reach;
             let (label, reach, cycles) = (&one.label, x.min(y), Spectrum::MAX_CYCLES);
             let end = format!("nu = {reach:.2}, {cycles} cycles along a side");
             let note = format!("{label}: spectra end at {end}; --frequencies extends them");
+            // Less than a tenth short, a chart shows what others show.
             Some(note).filter(|_| reach < 0.9 * Spectrum::MAX_NU)
         });
     }
@@ -248,6 +254,7 @@ impl Analysis {
             }
         }
 
+        // Numbers are for files of one name among the compared ones: the reference is marked already, and takes none.
         let numbered_others = |all: &[String]| names::numbered(&all[reference.len()..]);
         let unique = numbered_others(&names)
             .into_iter()

@@ -20,6 +20,13 @@ pub struct Measure {
     pub spread: Option<Spread>,
 }
 
+/// How a number is written.
+#[derive(Clone, Copy)]
+pub struct Form {
+    pub unit: &'static str,
+    pub decimals: usize,
+}
+
 /// How a number varies over several sets.
 #[derive(Clone, Copy)]
 pub struct Spread {
@@ -34,7 +41,11 @@ pub struct Spread {
 pub fn of_set(set: &MeasuredSet) -> Vec<Measure> {
     let measure = |(number, value): (&SetNumber, Option<f64>)| {
         let (key, label) = (number.key.to_owned(), number.name.to_owned());
-        Measure::new(key, label, (number.unit, number.decimals), value)
+        let form = Form {
+            unit: number.unit,
+            decimals: number.decimals,
+        };
+        Measure::new(key, label, form, value)
     };
     set.numbers().map(measure).collect()
 }
@@ -43,12 +54,14 @@ pub fn of_set(set: &MeasuredSet) -> Vec<Measure> {
 pub fn of_mean_power(curve: Option<&PowerCurve>) -> [Measure; 2] {
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     let oscillation = curve.and_then(PowerCurve::oscillation);
+    // Single sets have these numbers of their own powers, under other keys; the mean of those is another number.
     let measure = |key, label, unit, value| {
         let (key, label) = (
             format!("mean_power_{key}"),
             format!("{label} of the mean power"),
         );
-        Measure::new(key, label, (unit, 3), value)
+        let form = Form { unit, decimals: 3 };
+        Measure::new(key, label, form, value)
     };
     [
         measure(
@@ -71,17 +84,12 @@ pub fn values_by_key<S: Serializer>(
 
 impl Measure {
     /// Returns a measure with its unit and decimals; a value that is not finite is not defined.
-    pub fn new(
-        key: String,
-        label: String,
-        (unit, decimals): (&'static str, usize),
-        value: Option<f64>,
-    ) -> Self {
+    pub fn new(key: String, label: String, form: Form, value: Option<f64>) -> Self {
         Self {
             key,
             label,
-            unit,
-            decimals,
+            unit: form.unit,
+            decimals: form.decimals,
             value: value.filter(|value| value.is_finite()),
             spread: None,
         }
@@ -95,9 +103,11 @@ impl Measure {
             average.add(&[value])?;
             (least, most) = (least.min(value), most.max(value));
         }
+        // One set has no spread, and thus neither errors nor a band.
         let band = average.band(Spectrum::LEVEL)?;
         let spread = average.standard_errors().zip(band);
         Ok(Self {
+            // A measure that no set has stays undefined.
             value: (average.sets() > 0).then(|| average.means()[0]),
             spread: spread.map(|(errors, band)| Spread {
                 standard_error: errors[0],

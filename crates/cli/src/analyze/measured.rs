@@ -107,13 +107,16 @@ pub struct Request<'a> {
 impl<'a> Request<'a> {
     /// Returns how all of `paths` are measured. Files that cannot be read do not influence it.
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
-        let stated = |path: &&Path| match arguments.radius {
-            Some(radius) => Some(Some(radius)),
-            None => (arguments.certificate(path).ok()).map(|found| found.map(|c| c.radius.least())),
+        // Files that cannot be read are passed over here; of the others, some may have no radius.
+        let readable = paths
+            .iter()
+            .filter_map(|path| arguments.certificate(path).ok());
+        let stated: Option<Vec<f64>> = match arguments.radius {
+            Some(radius) => Some(vec![radius]),
+            None => readable.map(|found| Some(found?.radius.least())).collect(),
         };
-        let radii: Option<Vec<f64>> = paths.iter().filter_map(stated).collect();
         // A single set of unknown radius leaves all without a common one.
-        let radii = radii.unwrap_or_default();
+        let radii = stated.unwrap_or_default();
         // Radii that differ by rounding alone are one.
         let is_same = |first: &f64| (radii.iter()).all(|r| (r / first - 1.0).abs() <= 1e-9);
         Self {
@@ -144,12 +147,17 @@ impl<'a> Request<'a> {
 
     fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<Measurement> {
         self.refuse_early(source.path)?;
-        let (set, check, has_radius) = read(source, self.arguments)?;
+        let VerifiedFile {
+            set,
+            check,
+            has_radius,
+        } = read(source, self.arguments)?;
         let (samples, region) = (set.len(), check.report.region);
         // A set that cannot be averaged is refused before it is measured.
         if let Some(common) = common {
             common.admit(samples, region)?;
         }
+
         let bins = PairBins::of(self.radius, samples, region);
         let own = (self.window(samples as f64, region)?, bins);
         let shared = common.map(|common| (common.window.clone(), common.bins));
@@ -160,6 +168,7 @@ impl<'a> Request<'a> {
         let valid = has_radius.then(|| report.valid());
         let radius = has_radius.then_some(report.radius);
         let measure = |control: Control<'_>| {
+            // The report has the smallest distance, which need not be searched for again.
             let mut set = MeasuredSet::new(samples, region, radius);
             set.take_report(report.clone());
             // The spectrum comes last and by its own window: it takes the most memory.
@@ -171,6 +180,7 @@ impl<'a> Request<'a> {
             let powers = spectrum.profile.powers();
             set.take_spectrum(spectrum);
 
+            // In an average the bins are those of the first set.
             let farthest = bins.farthest(samples, region);
             let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
             let member = Member {
@@ -210,6 +220,7 @@ impl<'a> Request<'a> {
         if let Some(nu) = self.nu {
             return Spectrum::window_to(nu, samples, region);
         }
+        // Unasked, a large set gets a shorter spectrum rather than none.
         let wide = Spectrum::window_to(Spectrum::MAX_NU, samples, region).ok();
         let fits = |wide: &FrequencyWindow| wide.bytes().is_ok_and(|b| b <= MAX_UNASKED_BYTES);
         Ok((wide.filter(fits)).unwrap_or_else(|| Spectrum::window(samples, region)))
@@ -269,9 +280,16 @@ impl Common {
     }
 }
 
-/// Reads and verifies a file, and prints warnings. Returns also whether its radius is known; if not, the report is for
-/// the mean spacing of the samples.
-fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check, bool)> {
+/// A set that was read and verified.
+struct VerifiedFile {
+    set: PointSet,
+    check: Check,
+    /// Whether its radius is known; if not, the report is for the mean spacing of the samples.
+    has_radius: bool,
+}
+
+/// Reads and verifies a file, and prints warnings.
+fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     let path = source.path;
     let mut overrides = arguments.overrides(path)?;
     overrides.set = source.set.or(overrides.set);
@@ -304,17 +322,23 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
     for difference in &check.differences {
         warn(&difference.to_string());
     }
+    // Two samples at one place have no cells of their own.
     if let (true, Some(pair)) = (report.min_distance <= 0.0, report.worst_conflicts.first()) {
         let (first, second) = (pair.first, pair.second);
         let pair = format!("samples {first} and {second} are the same point");
         warn(&format!("{pair}: the set is measured without cells"));
     }
+    // Of a radius that is not known conflicts are not shown.
     if has_radius && report.more_conflicts() {
         let counted = format!("conflicts were counted up to {MAX_CONFLICTS}");
         warn(&format!("{counted}; there may be more"));
     }
 
-    Ok((set, check, has_radius))
+    Ok(VerifiedFile {
+        set,
+        check,
+        has_radius,
+    })
 }
 
 /// Returns why a file was not verified. Numbers are written with exponents: without, those beyond the limits may have

@@ -12,7 +12,8 @@ pub fn numbered(names: &[String]) -> Vec<String> {
         if before == 0 {
             return name.clone();
         }
-        // Skip numbers that give the name of another file.
+        // A number that gives the name of another file is skipped. Each of several files of one name has numbers of its
+        // own, as their starts differ by less than the step.
         let numbers = (before + 1..).step_by(names.len());
         let mut all = numbers.map(|number| format!("{name} ({number})"));
         all.find(|name| !names.contains(name)).unwrap_or_default()
@@ -28,6 +29,7 @@ pub fn short(names: &[String]) -> Vec<String> {
     };
     let label = |name: &String| {
         let most = name.split(['/', '\\']).count();
+        // No number of components tells equal names apart; they get numbers later.
         let is_alone = |count: &usize| {
             let own = tail(name, *count);
             (names.iter()).all(|other| other == name || tail(other, *count) != own)
@@ -50,17 +52,18 @@ pub fn pattern(names: &[&str]) -> String {
     let Some((shortest, others)) = files.split_first() else {
         return String::new();
     };
-    let is_common = |at: &usize| others.iter().all(|file| file[*at] == shortest[*at]);
-    let head = (0..shortest.len()).take_while(is_common).count();
+    // Equal names have nothing between beginning and end for which an asterisk could stand.
     if others.iter().all(|file| file == shortest) {
         return shortest.iter().collect();
     }
 
+    let begins_alike = |at: &usize| others.iter().all(|file| file[*at] == shortest[*at]);
+    let head = (0..shortest.len()).take_while(begins_alike).count();
     let at_end = |file: &[char], back: usize| file[file.len() - 1 - back];
-    let is_common =
+    let ends_alike =
         |&back: &usize| (others.iter()).all(|file| at_end(file, back) == at_end(shortest, back));
     // In the shortest name the two must not overlap.
-    let tail = (0..shortest.len() - head).take_while(is_common).count();
+    let tail = (0..shortest.len() - head).take_while(ends_alike).count();
     let end = &shortest[shortest.len() - tail..];
     shortest[..head].iter().chain(&['*']).chain(end).collect()
 }
@@ -71,6 +74,7 @@ pub fn cut(name: &str, most: usize) -> String {
     if characters.len() <= most {
         return name.to_owned();
     }
+    // Names of files differ at their beginnings as often as at their ends. The ellipsis is one character.
     let (head, tail) = (most / 2, most - most / 2 - 1);
     let end = &characters[characters.len() - tail..];
     (characters[..head].iter().chain(&['\u{2026}']).chain(end)).collect()

@@ -34,6 +34,7 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     }
 
     out.push_str("<h2>Curves</h2>\n");
+    // Figures on one page share its ids, and each numbers its own from the start.
     for (index, svg) in figures.iter().enumerate() {
         let svg = with_own_ids(svg, index);
         let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
@@ -45,6 +46,7 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     let reasons = analysis.failures.iter().map(|failure| &failure.reason);
     list(&mut out, "Not analysed", reasons);
 
+    // The first word is the path of the program on this machine, which the page has no use for.
     let _ = write!(
         out,
         "<h2>Command</h2>\n<pre>{}</pre>\n<p>tilescope {}</p>\n</body>\n</html>\n",
@@ -103,18 +105,21 @@ three times the power of white noise on. The zero frequency is left out; if it h
 
 fn page_table(out: &mut String, table: &Table) {
     // Tables of files have no units, and a column of nothing is left out.
-    let units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
-    let class = if units { " class=\"units\"" } else { "" };
+    let has_units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
+    let class = if has_units { " class=\"units\"" } else { "" };
     let _ = write!(out, "<div class=\"wide\"><table{class}>\n<thead>");
+
+    // The heading is a line as any other, with the tag of headings.
     let line = |tag: &str, label: &str, unit: &str, cell: &dyn Fn(&Column) -> String| {
-        let unit = units.then(|| unit.to_owned());
+        let unit = has_units.then(|| unit.to_owned());
         let cells = table.columns.iter().map(|column| escape(&cell(column)));
         let all: Vec<String> = (std::iter::once(escape(label)).chain(unit))
             .chain(cells)
             .collect();
-        let cells = all.join(&format!("</{tag}><{tag}>"));
-        format!("<tr><{tag}>{cells}</{tag}></tr>")
+        let inner = all.join(&format!("</{tag}><{tag}>"));
+        format!("<tr><{tag}>{inner}</{tag}></tr>")
     };
+
     *out += &line("th", &table.head, "unit", &|column| column.name.clone());
     out.push_str("</thead>\n<tbody>\n");
     for (row, (label, unit)) in table.rows.iter().enumerate() {
@@ -134,6 +139,7 @@ fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
         if !argument.is_empty() && argument.chars().all(plain) {
             line.push_str(&argument);
         } else {
+            // Between single quotes a shell takes everything as it is, but for a single quote, which stands outside.
             let _ = write!(line, "'{}'", argument.replace('\'', "'\\''"));
         }
     }

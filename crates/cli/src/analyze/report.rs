@@ -25,6 +25,7 @@ pub fn csv(analysis: &Analysis) -> String {
         let name = quoted(&subject.name);
         csv_measures(&mut out, &name, &subject.measures);
         csv_curves(&mut out, &name, &subject.curves);
+        // The reference, which comes first, does not differ from itself.
         let compared = index.checked_sub(usize::from(analysis.has_reference));
         if let Some(of) = compared.and_then(|index| analysis.differences.get(index)) {
             csv_measures(&mut out, &name, &of.of_curves);
@@ -36,10 +37,11 @@ pub fn csv(analysis: &Analysis) -> String {
 
 fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
     for measure in measures {
-        let (key, Some(value)) = (&measure.key, measure.value) else {
-            // A measure that is not defined has no line.
+        // A measure that is not defined has no line.
+        let Some(value) = measure.value else {
             continue;
         };
+        let key = &measure.key;
         let Some(spread) = measure.spread else {
             let _ = writeln!(out, "{name},{key},,{value},,");
             continue;
@@ -85,6 +87,7 @@ pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
         (None, compared.collect())
     };
 
+    // Files of an average stand beside it, whether it is compared or the reference.
     let against = analysis.reference().map(|subject| {
         let mut object = subject_json(subject, None);
         if subject.average {
@@ -112,6 +115,7 @@ fn object<'a, T: Serialize>(pairs: impl IntoIterator<Item = (&'a str, T)>) -> Va
 fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
     let mut json = match subject.members.as_slice() {
         [member] if !subject.average => json!(member),
+        // An average keeps its form where only one of its files could be used: programs find their fields.
         members => json!({
             "sets": members.len(),
             "region": subject.region,

@@ -71,10 +71,16 @@ pub struct Population {
     periodograms: MeanPeriodogram,
     powers: Option<Average>,
     correlations: Option<Average>,
-    /// Frequencies and mean powers of the smooth spectra.
-    smooth: Option<(Vec<f64>, Average)>,
+    smooth: Option<SmoothMean>,
     /// Whether a set has no smooth spectrum, so that there is no mean of them.
     lacks_smooth: bool,
+}
+
+/// The mean of smooth spectra.
+struct SmoothMean {
+    /// Those of the first set, which all others share.
+    frequencies: Vec<f64>,
+    powers: Average,
 }
 
 impl Population {
@@ -87,19 +93,25 @@ impl Population {
         // The mean of smooth spectra means something only if every set has one.
         match &set.curve {
             Some(curve) if !self.lacks_smooth => {
-                let (frequencies, powers) = (curve.frequencies(), curve.powers());
-                let nothing = || (frequencies.to_vec(), Average::new(powers.len()));
-                self.smooth.get_or_insert_with(nothing).1.add(powers)?;
+                let powers = curve.powers();
+                let empty = || SmoothMean {
+                    frequencies: curve.frequencies().to_vec(),
+                    powers: Average::new(powers.len()),
+                };
+                self.smooth.get_or_insert_with(empty).powers.add(powers)?;
             }
             _ => self.lacks_smooth = true,
         }
 
         self.periodograms.add(set.periodogram)?;
-        let average = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
-        average.add(&set.powers)?;
+        let powers = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
+        powers.add(&set.powers)?;
+
+        // Distances are those of the first set, as the bins are.
         let correlation: Vec<f64> = set.pairs.iter().map(|point| point[1]).collect();
-        let average = (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));
-        average.add(&correlation)?;
+        let correlations =
+            (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));
+        correlations.add(&correlation)?;
         self.members.push(set.member);
         Ok(())
     }
@@ -116,9 +128,13 @@ impl Population {
         let mut measures = means(&self.members)?;
         let mut name = self.members[0].name.clone();
         if average {
-            let smooth = (self.smooth.filter(|_| !self.lacks_smooth))
-                .and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
+            let of_mean = |mean: SmoothMean| {
+                PowerCurve::new(mean.frequencies, mean.powers.means().to_vec()).ok()
+            };
+            let smooth = (self.smooth.filter(|_| !self.lacks_smooth)).and_then(of_mean);
             measures.extend(of_mean_power(smooth.as_ref()));
+
+            // Also of one file it is called an average, as only that was asked for.
             let sets = self.members.len();
             let plural = if sets == 1 { "" } else { "s" };
             name = format!("average of {sets} set{plural}");
@@ -132,9 +148,9 @@ impl Population {
             .map(<[f64; 2]>::from)
             .collect();
 
-        // Annuli without an anisotropy are left out.
         let curves = [
             ("power", Curve::new(spectrum.power(), bands)),
+            // Annuli without an anisotropy are left out: its points are not those of the power.
             ("anisotropy_db", Curve::new(spectrum.anisotropy(), None)),
             (
                 "pair_correlation",
@@ -142,6 +158,7 @@ impl Population {
             ),
         ];
 
+        // Label and title depend on the names of the other subjects.
         Ok(Some(Subject {
             name,
             label: String::new(),

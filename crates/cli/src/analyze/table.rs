@@ -50,6 +50,7 @@ pub fn measures(subjects: &[Subject]) -> Table {
     let rows: &[Measure] = longest.map_or(&[], |subject| &subject.measures);
     let of_a_set = ["format", "domain", "radius is"].map(|label| (label.to_owned(), ""));
     let of_measures = rows.iter().map(labelled);
+    // A measure that a subject lacks is a dash in its column.
     Table {
         head: "measure".to_owned(),
         rows: of_a_set.into_iter().chain(of_measures).collect(),
@@ -59,8 +60,10 @@ pub fn measures(subjects: &[Subject]) -> Table {
 
 /// Returns the column of a subject, and those of the spread between the sets of an average.
 fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
+    // One set has no spread.
     let several = subject.members.len() > 1;
     let column = |name: &str, words: [String; 3], value: &dyn Fn(&Measure) -> String| {
+        // A row may be one that only averages have, so that measures are found by their keys.
         let cell = |row: &Measure| {
             let own = subject.measures.iter().find(|own| own.key == row.key);
             own.map_or_else(|| "-".to_owned(), value)
@@ -123,6 +126,7 @@ pub fn differences(reference: &Subject, subjects: &[Subject], all: &[Differences
     let Some(first) = all.first() else {
         return Table::default();
     };
+    // Sets alone or one average are compared, and all have the measures of the first.
     let of_measures = first.measures.iter().map(|difference| &difference.measure);
     let column = |(subject, of): (&Subject, &Differences)| {
         let curves = of.of_curves.iter().map(|own| own.text(own.value, 0));
@@ -177,8 +181,9 @@ pub fn text(table: &Table) -> String {
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
     while !rest.is_empty() {
-        let (part, behind) =
-            rest.split_at(end_of_part(rest, MAX_WIDTH.saturating_sub(label_width)));
+        // Each part repeats the labels, which take their width from it.
+        let columns_width = MAX_WIDTH.saturating_sub(label_width);
+        let (part, behind) = rest.split_at(end_of_part(rest, columns_width));
         let mut out = String::new();
         let mut line = |label: &str, cell: &dyn Fn(&Column) -> String| {
             let _ = write!(out, "{label:label_width$}");
@@ -211,9 +216,12 @@ fn width(column: &Column) -> usize {
 /// Returns the number of columns of the next part: those of as many subjects as fit into `most` characters, and of at
 /// least one.
 fn end_of_part(columns: &[Column], most: usize) -> usize {
-    let ends = (1..=columns.len()).filter(|&end| columns.get(end).is_none_or(|next| !next.joined));
+    // A part may end before a column that begins a subject, and behind the last column.
+    let is_end = |end: &usize| columns.get(*end).is_none_or(|next| !next.joined);
     let fits = |end: &usize| columns[..*end].iter().map(width).sum::<usize>() <= most;
-    let mut ends = ends.peekable();
+    let mut ends = (1..=columns.len()).filter(is_end).peekable();
+
+    // A subject that is wider than a part has one to itself: without a column the parts would never end.
     let least = ends.peek().copied().unwrap_or(columns.len());
     ends.take_while(fits).last().unwrap_or(least)
 }

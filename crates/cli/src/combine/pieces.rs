@@ -18,7 +18,7 @@ use crate::parameters::set_of_file;
 use crate::paths::InFile;
 use crate::progress::bar;
 
-/// The longest file of a set, in bytes: as many samples as a result may have, of 40 bytes each.
+/// The longest file of a set, in bytes: 200 million samples, as many as a result may have, of 40 bytes each.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
 
 /// The number and sources of the pieces.
@@ -77,10 +77,13 @@ pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)
     let bar = bar("pieces", placed.pieces.len() as u64);
     let made = |count: usize| bar.inc(count as u64);
     let pieces = placed.pieces(|source| set(source, folder), made);
+    // The bar goes first, so that an error stands in a line of its own.
     bar.finish_and_clear();
+    // As the layout's JSON counts its pieces.
     let of_piece = |PieceError { piece, error }: PieceError<anyhow::Error>| {
         error.context(format!("pieces[{piece}]"))
     };
+
     let seconds = began.elapsed().as_secs_f64();
     let census = Census::new(&placed.pieces, folder, seconds);
     Ok((pieces.map_err(of_piece)?, census))

@@ -128,6 +128,7 @@ impl DriverFile {
 impl System<'_> {
     fn drivers(&self) -> Drivers {
         let set = |name: &'static str| Some((name, (self.variable)(name)?));
+        // The loader does not read the older name where the newer one is set.
         let variable = VARIABLES.into_iter().find_map(set);
         let mut looked_in = Vec::new();
         // A set, as two directories may lead to one file.
@@ -149,7 +150,8 @@ impl System<'_> {
         }
     }
 
-    /// The directories that the loader searches for drivers, in its order.
+    /// The directories that the loader searches for drivers, in its order (Khronos, "Driver interface to the Vulkan loader"):
+    /// the XDG base directories with their defaults, and two of its own.
     fn directories(&self) -> Vec<PathBuf> {
         let home = (self.variable)("HOME").map(PathBuf::from);
         let under_home = |name: &str, default: &str| {
@@ -160,6 +162,9 @@ impl System<'_> {
             let value = (self.variable)(name).unwrap_or_else(|| default.into());
             std::env::split_paths(&value).collect::<Vec<_>>()
         };
+
+        // Settings of the user come before those of the system, and all settings before installed data. The two between them
+        // are those that the loader is usually built with.
         let mut bases = Vec::from_iter(under_home("XDG_CONFIG_HOME", ".config"));
         bases.extend(listed("XDG_CONFIG_DIRS", "/etc/xdg"));
         bases.extend(["/usr/local/etc", "/etc"].map(PathBuf::from));

@@ -71,7 +71,7 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
             Some([low, high]) => format!("gain {} ({low:.2} to {high:.2})", gain.shown()),
             None => format!("gain {}", gain.shown()),
         };
-        // Places in the list of colours of bars.
+        // Places in the list of colours of bars: the first stands out, and shows the later score.
         let (color_before, color_after) = (1, 0);
         let bar = |name: &str, value: f64, text: String, color: usize| Bar {
             name: name.to_owned(),

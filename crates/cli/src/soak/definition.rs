@@ -32,7 +32,7 @@ fn first_samples(run: &Run, history: &PatternHistory) -> Vec<Point> {
     for block in &run.blocks.leaves {
         add_darts(block, run.parameters.dihedral, history, &mut darts);
     }
-    // Darts compare by their arrival.
+    // Darts compare by their arrival, and those that arrive together by their places: no two are equal.
     darts.sort_unstable();
 
     let mut grid = SampleGrid::with_capacity(run.domain, run.result.len());
@@ -101,6 +101,7 @@ impl PatternCopy {
 
 /// Returns the copies of the pattern that a block has parts of.
 fn copies(block: &Block, dihedral: bool, history: &PatternHistory) -> Vec<PatternCopy> {
+    // The square has eight symmetries, and the first of them leaves the pattern as it is.
     let symmetries = if dihedral { 8 } else { 1 };
     let symmetry = Symmetry(below(block.key.draw(Stream::Dihedral, 0)[0], symmetries) as u8);
     let pattern = history.pattern().domain();
@@ -116,7 +117,8 @@ fn copies(block: &Block, dihedral: bool, history: &PatternHistory) -> Vec<Patter
         i64::from(below(draw[axis], starts as u32)) + i64::from(R)
     });
 
-    // The block may reach over the end of the periodic pattern, into as many further copies as it is long.
+    // `first` is where the block begins in the repeated pattern, r behind its clip. The block may reach over the end of the
+    // periodic pattern, into as many further copies as it is long.
     let along = |axis: usize| first[axis] / side..=(first[axis] + size[axis] - 1) / side;
     let all = along(1).flat_map(|row| along(0).map(move |column| I64Vec2::new(column, row)));
     let corner = symmetry.corner(extent).as_i64vec2();

@@ -16,6 +16,7 @@ use crate::interrupt;
 pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> Result<Tally> {
     let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run = exact_sample(parameters, &history, &mut Unobserved)?;
+    // Counts are compared first, as they are already there; the definition takes all darts of two levels.
     let is_defined = counts_add_up(&run) && agrees(&run, &history);
     let by_windows = exact_sample_parallel(parameters, &history, &mut Unobserved)?;
     let engines_agree = by_windows.samples == run.samples && by_windows.summary() == run.summary();
@@ -24,6 +25,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let plane = ExactPlane::new(parameters, &history)?;
     let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
 
+    // The verifier shares no lattice with the sampler: it takes positions in user units.
     let positions = domain.users_from_lattice(&points);
     let control = |_| interrupt::flow();
     let report = verify(
@@ -46,6 +48,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         .collect();
 
     let command = || format!("{faults}{}", command(parameters));
+    // Unlike KDRT with a short reach, exact tiling may never leave a gap.
     Ok(Tally {
         rounds: 1,
         samples: report.count as u64,

@@ -41,6 +41,7 @@ pub fn add(
     let made = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
     let differ = !windows_agree(domain, nested.points(), dice, made)?;
 
+    // The end of each level is the end of a set that is maximal for the level's own radius.
     let positions = nested.positions();
     let mut invalid = 0;
     let control = |_| interrupt::flow();

@@ -47,6 +47,8 @@ impl ServedFolder {
         if !self.local {
             return true;
         }
+        // A request has one host in its headers (RFC 9112, section 3.2), and may have one in its first line, too. Of several
+        // that differ, a browser and this server might each take another.
         let mut names = request.headers().get_all(HOST).iter();
         let (name, more) = (names.next(), names.next());
         let header = name.and_then(|name| name.to_str().ok());
@@ -67,6 +69,7 @@ fn is_local(name: &str) -> bool {
         return false;
     }
     let host = name.host();
+    // An IPv6 address stands in brackets, as its colons would be taken for that of the port.
     let address = (host.trim_start_matches('['))
         .trim_end_matches(']')
         .parse::<IpAddr>();
@@ -124,6 +127,7 @@ async fn file(site: &ServedFolder, request: Request) -> Response {
     let Some(file) = within::file(&site.folder, &path) else {
         return missing();
     };
+    // Copies that `web/build` compressed lie beside the files; a browser that does not take them gets the file itself.
     let mut service = ServeFile::new(&file)
         .precompressed_br()
         .precompressed_gzip();
