@@ -85,6 +85,7 @@ pub fn check_or_unit_square<T>(
     check: impl Fn(&Overrides) -> Result<T, CheckError>,
 ) -> Result<T, CheckError> {
     match check(overrides) {
+        // The check ends with this error before it judges, which takes longest.
         Err(CheckError::NoRegion(_)) => check(&Overrides {
             region: Some(Region::UNIT_SQUARE),
             ..overrides.clone()

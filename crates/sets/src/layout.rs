@@ -32,7 +32,7 @@ pub fn set_of_piece<E: From<SampleError>>(
             read(path, &given)
         }
 
-        // What this program makes needs no check.
+        // A set that this program makes needs no check.
         PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
         PieceSource::Run { parameters, .. } => {
             let pattern = Pattern::of_spec(&parameters.pattern, observer)?;

@@ -60,6 +60,7 @@ impl Made {
             let (judged, points) = (&varying.judged, &self.set.points);
             return match self.facts.made {
                 None => judged.verify(points, options, control),
+                // The first of more samples need not cover every place: how far they do is measured.
                 Some(_) => judged.verify_prefix(points, options, control),
             };
         }

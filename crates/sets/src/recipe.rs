@@ -29,6 +29,7 @@ const LAW: &str = "exact in every window; averages over the set vary as those of
 /// were `given` are as asked.
 #[must_use]
 pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> PatternSpec {
+    // Side and seed always have values, so that those that nobody gave are told apart by `given`.
     let mut pattern = PatternSpec::for_exact(samples, asked.seed);
     pattern.boundary = asked.pattern.boundary;
     if given.contains(&Parameter::PatternSide) {
@@ -139,14 +140,17 @@ impl Recipe {
     /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
     /// when it is cancelled.
     pub fn reference(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
+        // The search for a radius looks at the number of samples, and keeps the rest of the try that meets it.
         let mut attempt = |radius| -> Result<_, SampleError> {
             let domain = self.with_radius(radius).validate_sequential()?;
             let points = reference_sample(domain, self.parameters.seed, observer)?;
             Ok((points.len() as u64, (domain, points)))
         };
-        let (domain, points) = match self.count {
-            Some(count) => search_radius(&self.parameters, count, attempt)?,
-            None => attempt(self.parameters.radius)?.1,
+        let (domain, points) = if let Some(count) = self.count {
+            search_radius(&self.parameters, count, attempt)?
+        } else {
+            let (_, made) = attempt(self.parameters.radius)?;
+            made
         };
 
         let mut used = self.stated(domain.radius());
@@ -172,9 +176,11 @@ impl Recipe {
             let run = exact_sample_parallel(&self.with_radius(radius), &history, observer)?;
             Ok((run.result.len() as u64, run))
         };
-        let run = match self.count {
-            Some(count) => search_radius(&self.parameters, count, attempt)?,
-            None => attempt(self.parameters.radius)?.1,
+        let run = if let Some(count) = self.count {
+            search_radius(&self.parameters, count, attempt)?
+        } else {
+            let (_, run) = attempt(self.parameters.radius)?;
+            run
         };
 
         let samples = run.result.len() as f64;

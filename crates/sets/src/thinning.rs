@@ -33,7 +33,7 @@ pub const MAX_EXTENT_RADII: f64 = cells::MAX_CELLS / 4.0;
 pub struct Cloud<'a> {
     /// Their positions, as the file has them.
     pub points: &'a [[f64; 2]],
-    /// Their radii.
+    /// One radius of all, or one of each point.
     pub radii: CloudRadii<'a>,
     /// The place of each point in the order in which they are taken, all of them different; without ranks, that of the points.
     pub ranks: Option<&'a [u32]>,
@@ -44,7 +44,7 @@ pub struct Cloud<'a> {
 /// A rectangle whose opposite sides are glued.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
-    /// Its lower corner.
+    /// Where its lower corner lies.
     pub origin: [f64; 2],
     /// Its width and its height.
     pub sides: [f64; 2],
@@ -106,7 +106,7 @@ pub enum ThinError {
         Number(*.radius)
     )]
     Radius {
-        /// The radius.
+        /// The first radius out of range.
         radius: f64,
     },
     /// The points reach too far.
@@ -118,7 +118,7 @@ pub enum ThinError {
     Extent {
         /// The longer side of the rectangle around them.
         extent: f64,
-        /// The least radius.
+        /// The least radius of a point.
         radius: f64,
     },
     /// A radius is larger than a side of the torus.
@@ -127,9 +127,9 @@ pub enum ThinError {
         Number(*.radius), Number(*.side)
     )]
     Wide {
-        /// The largest radius.
+        /// The largest radius of a point.
         radius: f64,
-        /// The shorter side.
+        /// The shorter side of the torus.
         side: f64,
     },
     /// The caller ended the work.
@@ -152,6 +152,7 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
     if count == 0 {
         return Err(ThinError::Empty);
     }
+    // Points are numbered in 32 bits, and the end of the last cell is the number behind the last point.
     if count >= u32::MAX as usize {
         return Err(ThinError::TooMany { count });
     }
@@ -177,7 +178,7 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
     if extent / radius > MAX_EXTENT_RADII {
         return Err(ThinError::Extent { extent, radius });
     }
-    // The nearest of all images is considered of other points, but of a point itself none.
+    // Of another point the nearest image counts, and of a point itself none: a radius longer than a side would reach one.
     if let Some(sides) = cloud.period() {
         let (radius, side) = (greatest, sides[0].min(sides[1]));
         if radius > side {
@@ -193,6 +194,7 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
 /// Returns the lower corner and the size of the rectangle around some points.
 #[must_use]
 pub fn bounds(points: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
+    // Least and greatest are the same in whatever order threads compare.
     let [low, high] = [f64::min, f64::max].map(|extreme: fn(f64, f64) -> f64| {
         let both = |a: [f64; 2], b: [f64; 2]| [extreme(a[0], b[0]), extreme(a[1], b[1])];
         let all = points.par_iter().copied();

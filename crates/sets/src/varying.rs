@@ -123,11 +123,12 @@ impl VaryingRecipe {
             return Ok((made, settled(self.radius.clone())));
         };
 
-        // A set of no sample has no scale.
+        // A set of no sample would have a scale of 0, and radii that no further try could scale up again.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
         self.radius.check()?;
         let expected = self.expected(&self.radius)?;
         let mut radius = self.radius.scaled(scale_for(expected));
+
         let mut nearest = 0;
         for _ in 0..MAX_TRIES {
             let made = self.attempt(&radius, observer)?;
@@ -184,6 +185,7 @@ impl VaryingRecipe {
 
     /// Returns what certificates state of the way in which the set was made.
     fn stated(&self, radius: &RadiusSource, ground: &Ground) -> Stated {
+        // The sides of the domain that was made: those that were asked for may be missing.
         let [width, height] = ground.field.domain().size();
         let mut stated = Stated::from([
             ("width".to_owned(), width.into()),

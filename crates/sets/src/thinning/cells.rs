@@ -82,9 +82,11 @@ impl Grid {
     fn around(&self, axis: usize, at: u32, steps: u32) -> [Option<Span>; 2] {
         let count = self.cells[axis];
         let (low, high) = (at.checked_sub(steps), at + steps);
+        // Numbers beyond the last cell do no harm: there are no points.
         if !self.is_periodic {
             return [Some((low.unwrap_or(0), high)), None];
         }
+        // So many steps meet on the other side, where no cell may come twice.
         if 2 * steps + 1 >= count {
             return [Some((0, count - 1)), None];
         }
@@ -120,8 +122,14 @@ pub(super) struct Layer {
     pub stuck: Vec<AtomicBool>,
 }
 
-/// A point in a grid, before it is sorted.
-type Entry = (u64, u32, u32);
+/// A point in a grid, before it is sorted: by its cell, and in a cell by its rank.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry {
+    key: u64,
+    rank: u32,
+    /// Its index in the cloud.
+    index: u32,
+}
 
 impl Layer {
     /// Sorts the points of these indices into cells.
@@ -131,9 +139,10 @@ impl Layer {
         points: &[[f64; 2]],
         ranks: Option<&[u32]>,
     ) -> Self {
-        let entry = |index: u32| {
-            let rank = ranks.map_or(index, |ranks| ranks[index as usize]);
-            (grid.place(points[index as usize]).key(), rank, index)
+        let entry = |index: u32| Entry {
+            key: grid.place(points[index as usize]).key(),
+            rank: ranks.map_or(index, |ranks| ranks[index as usize]),
+            index,
         };
         let mut entries: Vec<Entry> = indices.map(entry).collect();
         // Ranks differ, so that the order is the only one, whatever the threads do.
@@ -141,9 +150,9 @@ impl Layer {
 
         // From here on a cell is known by its number among those that have points.
         let (mut keys, mut starts) = (Vec::new(), Vec::new());
-        for (at, (key, ..)) in entries.iter().enumerate() {
-            if keys.last() != Some(key) {
-                keys.push(*key);
+        for (at, entry) in entries.iter().enumerate() {
+            if keys.last() != Some(&entry.key) {
+                keys.push(entry.key);
                 starts.push(at as u32);
             }
         }
@@ -153,10 +162,10 @@ impl Layer {
         Self {
             rows: rows(&keys, grid.cells[1]),
             points: (entries.par_iter())
-                .map(|&(.., index)| points[index as usize])
+                .map(|entry| points[entry.index as usize])
                 .collect(),
-            ranks: entries.par_iter().map(|&(_, rank, _)| rank).collect(),
-            indices: entries.par_iter().map(|&(.., index)| index).collect(),
+            ranks: entries.par_iter().map(|entry| entry.rank).collect(),
+            indices: entries.par_iter().map(|entry| entry.index).collect(),
             heads: starts.iter().map(|&start| AtomicU32::new(start)).collect(),
             counts: zeros(keys.len()),
             kept: zeros(entries.len()),
@@ -230,11 +239,11 @@ impl Layer {
             .flat_map(|(low, high)| low..=high)
         {
             for (low, high) in columns.into_iter().flatten() {
-                let [low, high] = [low, high].map(|column| Place { column, row }.key());
+                let [low_key, high_key] = [low, high].map(|column| Place { column, row }.key());
                 let (begin, end) = self.row(row);
                 let keys = &self.keys[begin..end];
-                let first = keys.partition_point(|&key| key < low);
-                let within = keys[first..].iter().take_while(|&&key| key <= high);
+                let first = keys.partition_point(|&key| key < low_key);
+                let within = keys[first..].iter().take_while(|&&key| key <= high_key);
                 for (cell, _) in ((begin + first) as u32..).zip(within) {
                     add(cell);
                 }
@@ -255,13 +264,17 @@ impl Layer {
 
 /// Returns where the cells of each row begin; nothing if most rows would be empty, as where a point lies far from all others.
 fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
+    // The row of the upper border, and the end of that.
     let count = count as usize + 2;
+    // Four bytes a row are then less than the cells themselves take; the rest makes small clouds quick.
     if count > 4 * keys.len() + 1024 {
         return None;
     }
+
     let mut rows = Vec::with_capacity(count);
     for (cell, &key) in keys.iter().enumerate() {
         let row = Place::of(key).row as usize;
+        // A row without cells begins, and ends, where the next one begins.
         while rows.len() <= row {
             rows.push(cell as u32);
         }

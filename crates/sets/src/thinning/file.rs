@@ -45,11 +45,11 @@ pub enum ThinFileError {
     Outside {
         /// The index of the first such point.
         index: usize,
-        /// Its coordinates.
+        /// Its x, as the file has it.
         x: f64,
-        /// Its coordinates.
+        /// Its y, as the file has it.
         y: f64,
-        /// The domain.
+        /// The domain that was given.
         region: Region,
         /// Where its lower corner lies.
         origin: [f64; 2],
@@ -57,7 +57,7 @@ pub enum ThinFileError {
     /// The rectangle around the points is no region.
     #[error("the points reach over {} x {}, which is no region that can be certified", Number(size[0]), Number(size[1]))]
     Region {
-        /// Its sides.
+        /// The sides of the rectangle.
         size: [f64; 2],
     },
     /// The file would be read in another way under its new name.
@@ -65,7 +65,7 @@ pub enum ThinFileError {
         "called {name}, the file would be read as {found} and not as {format}; give it the extension of the input"
     )]
     Misnamed {
-        /// The new name.
+        /// The name that the file was to get.
         name: String,
         /// How it would be read.
         found: Format,
@@ -161,6 +161,7 @@ impl<'a> PointFile<'a> {
     {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
         let chosen = PointFile::new(&rows.bytes, self.hint_of_chosen(name))?;
+        // With fewer rows another format may be recognised than before, which a first look at the name could not tell.
         let found = chosen.read.detection.format;
         if found != self.read.detection.format {
             return Err(self.misnamed(name, found));
@@ -233,7 +234,8 @@ impl ThinRecipe {
         file: &PointFile<'_>,
         with_ranks: bool,
     ) -> Result<Thinning, ThinFileError> {
-        // Around a domain that is not given, places beyond the points are not judged.
+        // The rectangle around the points takes the place of a domain that is not given. It need not be covered: points are
+        // judged, and not places.
         let points = file.points();
         let (region, origin) = match self.domain {
             Some(domain) => domain,
@@ -281,10 +283,12 @@ impl ThinRecipe {
             size: region.size().map(Some),
             origin: Some(origin),
             boundary: Boundary::of(region.is_periodic()),
+            // No set is made, so that neither has a meaning.
             seed: 0,
             count: None,
         };
         let varying = recipe.ground()?.varying;
+
         // Once for each point: the choice and its judge get the same numbers.
         let radius = |point: &[f64; 2]| {
             let place = [point[0] - origin[0], point[1] - origin[1]];
@@ -299,7 +303,7 @@ impl ThinRecipe {
 fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2]), ThinFileError> {
     let (origin, size) = bounds(points);
     let longer = size[0].max(size[1]);
-    // A field has no radius before it is evaluated.
+    // A field has no radius before it is evaluated: about a thousandth of the longer side stands for it.
     let least = radius.unwrap_or(longer / 1024.0);
     let region = Region::new(size.map(|side| side.max(least)), false);
     if region.is_supported() {

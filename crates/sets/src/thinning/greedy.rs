@@ -40,6 +40,15 @@ struct Cell {
     number: u32,
 }
 
+/// One of the bands of rows into which each layer is cut.
+#[derive(Clone, Copy, Debug)]
+struct Band {
+    /// Its place among the bands, from the lowest rows up.
+    number: u32,
+    /// How many bands there are.
+    all: u32,
+}
+
 /// What visiting a cell came to.
 enum Visit {
     /// All of its points are decided.
@@ -69,10 +78,11 @@ pub(super) fn choose(
     choice.report(0);
 
     // Bands side by side first. Points that wait for those of another band are left, and so are those that wait for these.
-    let bands = (rayon::current_num_threads() * BANDS_A_THREAD) as u32;
-    (0..bands)
+    let all = (rayon::current_num_threads() * BANDS_A_THREAD) as u32;
+    (0..all)
         .into_par_iter()
-        .for_each(|band| choice.settle_band(Some((band, bands))));
+        .for_each(|number| choice.settle_band(Some(Band { number, all })));
+    // With the bands at rest, one thread decides what is left.
     choice.settle_band(None);
     if choice.is_cancelled.into_inner() {
         return Err(ThinError::Cancelled);
@@ -101,7 +111,7 @@ fn layers(cloud: &Cloud<'_>, low: [f64; 2], size: [f64; 2]) -> Vec<Layer> {
         CloudRadii::Each(radii) => radii,
     };
 
-    // In the order of the indices, though ranks sort each octave again.
+    // In the order of the indices; each layer sorts its points again.
     let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
     let mut octaves: Vec<Vec<u32>> = Vec::new();
     for index in all {
@@ -140,7 +150,7 @@ impl Choice<'_> {
     }
 
     /// Decides the points of a band, as far as they do not wait for other bands; without a band, all that are left.
-    fn settle_band(&self, band: Option<(u32, u32)>) {
+    fn settle_band(&self, band: Option<Band>) {
         let mut visitor = Visitor {
             choice: self,
             band,
@@ -150,8 +160,8 @@ impl Choice<'_> {
         };
 
         for (number, layer) in self.layers.iter().enumerate() {
-            let cells = band.map_or(0..layer.cells(), |(band, bands)| {
-                layer.cells_of_band(band, bands)
+            let cells = band.map_or(0..layer.cells(), |band| {
+                layer.cells_of_band(band.number, band.all)
             });
             for cell in cells {
                 // Without this, each band would go on to its next report.
@@ -171,7 +181,7 @@ impl Choice<'_> {
 /// What a thread needs to visit cells.
 struct Visitor<'a> {
     choice: &'a Choice<'a>,
-    band: Option<(u32, u32)>,
+    band: Option<Band>,
     around: Vec<Cell>,
     /// Cells that wait, each for the one above it. The ranks of their open points fall, so that it ends.
     waiting: Vec<Cell>,
@@ -209,24 +219,24 @@ impl Visitor<'_> {
 
     /// Returns whether a cell is of this band and does not wait for another one.
     fn may_visit(&self, cell: Cell) -> bool {
-        let Some((band, bands)) = self.band else {
+        let Some(band) = self.band else {
             return true;
         };
         let layer = &self.choice.layers[cell.layer];
         let is_stuck = layer.stuck[cell.number as usize].load(Ordering::Relaxed);
-        layer.band(layer.place(cell.number).row, bands) == band && !is_stuck
+        layer.band(layer.place(cell.number).row, band.all) == band.number && !is_stuck
     }
 
     /// Decides the open points of a cell until one waits.
     fn visit(&mut self, cell: Cell) -> Visit {
         let layer = &self.choice.layers[cell.layer];
         let place = layer.place(cell.number);
-        let mut is_known = false;
+        let mut has_looked = false;
         while let Some(open) = layer.head(cell.number) {
-            // Where radii differ, the cells around depend on the point; else it is the same for all points of a cell.
-            if !(is_known && self.choice.reach.is_some()) {
+            // Where radii differ, the cells around depend on the point; else they are the same for all points of a cell.
+            if !(has_looked && self.choice.reach.is_some()) {
                 self.look_around(cell, place, layer.points[open as usize]);
-                is_known = true;
+                has_looked = true;
             }
 
             let earliest = match self.meets(layer, open) {

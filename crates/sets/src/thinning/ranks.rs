@@ -37,9 +37,9 @@ pub enum ThinningPriority {
 /// The value that comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FirstValue {
-    /// The least one.
+    /// Low values are taken before high ones.
     Least,
-    /// The greatest one.
+    /// High values are taken before low ones.
     Greatest,
 }
 
@@ -81,6 +81,7 @@ impl FromStr for ThinningPriority {
             Some(Self::Column { column, first })
         };
         let drawn = || seed().map(|seed| Self::Random { seed });
+        // The words before a column end in a blank, so that a column may have any name.
         (text == "order")
             .then_some(Self::Order)
             .or_else(drawn)

@@ -85,11 +85,11 @@ pub enum VaryingError {
     /// A number of a tone is out of range.
     #[error("the {name} is {value}; it must be from {} to {}", .range.start(), .range.end())]
     Tone {
-        /// Its name.
+        /// The name of the number.
         name: &'static str,
-        /// Its value.
+        /// The value that was given.
         value: f64,
-        /// The possible values.
+        /// The values that are possible.
         range: RangeInclusive<f64>,
     },
     /// Blocks of pixels do not fill an image.
@@ -105,7 +105,7 @@ pub enum VaryingError {
         "{name}: no place of the image is darker than white ({white} of black), so that it has no dots; make it darker, or white less"
     )]
     White {
-        /// Its file.
+        /// The name of its file.
         name: String,
         /// The darkness below which there are no dots.
         white: f64,
@@ -137,7 +137,7 @@ pub enum VaryingError {
         Number(*.density), .place[0], .place[1]
     )]
     Density {
-        /// The value.
+        /// The first such value.
         density: f64,
         /// Its column and its row.
         place: [usize; 2],

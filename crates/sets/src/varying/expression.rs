@@ -140,6 +140,8 @@ impl From<Expression> for String {
     }
 }
 
+/// A parser by recursive descent. A sum is made of products, a product of signed powers, and a power of atoms: numbers, names,
+/// functions and sums in parentheses. Each pushes its steps behind those of its operands, in the order of a stack.
 struct Parser<'a> {
     text: &'a [u8],
     /// Where the next character is.
@@ -159,8 +161,10 @@ impl Parser<'_> {
     }
 
     fn sum(&mut self) -> Result<(), VaryingError> {
+        // Each parenthesis and each argument is a sum, so that depth is counted here.
         self.go_deeper()?;
         self.product()?;
+        // From the left: 1-2-3 is (1-2)-3.
         while let Some(sign) = self.take(b"+-") {
             self.product()?;
             let add: OfTwo = if sign == b'+' {
@@ -257,13 +261,13 @@ impl Parser<'_> {
 
     fn word(&mut self, word: &str, start: usize) -> Result<(), VaryingError> {
         // Names stand for themselves only, without a way to define others.
-        let constant = match word {
+        let without_arguments = match word {
             "x" => Some(Step::X),
             "y" => Some(Step::Y),
             "pi" => Some(Step::Number(std::f64::consts::PI)),
             _ => None,
         };
-        if let Some(step) = constant {
+        if let Some(step) = without_arguments {
             self.steps.push(step);
             return Ok(());
         }
@@ -274,6 +278,7 @@ impl Parser<'_> {
             (Some(&(_, function)), _) => Step::One(function),
             (None, Some(&(_, function))) => Step::Two(function),
             (None, None) => {
+                // The message names the place where the word begins.
                 self.at = start;
                 let names = ONE
                     .iter()

@@ -74,6 +74,7 @@ impl RadiusGrid {
         pixels: &[f64],
         boundary: Boundary,
     ) -> Result<Self, VaryingError> {
+        // NaN fails both.
         let is_density = |density: f64| density >= 0.0 && density.is_finite();
         if let Some(at) = pixels.iter().position(|&density| !is_density(density)) {
             let (density, place) = (pixels[at], [at % columns.max(1), at / columns.max(1)]);
@@ -86,7 +87,7 @@ impl RadiusGrid {
         if greatest == 0.0 {
             return Err(VaryingError::NoDensity);
         }
-        // Where there is no density the radius would be infinite.
+        // Where there is no density the radius would be infinite. The greatest density has the least radius.
         let cap = DENSITY_CAP / greatest.sqrt();
         let radius = |density: &f64| (1.0 / density.sqrt()).min(cap);
         Ok(Self {
@@ -123,10 +124,10 @@ pub(super) fn pixels_around(
         };
         [before, Some(at).filter(|&at| at < count)]
     };
-    let along = beside(node[0], columns);
-    let rows = beside(node[1], rows).into_iter().flatten();
-    rows.flat_map(move |row| {
-        let along = along.into_iter().flatten();
-        along.map(move |column| row * columns + column)
+    let columns_beside = beside(node[0], columns);
+    let rows_beside = beside(node[1], rows).into_iter().flatten();
+    rows_beside.flat_map(move |row| {
+        let in_row = columns_beside.into_iter().flatten();
+        in_row.map(move |column| row * columns + column)
     })
 }

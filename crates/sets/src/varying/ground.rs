@@ -51,8 +51,25 @@ pub struct Ground {
 struct Frame {
     size: [f64; 2],
     origin: [f64; 2],
-    /// Squares of a row and of a column, and their side; none where the radius is the same everywhere.
-    squares: Option<([usize; 2], f64)>,
+    /// The squares of the field; none where the radius is the same everywhere.
+    squares: Option<Squares>,
+}
+
+/// The squares that fill a domain.
+#[derive(Clone, Copy)]
+struct Squares {
+    /// How many a row and a column have.
+    counts: [usize; 2],
+    /// Their side in user units.
+    pitch: f64,
+}
+
+/// A shape for each of those that use it.
+struct Shapes {
+    sampled: Shape,
+    judged: JudgedShape,
+    /// As certificates state it.
+    stated: Option<CertifiedShape>,
 }
 
 /// The radii of nodes, and the lattice that follows from the least.
@@ -80,7 +97,7 @@ impl VaryingRecipe {
             RadiusField::from_nodes(domain, bits, &nodes.units)?
         };
 
-        let (shape, judged_shape, stated_shape) = self.shapes(&frame, &domain, bits)?;
+        let shapes = self.shapes(&frame, &domain, bits)?;
         let radius = stated_radius(radius, &nodes);
         // The judge gets the same integers, and makes its own tables of them.
         let columns = RadiusField::node_counts(&domain, bits)?[0];
@@ -95,15 +112,20 @@ impl VaryingRecipe {
         };
 
         let sides = [domain.width(), domain.height()];
-        let judged =
-            VaryingRegion::new(region(&domain), sides, radius.least(), radii, &judged_shape)?;
+        let judged = VaryingRegion::new(
+            region(&domain),
+            sides,
+            radius.least(),
+            radii,
+            &shapes.judged,
+        )?;
         Ok(Ground {
             field,
-            shape,
+            shape: shapes.sampled,
             varying: Arc::new(VaryingDomain {
                 judged,
                 radius,
-                shape: stated_shape,
+                shape: shapes.stated,
             }),
             origin: frame.origin,
             bits,
@@ -115,14 +137,16 @@ impl VaryingRecipe {
     pub(super) fn expected(&self, radius: &RadiusSource) -> Result<f64, VaryingError> {
         let frame = self.frame(radius)?;
         match (frame.squares, radius) {
-            (Some((squares, pitch)), _) => {
-                let radii = self.requests(radius, &frame, squares, pitch)?;
-                let square = |&radius: &f64| samples_in(pitch * pitch, radius);
+            (Some(squares), _) => {
+                let radii = self.requests(radius, &frame, squares)?;
+                // The field around a node is about that of the node, over the area of a square.
+                let square = |&radius: &f64| samples_in(squares.pitch * squares.pitch, radius);
                 Ok(radii.iter().map(square).sum())
             }
             (None, RadiusSource::Constant(radius)) => {
                 Ok(samples_in(frame.size[0] * frame.size[1], *radius))
             }
+            // A field always has squares.
             (None, _) => Ok(0.0),
         }
     }
@@ -134,13 +158,13 @@ impl VaryingRecipe {
     /// [`VaryingError`] when the domain is refused.
     pub fn node_places(&self) -> Result<[Vec<f64>; 2], VaryingError> {
         let frame = self.frame(&self.radius)?;
-        let Some((squares, pitch)) = frame.squares else {
+        let Some(Squares { counts, pitch }) = frame.squares else {
             return Err(VaryingError::Nothing);
         };
         // The far border of a periodic domain is its near one.
         let more = usize::from(self.boundary == Boundary::Bounded);
         Ok([0, 1].map(|axis| {
-            let places = 0..squares[axis] + more;
+            let places = 0..counts[axis] + more;
             let place = |at: usize| frame.origin[axis] + at as f64 * pitch;
             places.map(place).collect()
         }))
@@ -151,11 +175,11 @@ impl VaryingRecipe {
         &self,
         radius: &RadiusSource,
         frame: &Frame,
-        squares: [usize; 2],
-        pitch: f64,
+        Squares { counts, pitch }: Squares,
     ) -> Result<Vec<f64>, VaryingError> {
+        // Nodes are the corners of squares: one more than squares, unless the far border is the near one.
         let wraps = self.boundary == Boundary::Periodic;
-        let [columns, rows] = squares.map(|count| count + usize::from(!wraps));
+        let [columns, rows] = counts.map(|count| count + usize::from(!wraps));
         let place = |row: usize, column: usize| {
             let [x, y] = frame.origin;
             [x + column as f64 * pitch, y + row as f64 * pitch]
@@ -169,11 +193,11 @@ impl VaryingRecipe {
                 scale * expression.on(&mut stack, x, y)
             }
             RadiusSource::Image { image, radii } => {
-                let (sum, count) = grey_around(&image.grey, squares, wraps, [column, row]);
+                let (sum, count) = grey_around(&image.grey, counts, wraps, [column, row]);
                 radius_of_grey(*radii, sum, count)
             }
             RadiusSource::Density { image, black } => {
-                let (sum, count) = grey_around(&image.grey, squares, wraps, [column, row]);
+                let (sum, count) = grey_around(&image.grey, counts, wraps, [column, row]);
                 radius_of_darkness(*black, sum, count)
             }
             RadiusSource::Grid { grid, scale } => scale * grid.radii[row * columns + column],
@@ -222,16 +246,21 @@ impl VaryingRecipe {
             (size, None) => size.map(|side| side.unwrap_or(1.0)),
         };
 
-        // A mask alone has a field of one radius, so that its pixels are whole in lattice units.
-        // The nodes of a function are those of an expression, whose last squares may reach beyond the border.
         let of_function = || squares_of(size, self.boundary).ok();
+        let is_of_function = |pixels| of_function().is_some_and(|own| own.counts == pixels);
         let squares = match (pixels, radius) {
+            // A grid with as many nodes as an expression has is that of a function of x and y: its nodes are those of an
+            // expression, whose last squares may reach beyond the border, and no pixels.
             (Some(pixels), RadiusSource::Grid { .. })
-                if of_shape.is_none() && of_function().is_some_and(|(own, _)| own == pixels) =>
+                if of_shape.is_none() && is_of_function(pixels) =>
             {
                 of_function()
             }
-            (Some(pixels), _) => Some((pixels, pitch_of_pixels(pixels, size)?)),
+            // A mask beside one radius gives that a field, too, so that its pixels are whole in lattice units.
+            (Some(pixels), _) => Some(Squares {
+                counts: pixels,
+                pitch: pitch_of_pixels(pixels, size)?,
+            }),
             (None, RadiusSource::Expression { .. }) => Some(squares_of(size, self.boundary)?),
             (None, _) => None,
         };
@@ -256,10 +285,11 @@ impl VaryingRecipe {
     /// Returns the nodes of a field, and the lattice in which the least radius is from 2^15 to 2^16 units and the pitch a
     /// power of two.
     fn nodes(&self, frame: &Frame, radius: &RadiusSource) -> Result<Nodes, VaryingError> {
-        let Some((squares, pitch)) = frame.squares else {
+        let Some(squares) = frame.squares else {
             return Err(VaryingError::Nothing);
         };
-        let asked = self.requests(radius, frame, squares, pitch)?;
+        let asked = self.requests(radius, frame, squares)?;
+        let pitch = squares.pitch;
         let least = asked.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = asked.iter().copied().fold(0.0, f64::max);
 
@@ -281,6 +311,7 @@ impl VaryingRecipe {
 
         let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
         let domain = Domain::from_size(frame.size, unit_radius * (1.0 - HAIR), self.boundary)?;
+        // Rounded down: samples are then no farther apart than was asked for.
         let unit = |&length: &f64| {
             in_units(bits, length)
                 .min(limit * in_units(bits, least))
@@ -294,15 +325,13 @@ impl VaryingRecipe {
         })
     }
 
-    /// Returns the shape for the sampler, for the judge and for the certificate.
-    fn shapes(
-        &self,
-        frame: &Frame,
-        domain: &Domain,
-        bits: u32,
-    ) -> Result<(Shape, JudgedShape, Option<CertifiedShape>), VaryingError> {
+    fn shapes(&self, frame: &Frame, domain: &Domain, bits: u32) -> Result<Shapes, VaryingError> {
         match &self.shape {
-            None => Ok((Shape::rectangle(), JudgedShape::Rectangle, None)),
+            None => Ok(Shapes {
+                sampled: Shape::rectangle(),
+                judged: JudgedShape::Rectangle,
+                stated: None,
+            }),
             Some(ShapeSource::Polygon(polygon)) => {
                 // Sampler and judge get the corners in whole units, and the certificate the coordinates that these are rounded
                 // from.
@@ -313,11 +342,15 @@ impl VaryingRecipe {
                     .iter()
                     .map(|ring| ring.iter().map(|&[x, y]| Point::new(x, y)).collect());
 
-                let shape = Shape::polygon(&points.collect::<Vec<_>>())?;
+                let sampled = Shape::polygon(&points.collect::<Vec<_>>())?;
                 let stated = CertifiedShape::Polygon {
                     rings: polygon.rings.clone(),
                 };
-                Ok((shape, JudgedShape::Polygon { rings }, Some(stated)))
+                Ok(Shapes {
+                    sampled,
+                    judged: JudgedShape::Polygon { rings },
+                    stated: Some(stated),
+                })
             }
             Some(ShapeSource::Mask(image)) => masked(frame, bits, image.columns, image.inside()),
             Some(ShapeSource::Dark { image, white }) => {
@@ -333,18 +366,22 @@ fn masked(
     bits: u32,
     columns: usize,
     pixels: Vec<bool>,
-) -> Result<(Shape, JudgedShape, Option<CertifiedShape>), VaryingError> {
-    let shape = Shape::mask(bits, columns, &pixels)?;
+) -> Result<Shapes, VaryingError> {
+    let sampled = Shape::mask(bits, columns, &pixels)?;
+    // A certificate holds no pixels: their digest shows whether an image that is given has the same ones.
     let stated = CertifiedShape::Mask {
         digest: mask_digest(columns, &pixels),
-        pitch: frame.squares.map_or(1.0, |(_, pitch)| pitch),
+        pitch: frame.squares.map_or(1.0, |squares| squares.pitch),
     };
-    let judged = JudgedShape::Mask {
-        pitch_bits: bits,
-        columns,
-        pixels,
-    };
-    Ok((shape, judged, Some(stated)))
+    Ok(Shapes {
+        sampled,
+        judged: JudgedShape::Mask {
+            pitch_bits: bits,
+            columns,
+            pixels,
+        },
+        stated: Some(stated),
+    })
 }
 
 /// Returns the side of the pixels of a domain; fails unless they are squares.
@@ -358,30 +395,31 @@ fn pitch_of_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<f64, VaryingErr
 }
 
 /// Returns the squares at whose corners an expression is evaluated. Of a periodic domain they fill both sides.
-fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<([usize; 2], f64), VaryingError> {
+fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<Squares, VaryingError> {
     let longer = size[0].max(size[1]);
-    let counts = |along: usize| {
-        let pitch = longer / along as f64;
-        (size.map(|side| side / pitch), pitch)
-    };
+    let pitch_of = |along: usize| longer / along as f64;
+    let fractions = |pitch: f64| size.map(|side| side / pitch);
     if boundary == Boundary::Bounded {
-        let (counts, pitch) = counts(EXPRESSION_NODES);
+        let pitch = pitch_of(EXPRESSION_NODES);
         // The last squares may reach beyond the border. A count that is whole but for rounding is whole.
-        let counts = counts.map(|count| (count - SAME_RATIO).ceil().max(1.0) as usize);
-        return Ok((counts, pitch));
+        let whole = |count: f64| (count - SAME_RATIO).ceil().max(1.0) as usize;
+        let counts = fractions(pitch).map(whole);
+        return Ok(Squares { counts, pitch });
     }
 
     // The largest number of squares for which both sides are whole: nodes go around without a step between them.
-    let whole = |along: &usize| {
-        let (counts, _) = counts(*along);
-        counts
+    let fits = |along: &usize| {
+        fractions(pitch_of(*along))
             .iter()
             .all(|count| *count >= 0.5 && (count / count.round() - 1.0).abs() < SAME_RATIO)
     };
-    let along = (1..=EXPRESSION_NODES).rev().find(whole);
+    let along = (1..=EXPRESSION_NODES).rev().find(fits);
     let limit = EXPRESSION_NODES;
-    let (counts, pitch) = counts(along.ok_or(VaryingError::Ratio { size, limit })?);
-    Ok((counts.map(|count| count.round() as usize), pitch))
+    let pitch = pitch_of(along.ok_or(VaryingError::Ratio { size, limit })?);
+    Ok(Squares {
+        counts: fractions(pitch).map(|count| count.round() as usize),
+        pitch,
+    })
 }
 
 /// Returns the sum of the grey values of the pixels around a node, and how many there are.

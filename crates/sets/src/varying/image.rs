@@ -42,7 +42,7 @@ pub struct GrayImage {
 #[derive(Debug, Serialize, Deserialize)]
 struct Pixels {
     columns: usize,
-    /// Luminance.
+    /// The luminance of each pixel.
     light: Vec<u16>,
     /// Opacity; `None` if all pixels are wholly opaque.
     alpha: Option<Vec<u16>>,
@@ -66,7 +66,7 @@ impl GrayImage {
             return Err(file.fault(other_kind(bytes)));
         };
 
-        // What an image is like until somebody asks for another tone.
+        // The image as it is, until another tone is asked for.
         let tone = Tone::default();
         Ok(Self {
             name: name.to_owned(),
@@ -136,6 +136,7 @@ impl GrayImage {
     /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
     pub fn from_grey(columns: usize, grey: Vec<u16>) -> Result<Self, VaryingError> {
         check_pixels(columns, grey.len())?;
+        // Without the number of columns, arrays of other shapes and the same values would have one digest.
         let mut bytes = format!("tilescope grey: {columns} columns\n").into_bytes();
         bytes.extend(grey.iter().flat_map(|grey| grey.to_le_bytes()));
 
@@ -234,6 +235,7 @@ impl Pixels {
 /// Returns a grey value of some opacity before white.
 fn before_white(grey: u16, alpha: u16) -> u16 {
     let [grey, alpha, white] = [grey.into(), alpha.into(), u64::from(WHITE)];
+    // Half of the divisor makes the division round to the nearest.
     ((grey * alpha + white * (white - alpha) + white / 2) / white) as u16
 }
 

@@ -144,6 +144,7 @@ impl PlanarPolygon {
                 .sum::<f64>()
         };
         let axis = usize::from(extent(1) < extent(0));
+        // Edges that begin at one place may come in any order: each meets all that are open.
         edges.sort_by(|a, b| a.span(axis)[0].total_cmp(&b.span(axis)[0]));
 
         // A sweep: what ended before the next edge begins cannot cross it.
@@ -183,6 +184,7 @@ impl RingEdge {
         let along = [0, 1].map(|axis| self.to[axis] - self.from[axis]);
         let to = [0, 1].map(|axis| place[axis] - self.from[axis]);
         let length = along[0].hypot(along[1]);
+        // A corner that stands twice has an edge without a line; with an offset of 0 nothing crosses it.
         if length > 0.0 {
             (along[0] * to[1] - along[1] * to[0]) / length
         } else {
@@ -234,6 +236,7 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
             add_polygon(polygon, rings)
         }),
         Some(other) => {
+            // The type may be any text of the file, and a message is to stay one.
             let shown: String = other.chars().take(40).collect();
             Err(format!(
                 "GeoJSON {shown} has no area; Polygon and MultiPolygon have"

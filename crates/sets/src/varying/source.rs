@@ -49,7 +49,7 @@ pub enum RadiusSource {
     },
     /// Radii at the nodes of a grid.
     Grid {
-        /// The radii.
+        /// The radii, before they are scaled.
         grid: RadiusGrid,
         /// They are multiplied by this.
         scale: f64,
@@ -263,7 +263,7 @@ pub enum ShapeSource {
     Mask(GrayImage),
     /// The pixels of the image of a density that are no lighter than white.
     Dark {
-        /// The image.
+        /// The image of the density.
         image: GrayImage,
         /// The least darkness of covered places: 0 is white, and 1 black.
         white: f64,

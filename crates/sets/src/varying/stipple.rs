@@ -29,11 +29,12 @@ const MAX_WHITE: f64 = 0.5;
 /// A field has at least so many nodes along the radius of black. More would take time and change no dot that one sees.
 const NODES_A_RADIUS: f64 = 4.0;
 
-/// So many roots of the dots may be left out. The number of dots of a field has a scatter of 0.2 roots, so that two or three
-/// runs meet this, and what is left out are the last arrivals, which fill the narrowest places.
+/// How many dots may be made beyond those that are asked for, and left out: this many roots of them. The number of dots of a
+/// field scatters by 0.2 roots, so that two or three runs meet this. The dots left out are the last arrivals, which fill the
+/// narrowest places.
 const LEFT_OUT: f64 = 0.6;
 
-/// The number that runs aim at is above the dots by so many roots of them, a third of what may be left out.
+/// How far above the dots that are asked for runs aim, in roots of them: a third of [`LEFT_OUT`].
 const AIM: f64 = 0.2;
 
 /// Where dots run on beyond the frame, they do so by so many of the largest radii at its border: no dot in the frame is
@@ -53,7 +54,7 @@ pub struct StippleRecipe {
     pub width: Option<f64>,
     /// Whether dots are made beyond the frame, too, and dropped there: at a border there are more dots otherwise.
     pub runs_on: bool,
-    /// The seed.
+    /// The seed of all random draws.
     pub seed: u64,
 }
 
@@ -87,6 +88,7 @@ impl StippleRecipe {
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
+        // At least one may be left out, or the fewest dots could only be met by chance.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
@@ -141,6 +143,7 @@ impl StippleRecipe {
             let is_fine = *block as f64 * self.pitch() * NODES_A_RADIUS <= black;
             is_fine && pixels.iter().all(|count| count % block == 0)
         };
+        // Powers of two are enough, as each holds the one before: where one does not fit, no larger one does.
         let powers = (0..usize::BITS - 1).map(|bits| 1 << bits);
         powers.take_while(fits).last().unwrap_or(1)
     }
@@ -203,6 +206,7 @@ impl StippleRecipe {
             black,
             mut points,
         } = run;
+        // Points are in the sequence of their arrival.
         let made = points.len() as u64;
         points.truncate(usize::try_from(self.dots).unwrap_or(usize::MAX));
 
@@ -261,6 +265,7 @@ impl Wider {
         let reach = (f64::from(greatest) * BEYOND / f64::from(1_u32 << bits)).ceil() as usize;
         let pixels = reach.min(columns.max(rows));
 
+        // A rectangle excludes its upper corner, and the last node of a bounded domain lies on its border.
         let margin = (pixels << bits) as i32;
         let max = Point::new(
             frame.width() + 2 * margin + 1,
@@ -268,7 +273,7 @@ impl Wider {
         );
         let min = Point::new(0, 0);
         let domain = Domain::of_rect(&Rect { min, max }, Boundary::Bounded)?;
-        // Of nodes there is one more than pixels.
+        // Beyond the frame a node is as the nearest one in it. Of nodes there is one more than pixels.
         let nearest = |index: usize, last: usize| index.saturating_sub(pixels).min(last);
         let nodes = (0..=rows + 2 * pixels).flat_map(|row| {
             (0..=columns + 2 * pixels)

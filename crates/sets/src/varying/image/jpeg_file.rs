@@ -27,6 +27,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
         // A decoder that goes on after a fault would lose a part of the image without a word.
         .set_strict_mode(true);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file.bytes), options);
+    // The size is checked twice: as the file states it, for a message of our own, and as the decoder will decode it.
     if let Some([columns, rows]) = stated_size(file.bytes) {
         file.check_size(columns, rows)?;
     }
@@ -49,8 +50,10 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
             ));
         }
     }
+
     let luma = decoder.decode().map_err(damaged)?;
     let columns = decoder.info().map_or(1, |info| usize::from(info.width));
+    // 257 times 255 is 65,535: black and white stay what they are.
     let light = luma.iter().map(|&byte| u16::from(byte) * 257).collect();
     let turn = decoder.exif().map_or(1, |exif| orientation(exif));
     Ok(turned(light, columns, turn))
@@ -66,12 +69,14 @@ fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
         let length = usize::from(u16::from_be_bytes([high, low]));
         // Frames of all kinds, but for three other segments in their range.
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
+            // Behind the marker, the length and the depth come the rows, and then the columns.
             let side = |at: usize| {
                 let side = rest.get(at..at + 2)?;
                 Some(u32::from(u16::from_be_bytes([side[0], side[1]])))
             };
             return Some([side(7)?, side(5)?]);
         }
+        // A length counts its own two bytes. With less, the next marker would be read from within this one.
         rest = rest.get(2 + length.max(2)..)?;
     }
 }
@@ -80,6 +85,7 @@ fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
 fn orientation(exif: &[u8]) -> u16 {
     const UPRIGHT: u16 = 1;
     const TAG: u32 = 0x0112;
+    // Exif data are a TIFF file, which begins with MM where the greatest byte of a number comes first, and else with II.
     let is_big = exif.starts_with(b"MM");
     let number = |at: usize, length: usize| -> Option<u32> {
         let bytes = exif.get(at..at.checked_add(length)?)?;
@@ -90,7 +96,9 @@ fn orientation(exif: &[u8]) -> u16 {
             bytes.iter().rev().fold(0, add)
         })
     };
+
     let find = || {
+        // Bytes 4 to 7 of the header say where the first directory lies.
         let directory = number(4, 4)? as usize;
         let entries = number(directory, 2)? as usize;
         // An entry has twelve bytes: what it is, its type, how many values, and a value of up to four bytes.

@@ -25,6 +25,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
         file.check_size(columns, rows)?;
     }
 
+    // Twice as much as the largest image takes, of 2^26 pixels with 8 bytes each.
     let limits = Limits { bytes: 1 << 30 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(file.bytes), limits);
     // Palettes become colours, and depths below 8 bits 8 bits; 16 bits stay.
@@ -51,6 +52,7 @@ fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
             .map(|pair| u16::from_be_bytes([pair[0], pair[1]]))
             .collect();
     }
+    // 257 times 255 is 65,535: black and white stay what they are.
     data.iter().map(|&byte| u16::from(byte) * 257).collect()
 }
 
@@ -63,7 +65,7 @@ fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
         ColorType::Rgba => (4, true),
     };
 
-    // Integers to the end: floating-point luminance would be rounded as the compiler likes.
+    // The weights of Rec. 709. Integers to the end: floating-point luminance would be rounded as the compiler likes.
     let all = words.chunks_exact(samples);
     let light = all.clone().map(|pixel| match *pixel {
         [r, g, b] | [r, g, b, _] => {

@@ -60,14 +60,16 @@ impl Tone {
                 light
             }
         };
+        // Nothing is computed for an image as it is, so that nothing of it is rounded.
         if self.gamma == 1.0 && self.contrast == 1.0 {
             return (0..=white).map(shown).collect();
         }
+
         let toned = |light: u16| {
-            let light = f64::from(light) / f64::from(white);
-            let light = ((light - 0.5) * self.contrast + 0.5).clamp(0.0, 1.0);
+            let share = f64::from(light) / f64::from(white);
+            let contrasted = ((share - 0.5) * self.contrast + 0.5).clamp(0.0, 1.0);
             // The program's own power, which is the same on every machine.
-            let grey = libm::pow(light, self.gamma) * f64::from(white);
+            let grey = libm::pow(contrasted, self.gamma) * f64::from(white);
             shown((grey + 0.5) as u16)
         };
         (0..=white).map(toned).collect()
