@@ -32,19 +32,17 @@ pub fn verify_options(judge: Option<&str>) -> PyResult<VerifyOptions> {
 
 /// Returns a file format by its name.
 pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
-    let format = name
-        .map(|name| shortened(name).parse::<Format>())
-        .transpose();
-    format.map_err(|error| PyValueError::new_err(error.to_string()))
+    let named = name.map(|name| shortened(name).parse::<Format>());
+    (named.transpose()).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
 /// Returns the overrides of a file that the arguments give: its format, and which of several sets is meant.
 pub fn overrides(format_name: Option<&str>, set: Option<&Bound<'_, PyAny>>) -> PyResult<Overrides> {
-    let set = set.map(|set| whole("set", set)).transpose()?;
+    let index = set.map(|set| whole("set", set)).transpose()?;
     Ok(Overrides {
         format: format(format_name)?,
         // No file holds so many.
-        set: set.map(|set| usize::try_from(set).unwrap_or(usize::MAX)),
+        set: index.map(|index| usize::try_from(index).unwrap_or(usize::MAX)),
         ..Overrides::default()
     })
 }
@@ -262,6 +260,7 @@ fn nested_of(
     order_within: WithinLevel,
 ) -> PyResult<Option<NestedRequest>> {
     let Some(levels) = levels else {
+        // An argument without effect would be believed to have one.
         if exactly.is_some() {
             return Err(refused("exactly is given without levels"));
         }
@@ -292,8 +291,7 @@ fn check_beside_levels(has_count: bool, has_pattern: bool) -> PyResult<()> {
     Ok(())
 }
 
-/// Checks that one argument says how large the set is. Of a number of samples the radius is an estimate, by which wrong
-/// arguments are found before anything is made.
+/// Checks that one argument says how large the set is, and then all parameters, before anything is made.
 fn settle_radius(
     parameters: &mut Parameters,
     count: Option<u64>,
@@ -301,13 +299,14 @@ fn settle_radius(
     radius: Option<f64>,
 ) -> PyResult<()> {
     match (count.or(exactly), radius) {
+        // Both numbers of samples at once were refused before: exactly comes with levels, and count without.
         (Some(_), Some(_)) if exactly.is_some() => {
             Err(refused("both exactly and radius are given; give one"))
         }
         (Some(_), Some(_)) => Err(refused("both count and radius are given; give one")),
         (None, None) => Err(refused("neither count nor radius is given; give one")),
         (Some(count), None) => {
-            // By the estimate wrong arguments are found before anything is made.
+            // The radius is searched for later. Its estimate is near enough to find wrong arguments by.
             parameters.radius = radius_estimate(parameters, count).map_err(Failure::from)?;
             Ok(())
         }
@@ -372,6 +371,7 @@ impl RunRequest {
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
         let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
+        // Arguments that exclude each other come before values: of two, one has to go, whatever it is.
         let nested = nested_of(levels, exactly, named("order_within", order_within)?)?;
         if nested.is_some() {
             check_beside_levels(count.is_some(), pattern.is_some())?;
@@ -381,7 +381,7 @@ impl RunRequest {
         let (mut parameters, named) = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
-        // The pattern comes last, as it is verified.
+        // The pattern comes last, as it is verified, which takes longest.
         let given = |given: SetArgument<'_>| -> PyResult<GivenPattern> {
             Ok(GivenPattern {
                 source: source_of(&given, pattern_source)?,
@@ -416,6 +416,7 @@ impl RunRequest {
             let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
             return Err(refused(text));
         }
+        // An argument that is given the value that it has anyway is no mistake.
         let defaults = Parameters::default();
         let is_unused =
             |it: &Parameter| NOT_OF_EXACT.contains(it) && it.value(asked) != it.value(&defaults);

@@ -36,6 +36,7 @@ pub fn combine<'py>(
     let layout = Layout::from_json(layout.as_bytes()).map_err(Failure::from)?;
     let placed = layout.placed().map_err(Failure::from)?;
 
+    // Python's objects stay with this thread; the others get what is in them.
     let mut given = HashMap::new();
     for (name, set) in &sets {
         let set = GivenSet {
@@ -89,6 +90,7 @@ fn set_of(
         ask_to_read(&path)?;
         let control = watch.control("verify");
         let certificate = true;
+        // Without a certificate positions stay in the unit of the file, and the layout's words about the set are in it, too.
         let read = of_file(&path, &Overrides::default(), certificate, &control)?.in_domain(None);
         let stated = read.certificate.as_ref().map(Into::into);
         let known = beside.over(stated).ok_or_else(missing)?;

@@ -70,6 +70,7 @@ fn course(
     watch: &TaskWatch,
 ) -> Result<Course, Failure> {
     let mut observer = watch.observer();
+    // With a count the radius is an estimate, which is near enough for both questions.
     // Refused before memory is asked for: the course may have too many samples.
     Course::check(&recipe.parameters)?;
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
@@ -97,6 +98,7 @@ fn course(
 
 fn into_python(curve: Curve, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);
+    // The whole numbers of numpy's default type, so that differences of events may be negative.
     let events = curve.events.iter().map(|&event| event as i64);
     found.set_item("event", PyArray1::from_iter(py, events))?;
     let stages: Vec<String> = curve.stages.iter().map(ToString::to_string).collect();

@@ -18,13 +18,16 @@ pub fn verify_window(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(u64, u64)> {
     set.refuse_ground("a window")?;
-    let (points, asked) = (set.points()?, (set.region()?, set.radius()?));
+    let points = set.points()?;
+    let asked = (set.region()?, set.radius()?);
     let options = verify_options(judge)?;
+
     let [left, bottom, right, top] = window;
+    let corners = [[left, bottom], [right, top]];
     run(py, progress, |watch| {
         ask_to_judge(points.len())?;
-        let (window, control) = ([[left, bottom], [right, top]], watch.control("verify"));
-        let report = verify_cut(points, asked, window, &options, &control)?;
+        let control = watch.control("verify");
+        let report = verify_cut(points, asked, corners, &options, &control)?;
         // Two samples are too near wherever they lie, but places beyond the window may be uncovered because the set is
         // cut.
         Ok((report.whole.conflicts, report.gaps))

@@ -20,6 +20,7 @@ impl<'py> FromPyObject<'_, 'py> for GivenDomain {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        // By way of each attribute, so that an error names the one that is wrong.
         let number = |name: &str| {
             let value: Option<Bound<'_, PyAny>> = given.getattr(name)?.extract()?;
             real_if_given(name, value.as_ref())
@@ -58,9 +59,8 @@ impl GivenDomain {
 
     /// Returns the boundary of a domain with a field or a shape: a field seldom goes around, and a shape never.
     pub fn bounded_or_given(&self) -> PyResult<Boundary> {
-        let boundary = self.boundary.as_deref();
-        let boundary = boundary.map(|boundary| named("boundary", boundary));
-        Ok(boundary.transpose()?.unwrap_or(Boundary::Bounded))
+        let given = (self.boundary.as_deref()).map(|boundary| named("boundary", boundary));
+        Ok(given.transpose()?.unwrap_or(Boundary::Bounded))
     }
 
     /// Returns the first argument that is given of a domain and a radius.

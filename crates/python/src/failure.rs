@@ -69,6 +69,7 @@ fn shortened(text: &str) -> String {
     if length <= LONGEST {
         return text.into_owned();
     }
+    // The beginning names the argument or the file, and the end the limit or the remedy.
     let (start, end) = (LONGEST * 3 / 5, LONGEST * 2 / 5);
     let first: String = text.chars().take(start).collect();
     let last: String = text.chars().skip(length - end).collect();
@@ -128,6 +129,7 @@ impl From<PieceError<Failure>> for Failure {
 impl From<VerifyError> for Failure {
     fn from(error: VerifyError) -> Self {
         match error {
+            // No argument is at fault for these.
             VerifyError::Disagreement { .. }
             | VerifyError::Triangulation { .. }
             | VerifyError::Cancelled => Self::Runtime(error.to_string()),
@@ -192,6 +194,7 @@ impl From<FormatError> for Failure {
     }
 }
 
+/// Returns the text of an error of the system without the number that Rust adds to it: " (os error 2)".
 fn without_number(text: &str) -> &str {
     text.split(" (os error").next().unwrap_or(text)
 }

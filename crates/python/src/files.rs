@@ -69,6 +69,7 @@ pub fn read<'py>(
             |watch| {
                 // Asked for first, as a failed allocation would end the interpreter.
                 ask_to_read(&path)?;
+                // The failure is returned as a value: one that asks for a field is no error of the call yet.
                 Ok(of_file(
                     &path,
                     overrides,
@@ -95,7 +96,7 @@ pub fn read<'py>(
         ground = ground_by(&mut overrides)?;
     }
     let mut found = read(&overrides)?;
-    // Only then is the certificate read a second time, as few sets have such parts.
+    // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
     if let Err(Failure::NoField(_)) = found {
         ground = ground_by(&mut overrides)?;
         found = read(&overrides)?;
@@ -219,6 +220,7 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
         ..Hint::from_name(&name)
     };
     let mut read = decode(&bytes, &hint)?;
+    // Provenance says how a set was made, as a certificate does.
     if !with_provenance {
         read.set.provenance = None;
     }
@@ -273,6 +275,7 @@ pub fn save(
         .into());
     }
 
+    // A writer takes a set of its own, and not the arrays of Python.
     let set = to_write(&set)?;
     let (report, warnings) = run(py, progress, |watch| {
         ask_to_export(set.len())?;

@@ -85,12 +85,11 @@ impl FieldArgument<'_> {
             let shown = if name.is_empty() { "shape" } else { name };
             let polygon = PlanarPolygon::from_geojson(shown, text, self.planar)?;
             // Certificates name the file of a shape; a shape without a file is known by its corners alone.
-            let polygon = if name.is_empty() {
+            return Ok(Some(ShapeSource::Polygon(if name.is_empty() {
                 polygon.unnamed()
             } else {
                 polygon
-            };
-            return Ok(Some(ShapeSource::Polygon(polygon)));
+            })));
         }
         let mask = self.mask.as_ref().map(Pixels::image);
         Ok(mask.transpose()?.map(ShapeSource::Mask))
@@ -147,9 +146,10 @@ impl FieldArgument<'_> {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
         };
         like.shape = self.shape()?;
-        // With a count the scale is searched for.
+        // With a count the scale is searched for, and any number begins the search.
         let any = like.count.map(|_| 1.0);
         let radius = self.radius()?.or(any);
+        // The radii of an expression or an array are lengths; those of a density are in radii of the density 1.
         let scale = if self.density.is_some() {
             radius.ok_or_else(|| wanted("density"))?
         } else {
@@ -228,6 +228,7 @@ impl Ground {
 
         let mut given = GivenGround::default();
         if let Some(field) = field {
+            // A function is evaluated at the nodes of the stated domain.
             let region = stated.region;
             let origin = stated.origin.unwrap_or_default();
             let boundary = Boundary::of(region.is_periodic());
@@ -280,15 +281,15 @@ impl Ground {
     /// Returns the field and the shape that [`Self::__reduce__`] stored.
     #[staticmethod]
     fn stored(text: &str) -> PyResult<Self> {
-        let recipe = serde_json::from_str(text);
-        let recipe = recipe.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let recipe =
+            serde_json::from_str(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Self::new(recipe)?)
     }
 
     /// Returns a function and its argument, by which `copy` and `pickle` make an equal value.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let text = serde_json::to_string(&slf.get().recipe);
-        let text = text.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let text = serde_json::to_string(&slf.get().recipe)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok((slf.get_type().getattr("stored")?, (text,)))
     }
 
@@ -336,9 +337,10 @@ impl Ground {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points = rows(&points)?;
         let radii = run(py, None, |_| Ok(self.varying.radii(points)))?;
-        let radii = PyArray1::from_vec(py, radii);
-        radii.readwrite().make_nonwriteable();
-        Ok(radii)
+        // Read-only, as all arrays of a set are.
+        let array = PyArray1::from_vec(py, radii);
+        array.readwrite().make_nonwriteable();
+        Ok(array)
     }
 }
 

@@ -28,6 +28,7 @@ pub fn verify(
 ) -> PyResult<String> {
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
     let (options, claims, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
+
     let report = run(py, progress, |watch| {
         // Asked for first, as a failed allocation would end the interpreter.
         ask_to_judge(points.len())?;
@@ -37,8 +38,8 @@ pub fn verify(
             None => tilescope_analysis::verify(points, region, radius, &options, &control)?,
         };
         let control = watch.control("levels");
-        let levels = verify_levels(points, &whole, &claims, &options, &control)?;
-        let levels: Vec<_> = levels.iter().map(CertifiedLevel::of).collect();
+        let found = verify_levels(points, &whole, &claims, &options, &control)?;
+        let levels: Vec<_> = found.iter().map(CertifiedLevel::of).collect();
         Ok(of_report(&whole, &levels))
     })?;
     Ok(report.to_string())
@@ -111,7 +112,7 @@ pub fn check(
         with_ground(&mut overrides)?;
     }
     let mut check = judged(&overrides)?;
-    // Only then is the certificate read a second time, as few sets have such parts.
+    // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
     if let Err(CheckError::NoField) = check {
         with_ground(&mut overrides)?;
         check = judged(&overrides)?;

@@ -74,6 +74,7 @@ pub fn spectrum<'py>(
 
     let found = PyDict::new(py);
     let (profile, picture) = (&spectrum.profile, spectrum.picture);
+    // Annuli of fewer than two pairs of frequencies have none: it is NaN there.
     let anisotropy = profile.annuli.iter().map(|annulus| annulus.anisotropy_db);
     let frequencies = PyArray1::from_vec(py, profile.relative_frequencies());
     found.set_item("frequencies", frequencies)?;

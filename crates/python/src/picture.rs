@@ -49,6 +49,7 @@ pub fn draw(
     let near = near(points, &region, reach, window);
 
     let points = near.as_deref().unwrap_or(points);
+    // Empty where a shape has one radius everywhere.
     let own = varying.map_or_else(Vec::new, |varying| varying.radii(points));
     let radii = match radius {
         _ if !own.is_empty() => DiskRadii::Own(&own),
@@ -87,7 +88,9 @@ pub fn draw(
         Ok(if svg {
             to_svg_with_fonts_controlled(&scene, &mut control)?.into_bytes()
         } else {
-            to_png_controlled(&scene, 1.0, &mut control)?
+            // The scene is laid out in pixels already.
+            let scale = 1.0;
+            to_png_controlled(&scene, scale, &mut control)?
         })
     })
 }
@@ -150,6 +153,7 @@ fn near(
             .iter()
             .any(|value| (low - radius..=high + radius).contains(value))
     };
+    // A square around a disk reaches farther than the disk: what is not seen is cut off later.
     let reaches =
         |&&[x, y]: &&[f64; 2]| along(x, x0, x1, region.width) && along(y, y0, y1, region.height);
     Some(points.iter().filter(reaches).copied().collect())

@@ -48,6 +48,8 @@ impl PythonPlane {
                     stated: request.stated(parameters.radius),
                 });
             }
+
+            // The radius of a count and the pattern are found now, once for all windows.
             let settled = request.recipe.settle(&mut watch.observer())?;
             let plane = Plane::new(&settled.parameters, &settled.pattern)?;
             Ok(Self {
@@ -176,6 +178,8 @@ impl PythonPlane {
                 )));
             }
         }
+
+        // A window becomes one array, and is limited as a whole set in memory is.
         let expected = expected(&window);
         if expected > MAX_SEQUENTIAL_SAMPLES {
             return Err(PyValueError::new_err(format!(

@@ -52,6 +52,7 @@ pub fn set_into_python<'py>(
 /// Returns facts as the Python class `PointSet` takes them.
 fn facts_of(facts: &Facts) -> Value {
     let Facts { region, levels, .. } = facts;
+    // The number of samples is that of the positions, and not stated again.
     let counts = |summary: &Summary| {
         json!({
             "blocks": summary.blocks,
@@ -108,6 +109,7 @@ pub fn sample<'py>(
     let domain = request.recipe.parameters.validate_sequential();
     let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
 
+    // Levels of the other methods were refused above.
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
         (SetMethod::Kdrt, None) if is_sequential(request, engine) => Making::Sequential,

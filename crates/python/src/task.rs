@@ -28,19 +28,32 @@ enum Work {
     Named(&'static str),
 }
 
+/// How far the work has come.
+#[derive(Clone, Copy)]
+struct TaskProgress {
+    work: Work,
+    /// How many steps are finished.
+    done: u64,
+    /// How many steps there are.
+    total: u64,
+}
+
 /// How far the work has come, and whether it is to stop.
 #[derive(Default)]
 pub struct TaskWatch {
     stopped: AtomicBool,
-    latest: Mutex<Option<(Work, u64, u64)>>,
+    latest: Mutex<Option<TaskProgress>>,
 }
 
 impl TaskWatch {
     /// Returns an observer for functions of the core.
     pub fn observer(&self) -> impl FnMut(tilescope_core::Progress) -> ControlFlow<()> + '_ {
         |progress| {
-            let latest = (Work::Stage(progress.stage), progress.done, progress.total);
-            *lock(&self.latest) = Some(latest);
+            *lock(&self.latest) = Some(TaskProgress {
+                work: Work::Stage(progress.stage),
+                done: progress.done,
+                total: progress.total,
+            });
             self.flow()
         }
     }
@@ -51,15 +64,16 @@ impl TaskWatch {
         name: &'static str,
     ) -> impl Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync + '_ {
         move |progress| {
-            let (work, mut done) = (Work::Named(name), progress.done);
+            let work = Work::Named(name);
             let mut latest = lock(&self.latest);
             // Calls come from several threads, not always in sequence.
-            if let Some((before, most, _)) = *latest
-                && before == work
-            {
-                done = done.max(most);
-            }
-            *latest = Some((work, done, progress.total));
+            let same_work = latest.filter(|before| before.work == work);
+            let most = same_work.map_or(0, |before| before.done);
+            *latest = Some(TaskProgress {
+                work,
+                done: progress.done.max(most),
+                total: progress.total,
+            });
             self.flow()
         }
     }
@@ -67,7 +81,11 @@ impl TaskWatch {
     /// Returns a control function for one function of the figures, whose work has this name.
     pub fn steps(&self, name: &'static str) -> impl FnMut(usize, usize) -> ControlFlow<()> + '_ {
         move |done, total| {
-            *lock(&self.latest) = Some((Work::Named(name), done as u64, total as u64));
+            *lock(&self.latest) = Some(TaskProgress {
+                work: Work::Named(name),
+                done: done as u64,
+                total: total as u64,
+            });
             self.flow()
         }
     }
@@ -82,13 +100,14 @@ impl TaskWatch {
 
     /// Calls `progress` with a name, the number of finished steps and that of all.
     fn pass_on(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
+        // Copied, so that the work does not wait while Python runs the callback.
         let latest = *lock(&self.latest);
-        if let (Some(progress), Some((work, done, total))) = (progress, latest) {
-            let name = match work {
+        if let (Some(progress), Some(latest)) = (progress, latest) {
+            let name = match latest.work {
                 Work::Stage(stage) => stage.to_string(),
                 Work::Named(name) => name.to_owned(),
             };
-            progress.call1(py, (name, done, total))?;
+            progress.call1(py, (name, latest.done, latest.total))?;
         }
         Ok(())
     }

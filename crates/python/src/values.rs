@@ -39,6 +39,7 @@ pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     value.extract().map_err(|error: PyErr| {
         let (given, most) = (shown(value), u64::MAX);
+        // A whole number out of range is a wrong value, and anything else a wrong type, as Python tells them apart.
         if error.is_instance_of::<PyOverflowError>(value.py()) {
             PyValueError::new_err(format!(
                 "{argument} is {given}; it must be a whole number from 0 to {most}"
@@ -53,6 +54,7 @@ pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
 pub fn real(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     value.extract().map_err(|error: PyErr| {
         let (given, most) = (shown(value), f64::MAX);
+        // Python's whole numbers have no end, and those beyond the doubles overflow.
         if error.is_instance_of::<PyOverflowError>(value.py()) {
             PyValueError::new_err(format!(
                 "{argument} is {given}; it must be a number up to {most:.1e}"
@@ -76,10 +78,11 @@ pub fn rectangle(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 4]>
             "{argument} is {given}; it must be four numbers: (x0, y0, x1, y1)"
         ))
     };
+    // One number after another, so that the error shows the one that is wrong and not all four.
     let corners: [Bound<'_, PyAny>; 4] = value.extract().map_err(|_| wrong())?;
-    let mut found = [0.0; 4];
-    for (found, corner) in found.iter_mut().zip(&corners) {
-        *found = real(argument, corner)?;
+    let mut numbers = [0.0; 4];
+    for (number, corner) in numbers.iter_mut().zip(&corners) {
+        *number = real(argument, corner)?;
     }
-    Ok(found)
+    Ok(numbers)
 }
