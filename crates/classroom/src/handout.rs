@@ -20,16 +20,23 @@ use crate::talk::TalkRecord;
 const PICTURE: [f64; 2] = [420.0, 330.0];
 /// Width and height of a plot.
 const PLOT: [f64; 2] = [320.0, 90.0];
+/// The height of the numbers below a plot, and where their baseline lies in it.
+const TICK_ROOM: f64 = 16.0;
+const TICK_BASELINE: f64 = 13.0;
 /// The highest frequency, in 1/r, and the highest power of a plot. White noise has the power 1.
 const REACH: [f64; 2] = [3.0, 3.0];
 
 /// The task of making a handout. Its outcome is the file, or a sentence with the reason why there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HandoutTask {
-    /// The lesson's name and text.
-    pub lesson: (String, String),
-    /// The language of the words around it, and the translation's text, if it has one.
-    pub language: (String, Option<String>),
+    /// The name of the lesson.
+    pub name: String,
+    /// The content of the lesson's file.
+    pub text: String,
+    /// The language of the words around it.
+    pub language: String,
+    /// The content of the translation's file, if the lesson is shown in one.
+    pub translation: Option<String>,
     /// Whether the answers are printed.
     pub answers: bool,
     /// Whether the speaker's notes are printed.
@@ -100,7 +107,7 @@ pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, S
             ask(
                 &mut question,
                 asked.ask(0),
-                &open.controls(&task.language.0),
+                &open.controls(&task.language),
                 task.decimal_sign(),
             );
         }
@@ -136,9 +143,8 @@ impl Task for HandoutTask {
 impl HandoutTask {
     /// Reads the lesson and its translation.
     fn read(&self) -> Result<(Arc<Lesson>, Arc<Translation>), String> {
-        let (name, text) = &self.lesson;
-        let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
-        let translation = match &self.language.1 {
+        let lesson = Lesson::read(&self.name, &self.text).map_err(|error| error.to_string())?;
+        let translation = match &self.translation {
             Some(text) => Translation::read(text).map_err(|error| error.to_string())?,
             None => Translation::default(),
         };
@@ -150,7 +156,7 @@ impl HandoutTask {
 
     /// Returns what divides a number from its decimals in its language.
     fn decimal_sign(&self) -> char {
-        Language::of(&self.language.0).map_or('.', Language::decimal_sign)
+        Language::of(&self.language).map_or('.', Language::decimal_sign)
     }
 
     /// Returns the handout: a head, and a section for each step.
@@ -160,7 +166,7 @@ impl HandoutTask {
         translation: &Arc<Translation>,
         monitor: &Monitor,
     ) -> Result<String, String> {
-        let language = &self.language.0;
+        let language = &self.language;
         let labels = lesson_labels(language);
         let title = escape(translation.of(&lesson.title));
 
@@ -227,12 +233,12 @@ impl HandoutTask {
 
         // The controls are written first: once the answer is revealed they show it. Of a trace the first event is asked for.
         if let Some(question) = open.learner.question() {
-            let controls = open.controls(&self.language.0);
+            let controls = open.controls(&self.language);
             ask(html, question.ask(0), &controls, self.decimal_sign());
             if self.answers {
                 open.learner.reveal();
 
-                let answer = open.right_answer(&self.language.0).unwrap_or_default();
+                let answer = open.right_answer(&self.language).unwrap_or_default();
                 let _ = write!(
                     html,
                     "<div class=\"answer\"><p><strong>{}</strong> {}</p>",
@@ -348,7 +354,7 @@ fn plot(curves: &[&Curve], sign: char) -> String {
     // Below the plot there is room for the numbers of the ticks.
     let mut svg = format!(
         "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" aria-hidden=\"true\">",
-        height + 16.0
+        height + TICK_ROOM
     );
 
     // Grey lines at the power 0 and at 1, that of white noise.
@@ -365,10 +371,11 @@ fn plot(curves: &[&Curve], sign: char) -> String {
         let _ = write!(
             svg,
             "<text x=\"{at:.1}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{number}{unit}</text>",
-            height + 13.0
+            height + TICK_BASELINE
         );
     }
 
+    // Beyond the plot a curve ends, as a line outside of it would cross the words beside it.
     for curve in curves {
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points: Vec<String> = inside.map(|&at| place(at)).collect();
@@ -460,7 +467,8 @@ mod tests {
             .find(|lesson| lesson.name == "survivors")
             .unwrap();
         HandoutTask {
-            lesson: (lesson.name.to_string(), lesson.text.to_string()),
+            name: lesson.name.to_string(),
+            text: lesson.text.to_string(),
             ..HandoutTask::default()
         }
     }
@@ -468,7 +476,7 @@ mod tests {
     #[test]
     fn a_handout_has_a_picture_a_step_and_tells_answers_and_notes_on_request_only() {
         let task = survivors();
-        let lesson = Lesson::read("survivors", &task.lesson.1).unwrap();
+        let lesson = Lesson::read("survivors", &task.text).unwrap();
         let plain = made(task.clone());
         assert_eq!(
             plain.matches("data:image/svg+xml,").count(),
@@ -506,7 +514,7 @@ mod tests {
     fn numbers_of_a_plot_have_the_decimal_sign_of_the_language() {
         let [english, german] = ["en", "de"].map(|language| {
             let task = HandoutTask {
-                language: (language.to_owned(), None),
+                language: language.to_owned(),
                 ..survivors()
             };
             plot(&[], task.decimal_sign())
@@ -520,7 +528,8 @@ mod tests {
     fn nothing_of_a_lesson_is_read_as_html() {
         let text = "---\ntitle: <script>alert(1)</script>\nobjective: a & b\n---\n# One <b>bold</b>\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\nText <img src=x>.\n";
         let html = made(HandoutTask {
-            lesson: ("x".to_owned(), text.to_owned()),
+            name: "x".to_owned(),
+            text: text.to_owned(),
             ..HandoutTask::default()
         });
         assert!(!html.contains("<script") && !html.contains("<b>") && !html.contains("<img src=x"));
@@ -531,7 +540,8 @@ mod tests {
     fn a_fault_names_its_step() {
         let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of iterate-40\n```\n";
         let task = HandoutTask {
-            lesson: ("x".to_owned(), text.to_owned()),
+            name: "x".to_owned(),
+            text: text.to_owned(),
             ..HandoutTask::default()
         };
         let error = handout(task).unwrap_err();

@@ -225,8 +225,10 @@ pub struct StepPicture {
 /// The task of drawing a picture of a step with its question open.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepPictureTask {
-    /// The lesson's name and text.
-    pub lesson: (String, String),
+    /// The name of the lesson.
+    pub name: String,
+    /// The content of the lesson's file.
+    pub text: String,
     /// The index of the step.
     pub index: usize,
     /// How it is drawn.
@@ -235,9 +237,17 @@ pub struct StepPictureTask {
     pub as_svg: bool,
 }
 
-/// Everything that a picture of a step depends on: the lesson's name, the hash of the open lesson, the index of the step, and
-/// the style.
-pub(crate) type PictureKey = (String, String, usize, PictureStyle);
+/// Everything that a picture of a step depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PictureKey {
+    /// The name of the lesson of the step.
+    pub name: String,
+    /// The hash of the open lesson, whose file may change while it is presented.
+    pub hash: String,
+    /// The index of the step.
+    pub index: usize,
+    pub style: PictureStyle,
+}
 
 /// The picture of the step that follows in a talk.
 #[derive(Default)]
@@ -308,9 +318,9 @@ impl StepPicture {
 
 impl StepPictureTask {
     fn drawn(&self) -> Result<StepPicture, String> {
-        let (name, text) = &self.lesson;
-        let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
+        let lesson = Lesson::read(&self.name, &self.text).map_err(|error| error.to_string())?;
 
+        // A step of another version of the file, perhaps.
         let count = lesson.steps.len();
         if self.index >= count {
             return Err(format!("the lesson has {count} steps"));

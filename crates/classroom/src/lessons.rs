@@ -487,6 +487,7 @@ impl OpenLesson {
             return Vec::new();
         };
 
+        // The event and its three nearest causes: farther ones explain the run, and not the answer.
         let causes = tilescope_debugger::why::causes(run, event);
         let all = std::iter::once(event).chain(causes).take(4);
         all.map(|event| tilescope_debugger::sentence(run, event))

@@ -25,8 +25,10 @@ pub const WINDOW: FromWindow = FromWindow {
 
 fn made_handout(asked: Handout) -> Result<String, String> {
     handout(HandoutTask {
-        lesson: (asked.name, asked.text),
-        language: (asked.language, asked.translation),
+        name: asked.name,
+        text: asked.text,
+        language: asked.language,
+        translation: asked.translation,
         answers: asked.answers,
         notes: asked.notes,
         record: None,

@@ -195,8 +195,10 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
 fn entry(lesson: &Shipped) -> Result<Entry> {
     let sheet = |language: &Words, translation: Option<String>| {
         let task = HandoutTask {
-            lesson: (lesson.name.to_string(), lesson.text.to_string()),
-            language: (language.tag.to_owned(), translation),
+            name: lesson.name.to_string(),
+            text: lesson.text.to_string(),
+            language: language.tag.to_owned(),
+            translation,
             ..HandoutTask::default()
         };
         lesson_sheet(&task, PICTURE).map_err(|fault| anyhow!("the lesson {}: {fault}", lesson.name))

@@ -311,6 +311,7 @@ impl Classroom {
     fn save_results(&mut self, wanted: &str, context: &mut Context) {
         let results = &self.lessons.results;
 
+        // `csv` alone and a path that ends in `.csv` ask for the same format.
         let (text, extension) = match wanted {
             name if name.ends_with("csv") => (
                 results::csv(std::slice::from_ref(results)).unwrap_or_default(),
@@ -435,6 +436,7 @@ impl Classroom {
     pub fn made_for_lesson(&self, session: &Session) -> Option<Arc<Recording>> {
         let open = self.lessons.open.as_ref()?;
         let parameters = open.learner.parameters();
+        // Once the step has its run no other one is taken, and a run with a pattern of its own is not that of its parameters.
         let is_wanted = open.run.is_none() && session.own.is_none();
         let recording = session.recording().filter(|_| is_wanted)?;
         (recording.run().parameters == parameters).then(|| Arc::clone(recording))

@@ -153,6 +153,7 @@ impl Classroom {
         match read {
             Ok((lesson, text)) => {
                 self.open_lesson("scenes", &text, LessonSource::Text, context);
+                // The lesson was made for this talk alone, and closes with it.
                 if let Some(open) = &mut self.lessons.open {
                     open.is_of_scenes = true;
                 }
@@ -244,9 +245,11 @@ impl Classroom {
             return;
         }
 
+        // Before the first step of a part comes the last one of the part before.
+        let at_end = true;
         match (open.learner.index(), talk.part) {
             (0, 0) => {}
-            (0, part) => self.go_to_part(part - 1, true, context),
+            (0, part) => self.go_to_part(part - 1, at_end, context),
             (index, _) => self.go_in_talk(index - 1, context),
         }
     }
@@ -277,6 +280,7 @@ impl Classroom {
         talk.part = part;
         let name = talk.parts[part].name.clone();
         self.apply(LessonCommand::Open(name), context);
+        // A step beyond the last one is the last one.
         if at_end {
             self.enter_step(usize::MAX, context);
         }
@@ -458,13 +462,14 @@ impl Classroom {
 
         let wanted = self.next_in_picture(dark);
         if self.talks.next_picture.wants(wanted.as_ref())
-            && let Some((name, _, index, style)) = &wanted
+            && let Some(key) = &wanted
         {
             // In the background, since the run of the step may have to be made first.
             let task = StepPictureTask {
-                lesson: (name.clone(), self.text_of(name)),
-                index: *index,
-                style: *style,
+                name: key.name.clone(),
+                text: self.text_of(&key.name),
+                index: key.index,
+                style: key.style,
                 as_svg: self.lessons.on_page,
             };
             let job = task::start(&context.wake, task);
@@ -478,15 +483,19 @@ impl Classroom {
         let lesson = open.learner.lesson();
         let index = open.learner.index() + 1;
 
+        // After the last step of a part comes the first of the next part.
         let (name, index) = if index == lesson.steps.len() {
             (talk.parts.get(talk.part + 1)?.name.clone(), 0)
         } else {
             (lesson.name.clone(), index)
         };
 
-        let style = PictureStyle { size: NEXT, dark };
-        // A lesson's file may change while it is presented.
-        Some((name, lesson.hash.clone(), index, style))
+        Some(PictureKey {
+            name,
+            hash: lesson.hash.clone(),
+            index,
+            style: PictureStyle { size: NEXT, dark },
+        })
     }
 
     /// Returns the text of a lesson of the talk.
@@ -517,8 +526,10 @@ impl Classroom {
         let german = shipped.map(|shipped| shipped.german.to_string());
 
         let task = HandoutTask {
-            lesson: (name.clone(), open.text.clone()),
-            language: (self.lessons.language.clone(), german),
+            name: name.clone(),
+            text: open.text.clone(),
+            language: self.lessons.language.clone(),
+            translation: german,
             answers,
             notes,
             // The drawings of a talk are printed if the lecturer chose to keep them.
