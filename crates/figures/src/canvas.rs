@@ -163,6 +163,8 @@ impl<'a> Canvas<'a> {
     /// Width of a sample's dot in pixels.
     pub(crate) fn dot_px(&self) -> f64 {
         let px = self.options.width / 1000.0;
+        // A third of the radius, which leaves neighbours well apart; of few samples no more than a spot, and of many at least
+        // a pixel.
         if self.radius > 0.0 {
             (self.radius_px() * 0.34).min(9.0 * px).max(1.0)
         } else {
@@ -258,6 +260,7 @@ impl<'a> Canvas<'a> {
 
     /// Returns the scene with its frame and its caption, which is also its title.
     pub(crate) fn finish(mut self, caption: &str) -> Scene {
+        // Lines and letters grow with the picture: these are pixels of one that is 1000 wide.
         let px = self.options.width / 1000.0;
         let mut group = Group::new("frame");
         let border = Style::stroked(self.palette().line, 1.0 * px);

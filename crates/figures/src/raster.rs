@@ -72,6 +72,7 @@ pub(crate) fn paint_pixels(
         frame: Rect::new([0.0; 2], [width, height].map(f64::from)),
     };
 
+    // Paper first: later groups cover earlier ones.
     let [r, g, b, a] = scene.background;
     painter
         .pixmap

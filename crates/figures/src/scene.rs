@@ -88,6 +88,7 @@ impl Group {
 
     fn validate(&self) -> Result<(), FigureError> {
         let View { scale, origin } = self.view;
+        // A view places every shape: a wrong one is named before the shapes, of which all would be wrong.
         let is_finite = origin.is_finite() && self.clip.is_none_or(|clip| clip.is_finite());
         if !(is_finite && scale.is_finite() && scale > 0.0) {
             let group = self.name.clone();
@@ -456,7 +457,9 @@ impl Shape {
     }
 
     fn is_finite(&self) -> bool {
+        // Exporters compare lengths with limits, and NaN is neither within one nor beyond it.
         let all = |points: &[DVec2]| points.iter().all(|p| p.is_finite());
+
         match self {
             Self::Circle {
                 center,

@@ -65,10 +65,19 @@ const GAP: f64 = 10.0;
 const AXIS: f64 = 46.0;
 /// Room between a bar's longest name or text and the axis's ends; the words stand a little nearer to the bars.
 const BESIDE: f64 = 12.0;
+/// How far names end before the axis, and texts begin behind their bars.
+const NAME_ROOM: f64 = 10.0;
+const TEXT_ROOM: f64 = 8.0;
+/// Half the length of the line that ends a whisker.
+const HALF_END: f64 = 4.0;
 /// The size of names and texts.
 const SIZE: f64 = 13.0;
 /// The size of the ticks' numbers.
 const TICK: f64 = 12.0;
+/// How far ticks, their numbers and the axis's label lie below the axis.
+const TICK_LENGTH: f64 = 5.0;
+const TICK_ROOM: f64 = 9.0;
+const LABEL_BASELINE: f64 = 40.0;
 /// The most ticks along the axis.
 const MAX_TICKS: usize = 9;
 
@@ -179,13 +188,15 @@ impl BarScale<'_> {
 
         for value in &ticks.values {
             let x = self.at(*value);
-            group.shapes.push(Shape::line([x, y], [x, y + 5.0], stroke));
-            let mut text = Text::new([x, y + 9.0], ticks.label(*value), TICK, color);
+            let tick = Shape::line([x, y], [x, y + TICK_LENGTH], stroke);
+            group.shapes.push(tick);
+            let mut text = Text::new([x, y + TICK_ROOM], ticks.label(*value), TICK, color);
             (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
             group.shapes.push(Shape::Text(text));
         }
 
-        let mut text = Text::new([f64::midpoint(left, right), y + 40.0], label, SIZE, color);
+        let middle = [f64::midpoint(left, right), y + LABEL_BASELINE];
+        let mut text = Text::new(middle, label, SIZE, color);
         text.anchor = Anchor::Middle;
 
         group.shapes.push(Shape::Text(text));
@@ -204,19 +215,19 @@ impl BarScale<'_> {
         if let Some(ends) = bar.whisker {
             let [low, high] = ends.map(|end| DVec2::new(self.at(end), middle));
             // A short line ends the whisker on each side.
-            let across = |end: DVec2| [end - 4.0 * DVec2::Y, end + 4.0 * DVec2::Y];
+            let across = |end: DVec2| [end - HALF_END * DVec2::Y, end + HALF_END * DVec2::Y];
             group.shapes.push(Shape::Segments {
                 segments: vec![[low, high], across(low), across(high)],
                 stroke: Stroke::new(self.palette.text, 1.4),
             });
         }
 
-        let at = [self.left - 10.0, middle];
+        let at = [self.left - NAME_ROOM, middle];
         let mut name = Text::new(at, &bar.name, SIZE, self.palette.text);
         (name.anchor, name.baseline) = (Anchor::End, Baseline::Middle);
 
         // A whisker may reach farther than its bar: the text stands behind the farther one.
-        let at = [self.at(bar.end()) + 8.0, middle];
+        let at = [self.at(bar.end()) + TEXT_ROOM, middle];
         let mut text = Text::new(at, &bar.text, SIZE, self.palette.muted);
         text.baseline = Baseline::Middle;
 

@@ -23,6 +23,15 @@ const LABEL: f64 = 13.0;
 /// The size of a tick's number.
 pub(super) const TICK: f64 = 12.0;
 
+/// The baseline of the label of x below the plot, that of y right of the frame's left end, and that of the heading above the
+/// plot.
+const LABEL_BELOW: f64 = 38.0;
+const LABEL_BESIDE: f64 = 18.0;
+const HEADING_ABOVE: f64 = 12.0;
+
+/// Ticks along x and y are no nearer to each other than this, in pixels.
+const MIN_TICK_APART: [f64; 2] = [62.0, 38.0];
+
 /// The length of a tick in pixels, and how far its number stands from the border.
 const TICK_LENGTH: f64 = 5.0;
 const TICK_ROOM: f64 = 9.0;
@@ -53,7 +62,8 @@ impl Frame<'_> {
 
     /// Returns values and labels of the ticks along x and y.
     fn ticks(&self) -> [Vec<(f64, String)>; 2] {
-        let most = self.plot.size() / DVec2::new(62.0, 38.0);
+        // Along x the numbers stand side by side, and need more room than one above the other.
+        let most = self.plot.size() / DVec2::new(MIN_TICK_APART[0], MIN_TICK_APART[1]);
         [
             ticks(self.axes[0], self.x, most.x as usize),
             ticks(self.axes[1], self.y, most.y as usize),
@@ -66,6 +76,7 @@ impl Frame<'_> {
         let [x, y] = self.ticks();
         let Rect { min, max } = self.plot;
 
+        // The end of the other axis is any place of it, as each line crosses all of the plot.
         let upright = x.iter().map(|(value, _)| {
             let x = self.pixel([*value, self.y[0]]).x;
             [min.with_x(x), max.with_x(x)]
@@ -90,6 +101,7 @@ impl Frame<'_> {
             style: Style::stroked(self.palette.muted, 1.0),
         });
 
+        // Ticks point outwards, where no curve hides them.
         let [x, y] = self.ticks();
         for (value, label) in &x {
             let at = self.pixel([*value, self.y[0]]);
@@ -115,11 +127,12 @@ impl Frame<'_> {
     fn words(&self, title: &str) -> [Text; 3] {
         let (Rect { min, max }, middle) = (self.plot, self.plot.middle());
         let [x, y] = self.axes.map(|axis| axis.label.as_str());
-        let mut below = self.text(DVec2::new(middle.x, max.y + 38.0), x, LABEL);
+        let mut below = self.text(DVec2::new(middle.x, max.y + LABEL_BELOW), x, LABEL);
         below.anchor = Anchor::Middle;
-        let mut beside = self.text(DVec2::new(min.x - LEFT + 18.0, middle.y), y, LABEL);
+        // Three quarter turns make the label read upwards.
+        let mut beside = self.text(DVec2::new(min.x - LEFT + LABEL_BESIDE, middle.y), y, LABEL);
         (beside.anchor, beside.quarter_turns) = (Anchor::Middle, 3);
-        let mut head = self.text(min - 12.0 * DVec2::Y, title, HEADING);
+        let mut head = self.text(min - HEADING_ABOVE * DVec2::Y, title, HEADING);
         (head.font, head.color) = (Font::SemiBold, self.palette.text);
         [below, beside, head]
     }

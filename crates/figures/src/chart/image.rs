@@ -63,6 +63,7 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
 fn ring(center: DVec2, cell: f64, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("absent");
     let style = Style::stroked(frame.palette.conflict, 1.2);
+    // Around a cell of a pixel or two a ring of its size would not be seen.
     group
         .shapes
         .push(Shape::circle(center, cell.max(5.0), style));

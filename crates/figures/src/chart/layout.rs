@@ -16,8 +16,10 @@ pub(super) const WIDTH: f64 = 1200.0;
 const ROW: f64 = 380.0;
 /// Left and right of everything, and below.
 pub(super) const MARGIN: f64 = 20.0;
-/// Room for the title above the legend.
+/// Room for the title above the legend, its baseline in it, and the size of its letters.
 const TITLE: f64 = 52.0;
+const TITLE_BASELINE: f64 = 34.0;
+const TITLE_TEXT: f64 = 20.0;
 /// Height of a line of the legend, and room below the last one.
 const LEGEND_LINE: f64 = 24.0;
 const LEGEND_FOOT: f64 = 8.0;
@@ -128,7 +130,8 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
 
 /// Returns the title above everything.
 fn title(figure: &Figure, palette: &Palette) -> Group {
-    let mut text = Text::new([MARGIN, 34.0], &figure.title, 20.0, palette.text);
+    let at = [MARGIN, TITLE_BASELINE];
+    let mut text = Text::new(at, &figure.title, TITLE_TEXT, palette.text);
     text.font = Font::SemiBold;
 
     let mut group = Group::new("title");
@@ -180,8 +183,10 @@ fn tiles_of<'a>(panels: impl Iterator<Item = &'a Panel>) -> impl Iterator<Item =
 
 /// Returns the width of a figure that has nothing but tiles of a given side; none for others.
 fn tiles_width(figure: &Figure) -> Option<f64> {
-    let mut widest = text_width(&figure.title, Font::SemiBold, 20.0);
+    // The title is not to be cut off above a few small tiles.
+    let mut widest = text_width(&figure.title, Font::SemiBold, TITLE_TEXT);
     for row in &figure.rows {
+        // There is one gap less than tiles.
         let mut width = -tiles::GAP;
         for panel in row {
             match panel {

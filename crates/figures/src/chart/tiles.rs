@@ -53,6 +53,9 @@ pub(super) const NAMES: f64 = 52.0;
 pub(super) const GAP: f64 = 10.0;
 const HEAD: f64 = 24.0;
 const NOTE: f64 = 26.0;
+/// The baselines of the title above a tile's frame and of the note below it.
+const TITLE_ABOVE: f64 = 8.0;
+const NOTE_BELOW: f64 = 16.0;
 /// Where the name of a row stands, left of its tiles.
 const NAME: f64 = 39.0;
 const LABEL: f64 = 13.0;
@@ -110,8 +113,8 @@ impl TileChart {
     /// Returns the title above the frame, the note below it, and the words of the vertical axis.
     fn words(&self, frame: Rect, palette: &Palette) -> Result<Group, ChartError> {
         let side = frame.size().x;
-        let above = frame.min - 8.0 * DVec2::Y;
-        let below = DVec2::new(frame.middle().x, frame.max.y + 16.0);
+        let above = frame.min - TITLE_ABOVE * DVec2::Y;
+        let below = DVec2::new(frame.middle().x, frame.max.y + NOTE_BELOW);
         let mut title = fitting(above, &self.title, HEADING, Font::SemiBold, side);
         let mut note = fitting(below, &self.note, TICK, Font::Regular, side);
         (title.color, note.color, note.anchor) = (palette.text, palette.muted, Anchor::Middle);
