@@ -68,6 +68,7 @@ impl Combination {
         let sources = placed.pieces.iter().map(|piece| &piece.source);
         let files = sources.filter(|source| is_file(source)).count();
         let area = |rect: &Rect| f64::from(rect.width()) * f64::from(rect.height());
+        // A seam lies along an axis, so that one of the two differences is 0.
         let length = |seam: &Seam| radii(seam.to.x - seam.from.x + seam.to.y - seam.from.y);
         Self {
             lines: lines(domain, &seams),

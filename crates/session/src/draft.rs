@@ -149,6 +149,7 @@ impl Draft {
             }
 
             ParameterKind::Real { place, .. } => {
+                // By a factor, as lengths go over several orders of magnitude.
                 let scaled = *place(&mut self.parameters) * 1.02_f64.powi(steps);
                 // Four digits, so that the field does not fill with the digits of a product.
                 let short = format!("{scaled:.3e}").parse::<f64>();

@@ -54,6 +54,7 @@ impl GapBorders {
         let (ids, points) = covering(session, moment);
         let region = region_in_radii(&session.run().domain);
         let go_on = |_| ControlFlow::Continue(());
+        // Arcs are refused where many samples lie at one place; such a moment is shown without any.
         let exposed = exposed_arcs(&points, region, LIMIT, &go_on).unwrap_or_default();
         let arcs = exposed.into_iter().map(|arc| ExposedArc {
             id: ids[arc.sample],

@@ -301,6 +301,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     };
 
     let (opened, left) = pick(&names, holds)?;
+    // The names are taken before the file is, as indices behind it change then.
     let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
 
     let file = files.remove(opened);

@@ -320,6 +320,7 @@ fn pieces(text: &'static str) -> Result<Vec<Piece>, &'static str> {
     let mut rest = text;
     while let Some((words, after)) = rest.split_once('{') {
         let (name, after) = after.split_once('}').ok_or("has a slot without end")?;
+        // Only words between two slots tell where the text of the first one ends.
         if !words.is_empty() {
             pieces.push(Piece::Words(words));
         } else if matches!(pieces.last(), Some(Piece::Slot(_))) {

@@ -27,7 +27,7 @@ use crate::nested::NestedLevels;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units;
 pub use report::{MakeError, Reporter};
-pub(crate) use report::{part_done, share_of};
+pub(crate) use report::{StageShare, part_done, share_of};
 
 /// Returns whether a run is small enough to keep every stage of it. Algorithm 4 as printed always keeps them.
 pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {

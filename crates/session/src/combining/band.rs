@@ -68,9 +68,7 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     }
 
     let (rect, own) = (&piece.rect, piece.set.domain());
-    let endless = own.is_periodic();
     let (start, end) = (piece.start, domain.rect().max);
-    let side = |min: Point, max: Point| Rect { min, max };
     let (low, high) = (rect.min, rect.max);
 
     // Returns whether the set, which is `extent` long, goes on beyond the piece, which takes `length` of it from `start` on.
@@ -78,37 +76,42 @@ fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
         i64::from(start) + i64::from(length) < i64::from(extent)
     };
 
-    // For each side: whether the piece's set goes on beyond it, whether it lies on the border of the domain, and its line.
+    let side = |on_border: bool, is_larger: bool, min: Point, max: Point| Side {
+        on_border,
+        is_larger,
+        line: Rect { min, max },
+    };
+    // Left, below, right and above.
     let sides = [
-        (
-            low.x == 0 && start.x > 0,
-            low.x == 0,
-            side(low, Point::new(low.x, high.y)),
-        ),
-        (
-            low.y == 0 && start.y > 0,
-            low.y == 0,
-            side(low, Point::new(high.x, low.y)),
-        ),
-        (
-            high.x == end.x && beyond(start.x, rect.width(), own.width()),
+        side(low.x == 0, start.x > 0, low, Point::new(low.x, high.y)),
+        side(low.y == 0, start.y > 0, low, Point::new(high.x, low.y)),
+        side(
             high.x == end.x,
-            side(Point::new(high.x, low.y), high),
+            beyond(start.x, rect.width(), own.width()),
+            Point::new(high.x, low.y),
+            high,
         ),
-        (
-            high.y == end.y && beyond(start.y, rect.height(), own.height()),
+        side(
             high.y == end.y,
-            side(Point::new(low.x, high.y), high),
+            beyond(start.y, rect.height(), own.height()),
+            Point::new(low.x, high.y),
+            high,
         ),
     ];
 
     // A periodic set goes on beyond every side, and a bounded one only where it is larger than the rectangle.
-    let is_cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
-    sides
-        .into_iter()
-        .filter(is_cut)
-        .map(|(_, _, line)| line)
-        .collect()
+    let is_cut = |side: &Side| side.on_border && (side.is_larger || own.is_periodic());
+    let cut = sides.into_iter().filter(is_cut);
+    cut.map(|side| side.line).collect()
+}
+
+/// A side of a piece.
+struct Side {
+    /// Whether it lies on the border of the domain.
+    on_border: bool,
+    /// Whether the piece's set is larger than the piece at this side.
+    is_larger: bool,
+    line: Rect,
 }
 
 fn grown(line: &Rect) -> Rect {

@@ -8,7 +8,7 @@ use tilescope_core::combine::file::PieceSource;
 use tilescope_core::{Observer, Progress, SampleError, Stage};
 
 use crate::jobs::Monitor;
-use crate::session::{part_done, share_of};
+use crate::session::{StageShare, part_done, share_of};
 
 /// The shares of making the sets and of gluing them; the rest is for the band and the session.
 const SETS: f32 = 0.75;
@@ -81,12 +81,12 @@ impl<'a> OneSet<'a> {
 impl Observer for OneSet<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
         // Dart throwing has other stages than tiling, and takes its time in its first rounds.
-        let (start, share) = if self.thrown {
+        let share = if self.thrown {
             throw(progress.stage)
         } else {
             share_of(progress.stage)
         };
-        let done = start + share * part_done(progress);
+        let done = share.at(part_done(progress));
         self.report((done * PARTS as f32) as u64);
         self.sets.monitor.go_on()
     }
@@ -98,14 +98,15 @@ impl Drop for OneSet<'_> {
     }
 }
 
-/// Returns where a round of dart throwing begins, and its share: about half of the remaining time.
-fn throw(stage: Stage) -> (f32, f32) {
+/// Returns the share of a round of dart throwing: about half of the remaining time.
+fn throw(stage: Stage) -> StageShare {
     match stage {
         Stage::Iterate(k) => {
+            // After sixty halves the rest is below the last digit of a fraction.
             let left = 0.5_f32.powi(k.saturating_sub(1).min(60) as i32);
-            (1.0 - left, left / 2.0)
+            StageShare::new(1.0 - left, left / 2.0)
         }
-        _ => (0.0, 0.0),
+        _ => StageShare::new(0.0, 0.0),
     }
 }
 
@@ -128,16 +129,17 @@ impl Gluing<'_> {
 
 impl Observer for Gluing<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
-        let (start, share) = match progress.stage {
-            Stage::Tile => (0.0, 0.2),
-            Stage::Eliminate => (0.2, 0.3),
-            Stage::Iterate(1) => (0.5, 0.3),
-            Stage::Iterate(_) => (0.8, 0.1),
-            Stage::Pattern | Stage::Blocks | Stage::Regions => (0.0, 0.0),
-            Stage::Finish => (0.9, 0.1),
+        let share = match progress.stage {
+            Stage::Tile => StageShare::new(0.0, 0.2),
+            Stage::Eliminate => StageShare::new(0.2, 0.3),
+            Stage::Iterate(1) => StageShare::new(0.5, 0.3),
+            Stage::Iterate(_) => StageShare::new(0.8, 0.1),
+            // Gluing has neither a pattern nor blocks.
+            Stage::Pattern | Stage::Blocks | Stage::Regions => StageShare::new(0.0, 0.0),
+            Stage::Finish => StageShare::new(0.9, 0.1),
         };
         self.0.set_activity(&progress.stage.to_string());
-        let part = start + share * part_done(progress);
+        let part = share.at(part_done(progress));
         self.0.set_fraction(SETS + GLUING * part);
         self.0.go_on()
     }

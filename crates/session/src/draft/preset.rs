@@ -100,8 +100,11 @@ impl Preset {
                 p.pattern.boundary = Boundary::Bounded;
             }
 
+            // A maximal set has 0.696 samples for each r^2: of this radius 998,000.
             Self::Million => p.radius = 0.000_835,
+            // The set of this seed has gaps that so short a search leaves open.
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
+            // Blocks are 60 r long at least, and the pattern is half of that.
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
             Self::Uniform => p.insertion = Insertion::Uniform,
             Self::Exact => {

@@ -101,25 +101,43 @@ impl Reporter<'_> {
     /// Reports `part` of `stage` as done; returns the stage if the work was cancelled.
     #[must_use]
     pub fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
-        let (start, share) = share_of(stage);
         self.monitor.set_activity(&stage.to_string());
-        self.monitor.set_fraction(start + share * part);
+        self.monitor.set_fraction(share_of(stage).at(part));
         self.monitor.is_cancelled().then_some(stage)
     }
 }
 
-/// Returns where a stage begins within the time that a run takes, and its share of that time, from 0 to 1, as measured on a
-/// million samples.
-pub(crate) const fn share_of(stage: Stage) -> (f32, f32) {
+/// The share of a stage in the time that work takes, from 0 to 1.
+#[derive(Clone, Copy)]
+pub(crate) struct StageShare {
+    start: f32,
+    length: f32,
+}
+
+impl StageShare {
+    /// Returns the share that begins at `start` and is `length` long.
+    pub const fn new(start: f32, length: f32) -> Self {
+        Self { start, length }
+    }
+
+    /// Returns how much of the work is done with a part of the stage.
+    pub const fn at(self, part: f32) -> f32 {
+        self.start + self.length * part
+    }
+}
+
+/// Returns the share of a stage in the time that a run takes, as measured on a million samples.
+pub(crate) const fn share_of(stage: Stage) -> StageShare {
     match stage {
-        Stage::Pattern => (0.0, 0.08),
-        Stage::Blocks => (0.08, 0.01),
-        Stage::Tile => (0.09, 0.16),
-        Stage::Eliminate => (0.25, 0.3),
-        Stage::Iterate(1) => (0.55, 0.3),
-        Stage::Iterate(_) => (0.85, 0.05),
-        Stage::Regions => (0.05, 0.85),
-        Stage::Finish => (0.9, 0.1),
+        Stage::Pattern => StageShare::new(0.0, 0.08),
+        Stage::Blocks => StageShare::new(0.08, 0.01),
+        Stage::Tile => StageShare::new(0.09, 0.16),
+        Stage::Eliminate => StageShare::new(0.25, 0.3),
+        Stage::Iterate(1) => StageShare::new(0.55, 0.3),
+        Stage::Iterate(_) => StageShare::new(0.85, 0.05),
+        // A parallel engine works region by region, and has no stages between pattern and end.
+        Stage::Regions => StageShare::new(0.05, 0.85),
+        Stage::Finish => StageShare::new(0.9, 0.1),
     }
 }
 
