@@ -161,8 +161,8 @@ impl GroundArguments {
 
     /// Returns the field and the shape that the arguments state for a set without a certificate.
     fn foreign(&self, set: &SetArguments) -> Result<VaryingRecipe> {
-        // Of an expression, a density and a radius, each needs less beside it than the next: a density needs a radius, that
-        // of black, and a shape alone has one radius everywhere.
+        // An expression gives the radius alone. A density needs a radius beside it, that of black; and where there is a shape
+        // alone, the radius is the same everywhere.
         let radius = match (&self.radius_expression, &self.density_image, set.radius) {
             (Some(text), ..) => formula(text)?,
             (None, Some(path), Some(black)) => RadiusSource::Density {

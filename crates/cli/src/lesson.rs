@@ -117,9 +117,9 @@ pub struct HandoutArguments {
 /// The content of a handout.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Handout {
-    /// The lesson's name.
+    /// The name by which the lesson is opened.
     pub name: String,
-    /// The lesson's text.
+    /// The content of the lesson's file.
     pub text: String,
     /// The language of the handout.
     pub language: String,
@@ -169,7 +169,7 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
 pub enum Played {
     /// A lesson that comes with the program.
     Shipped {
-        /// Its name.
+        /// The name by which it is opened.
         name: String,
         /// Whether it begins in presenter mode.
         is_presented: bool,

@@ -60,7 +60,7 @@ pub fn named<T>(names: &[(&'static str, &'static str)]) -> impl TypedValueParser
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
-    // Names that say all have no help, which clap tells from an empty one.
+    // Names that say all have no help.
     let values = names.iter().map(|(name, help)| match *help {
         "" => PossibleValue::new(*name),
         help => PossibleValue::new(*name).help(help),

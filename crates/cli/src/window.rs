@@ -130,7 +130,7 @@ fn show(
 }
 
 fn check_size(window: &Window) -> Result<()> {
-    // In radii, as the density of a maximal set is that in a square of side r.
+    // In radii, as the density of a maximal set is the number of samples in a square of side r.
     let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
     let expected = side(0) * side(1) * MAXIMAL_DENSITY;
     ensure!(

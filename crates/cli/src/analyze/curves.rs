@@ -50,7 +50,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     }
 
     let mut title = title(analysis);
-    // Who sees the picture alone has not seen the note of the command.
+    // The picture may be seen without the note that the command prints.
     if left_out > 0 {
         let all = subjects.len();
         let _ = write!(title, "; {left_out} of {all} periodograms are left out");

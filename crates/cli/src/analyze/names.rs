@@ -74,7 +74,7 @@ pub fn cut(name: &str, most: usize) -> String {
     if characters.len() <= most {
         return name.to_owned();
     }
-    // Names of files differ at their beginnings as often as at their ends. The ellipsis is one character.
+    // Names of files may differ at either end. The ellipsis is one character.
     let (head, tail) = (most / 2, most - most / 2 - 1);
     let end = &characters[characters.len() - tail..];
     (characters[..head].iter().chain(&['\u{2026}']).chain(end)).collect()

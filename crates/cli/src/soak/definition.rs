@@ -32,7 +32,7 @@ fn first_samples(run: &Run, history: &PatternHistory) -> Vec<Point> {
     for block in &run.blocks.leaves {
         add_darts(block, run.parameters.dihedral, history, &mut darts);
     }
-    // Darts compare by their arrival, and those that arrive together by their places: no two are equal.
+    // Darts compare by their arrival, and those that arrive together by their places.
     darts.sort_unstable();
 
     let mut grid = SampleGrid::with_capacity(run.domain, run.result.len());
