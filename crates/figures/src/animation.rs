@@ -12,8 +12,8 @@ use gif::{AnyExtension, DisposalMethod, Encoder, Extension, Frame, Repeat};
 use crate::error::FigureError;
 use crate::png::{text_chunk, with_program};
 use crate::raster::Pixels;
-use changes::Change;
-use colors::indexed;
+use changes::{Change, Layer};
+use colors::Indexed;
 
 /// The most frames of an animation.
 pub const MAX_FRAMES: usize = 10_000;
@@ -139,18 +139,18 @@ pub fn write_gif(
 
     let mut next = Some(first);
     while let Some(change) = next {
-        let (palette, buffer, transparent) = indexed(&change);
+        let indexed = Indexed::of(&change);
         let frame = Frame {
             delay,
             // The pixels that stay are transparent, so that the frame before must remain below them.
             dispose: DisposalMethod::Keep,
-            transparent,
+            transparent: indexed.transparent,
             left: change.left as u16,
             top: change.top as u16,
             width: change.width as u16,
             height: change.height as u16,
-            palette: Some(palette),
-            buffer: buffer.into(),
+            palette: Some(indexed.palette),
+            buffer: indexed.pixels.into(),
             ..Frame::default()
         };
 
@@ -205,13 +205,9 @@ pub fn write_apng(
     let mut writer = encoder.write_header().map_err(refused)?;
     let mut next = Some(first);
     while let Some(change) = next {
-        // A layer whose unchanged pixels are transparent is laid over the frame before, which shows through them. Any other
-        // layer replaces that frame's pixels.
-        let (rgba, replaces) = change.layer();
-        let blend = if replaces {
-            png::BlendOp::Source
-        } else {
-            png::BlendOp::Over
+        let (rgba, blend) = match change.layer() {
+            Layer::Over(rgba) => (rgba, png::BlendOp::Over),
+            Layer::Instead(rgba) => (rgba, png::BlendOp::Source),
         };
         writer.set_blend_op(blend).map_err(refused)?;
 

@@ -15,6 +15,14 @@ pub(super) struct Change {
     pub stays: Vec<bool>,
 }
 
+/// The pixels of a changed rectangle, red, green, blue and opacity.
+pub(super) enum Layer {
+    /// They are laid over those of the frame before, which show through the transparent ones.
+    Over(Vec<u8>),
+    /// They are put in their place.
+    Instead(Vec<u8>),
+}
+
 impl Change {
     /// Returns the change from one frame to another of the same size; without a frame before, the whole frame is the change. A
     /// frame that changes nothing has one pixel, which stays.
@@ -62,16 +70,16 @@ impl Change {
         change
     }
 
-    /// Returns the pixels to lay over the frame before, of which those that stay are transparent, and false. Where all change, or
-    /// some that change are not opaque, it returns the pixels to put in their place, and true.
-    pub fn layer(&self) -> (Vec<u8>, bool) {
+    /// Returns the pixels to lay over the frame before, of which those that stay are transparent. Where all change, or some that
+    /// change are not opaque, they are to be put in their place.
+    pub fn layer(&self) -> Layer {
         let mut rgba = self.rgba.clone();
         let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);
 
         // A changed pixel that is not opaque would let the old one show through. If all change, transparency saves nothing.
         let all = !self.stays.contains(&true);
         if all || pixels().any(|(pixel, stays)| !stays && pixel[3] != 255) {
-            return (rgba, true);
+            return Layer::Instead(rgba);
         }
 
         // All transparent pixels are alike, and so compress to nearly nothing.
@@ -83,6 +91,6 @@ impl Change {
             pixel.fill(0);
         }
 
-        (rgba, false)
+        Layer::Over(rgba)
     }
 }

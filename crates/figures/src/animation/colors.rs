@@ -9,59 +9,74 @@ const COLORS: usize = 256;
 
 type Rgb = [u8; 3];
 
-/// Returns the palette of a change, the index of each pixel, and the index of those that stay as they are, if there are any.
-/// The palette has the most frequent colours, so that flat colours are kept exactly, which a palette of averages would not do.
-/// Other colours take the nearest one.
-pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
-    let pixels = || change.rgba.chunks_exact(4).zip(&change.stays);
-    let colors = || {
-        let changed = pixels().filter(|(_, stays)| !**stays);
-        changed.map(|(pixel, _)| on_white(pixel))
-    };
+/// A change with its colours as indices.
+pub(super) struct Indexed {
+    /// The colours, one after the other: red, green and blue.
+    pub palette: Vec<u8>,
+    /// The index of each pixel.
+    pub pixels: Vec<u8>,
+    /// The index of those that stay as they are, if there are any.
+    pub transparent: Option<u8>,
+}
 
-    // The index of the pixels that stay takes the place of a colour.
-    let some_stay = change.stays.contains(&true);
-    let room = COLORS - usize::from(some_stay);
-
-    // Equal neighbours are counted together, as most pixels have one: a look-up for each pixel would take longer.
-    let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
-    let mut last: Option<(Rgb, u32)> = None;
-    for color in colors() {
-        last = match last {
-            Some((same, count)) if same == color => Some((same, count + 1)),
-            before => {
-                note(&mut counts, before);
-                Some((color, 1))
-            }
+impl Indexed {
+    /// Returns a change with its most frequent colours, so that flat colours are kept exactly, which a palette of averages would
+    /// not do. Other colours take the nearest one.
+    pub fn of(change: &Change) -> Self {
+        let pixels = || change.rgba.chunks_exact(4).zip(&change.stays);
+        let colors = || {
+            let changed = pixels().filter(|(_, stays)| !**stays);
+            changed.map(|(pixel, _)| on_white(pixel))
         };
+
+        // The index of the pixels that stay takes the place of a colour.
+        let some_stay = change.stays.contains(&true);
+        let room = COLORS - usize::from(some_stay);
+
+        // Equal neighbours are counted together, as most pixels have one: a look-up for each pixel would take longer.
+        let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
+        let mut last: Option<(Rgb, u32)> = None;
+        for color in colors() {
+            last = match last {
+                Some((same, count)) if same == color => Some((same, count + 1)),
+                before => {
+                    note(&mut counts, before);
+                    Some((color, 1))
+                }
+            };
+        }
+        note(&mut counts, last);
+
+        let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
+        // Colours of one count follow each other by their values, so that the same frame always has the same palette.
+        palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
+        let kept: Vec<Rgb> = palette.iter().take(room).map(|(color, _)| *color).collect();
+
+        let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
+            .map(|(place, &(color, _))| match u8::try_from(place) {
+                Ok(index) if place < room => (color, index),
+                // A colour that did not fit takes the nearest one that did.
+                _ => (color, nearest(&kept, color)),
+            })
+            .collect();
+
+        // Where some pixels stay, `room` has left the index after the colours for them.
+        let transparent = some_stay.then_some(kept.len() as u8);
+        let index_of = |(pixel, stays): (&[u8], &bool)| match transparent {
+            Some(transparent) if *stays => transparent,
+            _ => index[&on_white(pixel)],
+        };
+
+        let indices = pixels().map(index_of).collect();
+        let mut palette = kept.into_flattened();
+        // The colour at the transparent index is never seen, but the table must have an entry there.
+        palette.extend(transparent.map(|_| [0; 3]).into_iter().flatten());
+        Self {
+            palette,
+            pixels: indices,
+            transparent,
+        }
     }
-    note(&mut counts, last);
-
-    let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
-    // Colours of one count follow each other by their values, so that the same frame always has the same palette.
-    palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
-    let kept: Vec<Rgb> = palette.iter().take(room).map(|(color, _)| *color).collect();
-
-    let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
-        .map(|(place, &(color, _))| match u8::try_from(place) {
-            Ok(index) if place < room => (color, index),
-            // A colour that did not fit takes the nearest one that did.
-            _ => (color, nearest(&kept, color)),
-        })
-        .collect();
-
-    // Where some pixels stay, `room` has left the index after the colours for them.
-    let transparent = some_stay.then_some(kept.len() as u8);
-    let index_of = |(pixel, stays): (&[u8], &bool)| match transparent {
-        Some(transparent) if *stays => transparent,
-        _ => index[&on_white(pixel)],
-    };
-
-    let buffer = pixels().map(index_of).collect();
-    let mut palette = kept.into_flattened();
-    // The colour at the transparent index is never seen, but the table must have an entry there.
-    palette.extend(transparent.map(|_| [0; 3]).into_iter().flatten());
-    (palette, buffer, transparent)
 }
 
 fn note(counts: &mut BTreeMap<Rgb, u32>, run: Option<(Rgb, u32)>) {

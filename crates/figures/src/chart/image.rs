@@ -1,6 +1,8 @@
 //! A grid of values as shades of grey.
 //! Nothing is smoothed: a cell has one shade.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::ImageChart;
@@ -39,9 +41,10 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         // A shade without cells would be an empty shape in the file.
         .filter(|(_, runs)| !runs.is_empty())
     {
-        let line = |&[row, from, to]: &[usize; 3]| {
-            let y = max.y - (row as f64 + 0.5) * size.y;
-            let [from, to] = [from, to].map(|column| min.x + column as f64 * size.x);
+        let line = |run: &CellRun| {
+            let y = max.y - (run.row as f64 + 0.5) * size.y;
+            let columns = [run.columns.start, run.columns.end];
+            let [from, to] = columns.map(|column| min.x + column as f64 * size.x);
             [DVec2::new(from, y), DVec2::new(to + over, y)]
         };
         cells.shapes.push(Shape::Segments {
@@ -70,8 +73,15 @@ fn ring(center: DVec2, cell: f64, frame: &Frame<'_>) -> Group {
     group
 }
 
-/// Returns, for each shade, the runs of its cells: row, first column, end.
-fn runs(chart: &ImageChart) -> Vec<Vec<[usize; 3]>> {
+/// Neighbouring cells of a row that have one shade.
+#[derive(Clone)]
+struct CellRun {
+    row: usize,
+    columns: Range<usize>,
+}
+
+/// Returns, for each shade, the runs of its cells.
+fn runs(chart: &ImageChart) -> Vec<Vec<CellRun>> {
     let mut shades = vec![Vec::new(); SHADES];
     for (row, values) in chart.values.chunks(chart.columns).enumerate() {
         let mut last = None;
@@ -82,10 +92,13 @@ fn runs(chart: &ImageChart) -> Vec<Vec<[usize; 3]>> {
 
             // Neighbours of one shade are one line: fewer pieces, and no seam between them.
             if let Some(shade) = shade {
-                let runs: &mut Vec<[usize; 3]> = &mut shades[shade];
+                let runs: &mut Vec<CellRun> = &mut shades[shade];
                 match runs.last_mut() {
-                    Some(run) if last == Some(shade) => run[2] = column + 1,
-                    _ => runs.push([row, column, column + 1]),
+                    Some(run) if last == Some(shade) => run.columns.end = column + 1,
+                    _ => runs.push(CellRun {
+                        row,
+                        columns: column..column + 1,
+                    }),
                 }
             }
 

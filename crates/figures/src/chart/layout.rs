@@ -12,8 +12,10 @@ use crate::scene::{Baseline, Group, Rect, Scene, Shape, Text};
 
 /// Width of a figure in pixels.
 pub(super) const WIDTH: f64 = 1200.0;
-/// Height of a row of curves, and the least one of images.
+/// Height of a row of curves.
 const ROW: f64 = 380.0;
+/// The most that a row of images leaves for their height.
+const IMAGE_HEIGHT: f64 = 480.0;
 /// Left and right of everything, and below.
 pub(super) const MARGIN: f64 = 20.0;
 /// Room for the title above the legend, its baseline in it, and the size of its letters.
@@ -210,11 +212,11 @@ fn images(row: &[&Panel]) -> bool {
     row.iter().all(|panel| matches!(panel, Panel::Image(_)))
 }
 
-/// Rows of images are as high as makes them square.
+/// Returns the height of a row. Images are as high as makes them square, unless one alone would fill a page.
 fn row_height(row: &[&Panel], width: f64) -> f64 {
     if images(row) {
         let plot = width - LEFT - RIGHT;
-        return (plot.min(480.0) + HEAD + FOOT).round();
+        return (plot.min(IMAGE_HEIGHT) + HEAD + FOOT).round();
     }
     ROW
 }

@@ -206,12 +206,13 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
     let drawn = drawn(series.look, frame.palette);
 
-    let mut next_mark = frame.plot.min.x + 0.5 * MARK_EVERY;
-    if let Look::Numbered(number) = series.look {
-        // The marks of curves that run together shall stand beside each other: those of eight numbers begin at different eighths
-        // of the distance of two marks, each three eighths after the number before.
-        next_mark += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
-    }
+    // The marks of curves that run together shall stand beside each other: those of eight numbers begin at different eighths
+    // of the distance of two marks, each three eighths after the number before. Other curves have no marks.
+    let eighths = match series.look {
+        Look::Numbered(number) => (number * 3) % 8,
+        Look::Reference | Look::Alone => 0,
+    };
+    let mut next_mark = frame.plot.min.x + MARK_EVERY * eighths as f64 / 8.0;
 
     let mut marks = Vec::new();
     for point in &points {

@@ -15,7 +15,8 @@ impl Ticks {
         let least = (range[1] - range[0]) / (most.max(2) - 1) as f64;
         let ticks = Self::apart(range, least);
         if ticks.values.len() < 2 {
-            let finer = Self::apart(range, 0.4 * step(least).0);
+            // Below 1, 2 and 5 the next smaller round distance is 0.5, 0.5 and 0.4 of it, and the one after that less than 0.4.
+            let finer = Self::apart(range, 0.4 * Step::of(least).length);
             if finer.values.len() <= most {
                 return finer;
             }
@@ -25,14 +26,14 @@ impl Ticks {
 
     /// Returns the ticks of the smallest round distance that is not below `least`.
     fn apart([low, high]: [f64; 2], least: f64) -> Self {
-        let (step, decimals) = step(least);
+        let Step { length, decimals } = Step::of(least);
         // Multiples of a whole number keep their last digit, which a running sum would lose. A hair beyond
         // the ends belongs to the range: its ends are often round themselves.
         let hair = 1e-9;
-        let first = (low / step - hair).ceil() as i64;
-        let last = (high / step + hair).floor() as i64;
+        let first = (low / length - hair).ceil() as i64;
+        let last = (high / length + hair).floor() as i64;
         Self {
-            values: (first..=last).map(|i| i as f64 * step).collect(),
+            values: (first..=last).map(|i| i as f64 * length).collect(),
             decimals,
         }
     }
@@ -52,27 +53,37 @@ impl Ticks {
     }
 }
 
-/// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `least`, and its decimals.
-fn step(least: f64) -> (f64, usize) {
-    let exponent = least.log10().floor() as i32;
-    let power = |exponent: i32| {
-        // Inverses of whole powers are rounded once.
-        if exponent < 0 {
-            1.0 / 10f64.powi(-exponent)
-        } else {
-            10f64.powi(exponent)
-        }
-    };
-    let decimals = |exponent: i32| (-exponent).max(0) as usize;
+/// A round distance between ticks.
+struct Step {
+    length: f64,
+    /// How many decimals its multiples need.
+    decimals: usize,
+}
 
-    for factor in [1.0, 2.0, 5.0] {
+impl Step {
+    /// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `least`.
+    fn of(least: f64) -> Self {
+        let exponent = least.log10().floor() as i32;
+        let times = |factor: f64, exponent: i32| {
+            // Inverses of whole powers are rounded once.
+            let power = if exponent < 0 {
+                1.0 / 10f64.powi(-exponent)
+            } else {
+                10f64.powi(exponent)
+            };
+            Self {
+                length: factor * power,
+                decimals: (-exponent).max(0) as usize,
+            }
+        };
+
+        let mut steps = [1.0, 2.0, 5.0]
+            .map(|factor| times(factor, exponent))
+            .into_iter();
         // A distance that rounding left a hair above a round value still takes that value.
-        if factor * power(exponent) >= least * (1.0 - 1e-9) {
-            return (factor * power(exponent), decimals(exponent));
-        }
+        let found = steps.find(|step| step.length >= least * (1.0 - 1e-9));
+        found.unwrap_or_else(|| times(1.0, exponent + 1))
     }
-
-    (power(exponent + 1), decimals(exponent + 1))
 }
 
 #[cfg(test)]
