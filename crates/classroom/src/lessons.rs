@@ -425,10 +425,10 @@ impl OpenLesson {
             return Vec::new();
         };
 
-        let (_, step) = self.learner.tries();
+        let (_, event) = self.learner.tries();
         // Without a mark the circles are those of the samples that the question names.
         let named = || {
-            let points = question.named(step).iter();
+            let points = question.named(event).iter();
             points.filter_map(|&sample| run.point(sample).map(position))
         };
         let centers: Vec<DVec2> = if question.marked.is_empty() {

@@ -307,8 +307,13 @@ pub fn advised(votes: &[Vote], right: Option<usize>) -> Option<Advice> {
     Some(advice(votes.last()?.right_share(right)?))
 }
 
-/// The file of a handout: the stem of its name, and its path if one was given.
-pub(crate) type HandoutFile = (String, Option<PathBuf>);
+/// The file of a handout.
+pub(crate) struct HandoutFile {
+    /// Its name without the extension, for a file that the window places.
+    pub stem: String,
+    /// Its path, if one was given.
+    pub path: Option<PathBuf>,
+}
 
 /// Presenter mode in the state of the window.
 #[derive(Default)]

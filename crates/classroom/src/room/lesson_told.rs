@@ -235,11 +235,11 @@ impl OpenLesson {
 
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
-        let verdict = match (feedback.score > FULL_MARKS, feedback.score > 0.0) {
-            (true, _) if tries <= 1 => labels.right,
-            (true, _) => labels.right_now,
-            (false, true) => labels.not_quite,
-            (false, false) => labels.wrong,
+        let verdict = match feedback.score {
+            score if score > FULL_MARKS && tries <= 1 => labels.right,
+            score if score > FULL_MARKS => labels.right_now,
+            score if score > 0.0 => labels.not_quite,
+            _ => labels.wrong,
         };
 
         let word = verdict.trim_end_matches('.');

@@ -24,12 +24,11 @@ const NEXT: [f64; 2] = [440.0, 330.0];
 
 /// Saves a handout that is made.
 fn take_handout(file: HandoutFile, made: Result<String, String>, context: &mut Context) {
-    let (stem, path) = file;
     match made {
         Ok(text) => context.ask(Effect::Save(NewFile {
-            stem,
+            stem: file.stem,
             extension: "html",
-            path,
+            path: file.path,
             bytes: text.into_bytes(),
         })),
         Err(why) => context.tell_error(format!("There is no handout. {why}")),
@@ -536,7 +535,10 @@ impl Classroom {
             record: self.saved_record().cloned(),
         };
 
-        let file = (format!("{name}-handout"), path);
+        let file = HandoutFile {
+            stem: format!("{name}-handout"),
+            path,
+        };
         self.talks.handout = Some((file, task::start(&context.wake, task)));
     }
 
