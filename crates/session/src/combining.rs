@@ -73,11 +73,12 @@ pub fn make(
     let files = Files::of(around);
     let pieces = pieces(&placed, &files, monitor)?;
 
-    // A small combination keeps its stages, so that the window shows what gluing did.
+    // A small combination keeps its stages, so that the window shows what gluing did. Only the samples of the result count here;
+    // `placed.expected` also has those of sets that are made as runs of their own size.
     let options = layout.options();
     let mut observer = Gluing(monitor);
-    let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
-    let (run, seams): (Run, Vec<Seam>) = if expected <= MAX_STAGED {
+    let in_result = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
+    let (run, seams): (Run, Vec<Seam>) = if in_result <= MAX_STAGED {
         let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
         (staged.run, staged.seams)
     } else {

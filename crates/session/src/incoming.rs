@@ -184,6 +184,7 @@ impl Incoming {
     /// Returns whether it is an archive of files.
     #[must_use]
     pub fn is_archive(&self) -> bool {
+        // The name may be any: the bytes are those with which an entry of a ZIP file begins.
         ends_with(&self.name, "zip") || self.bytes.starts_with(b"PK\x03\x04")
     }
 

@@ -1,6 +1,8 @@
 //! A spatial index of samples: which ones lie in a part of the domain, with their images across a periodic
 //! border. It is a compact grid that is built once per session.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec2;
 use tilescope_core::{Domain, Point};
 
@@ -87,11 +89,11 @@ impl SampleIndex {
 
         // Whole cells are counted, without a look at the samples in them. The cells of a row follow one another.
         let row = |row: usize| {
-            let start = self.starts[row * self.columns + columns.0];
-            let end = self.starts[row * self.columns + columns.1 + 1];
+            let start = self.starts[row * self.columns + columns.start()];
+            let end = self.starts[row * self.columns + columns.end() + 1];
             (end - start) as usize
         };
-        (rows.0..=rows.1).map(row).sum()
+        rows.map(row).sum()
     }
 
     /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
@@ -172,9 +174,9 @@ impl SampleIndex {
             return;
         };
 
-        for row in rows.0..=rows.1 {
-            let start = self.starts[row * self.columns + columns.0] as usize;
-            let end = self.starts[row * self.columns + columns.1 + 1] as usize;
+        for row in rows {
+            let start = self.starts[row * self.columns + columns.start()] as usize;
+            let end = self.starts[row * self.columns + columns.end() + 1] as usize;
             for &(id, position) in &self.entries[start..end] {
                 let position = DVec2::from(position.map(f64::from));
                 // Cells reach beyond the rectangle.
@@ -185,11 +187,12 @@ impl SampleIndex {
         }
     }
 
-    fn cells(&self, low: DVec2, high: DVec2) -> Option<[(usize, usize); 2]> {
+    /// Returns the columns and the rows of the cells that a rectangle meets; `None` if it lies outside the domain.
+    fn cells(&self, low: DVec2, high: DVec2) -> Option<[RangeInclusive<usize>; 2]> {
         let axis = |k: usize, count: usize| {
             let (from, to) = (low[k].max(0.0), high[k].min(self.size[k]));
             let cell = |value: f64| ((value / self.cell) as usize).min(count - 1);
-            (from <= to).then(|| (cell(from), cell(to)))
+            (from <= to).then(|| cell(from)..=cell(to))
         };
         Some([axis(0, self.columns)?, axis(1, self.rows)?])
     }

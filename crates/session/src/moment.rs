@@ -203,6 +203,7 @@ impl<'a> ShownMoment<'a> {
     #[must_use]
     pub fn spacing(&self) -> f64 {
         let all = self.session.summary.count;
+        // Distances grow as the root of the area that each sample has.
         self.prefix
             .map_or(1.0, |count| (all as f64 / count.max(1) as f64).sqrt())
     }
@@ -231,6 +232,7 @@ impl<'a> ShownMoment<'a> {
     /// Returns whether the sample is a detector at this moment, or will be one in the coming iteration.
     #[must_use]
     pub fn is_marked(&self, id: u32) -> bool {
+        // Without events only the ends of stages are shown, and by then every detector of the stage is marked.
         let Some(debugger) = self.debugger else {
             return true;
         };

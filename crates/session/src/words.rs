@@ -7,6 +7,7 @@ use tilescope_core::Stage;
 #[must_use]
 pub fn sentence(text: &str) -> String {
     let word = text.split([' ', ':', ',']).next().unwrap_or_default();
+    // Such a word is the name of a file or of a parameter. A point at its end only ends the sentence.
     if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
         return ended(text);
     }

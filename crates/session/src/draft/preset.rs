@@ -26,66 +26,73 @@ pub enum Preset {
     Nested,
 }
 
-/// Every preset with its name and its description, in the order of the menu.
-const ROWS: [(Preset, &str, &str); 8] = [
-    (
-        Preset::First,
-        "The first session",
-        "About 10,000 samples in nine blocks: small enough to see every step.",
-    ),
-    (
-        Preset::SmallBlocks,
-        "Many small blocks",
-        "Blocks of at least 20 r, the smallest that the paper recommends, and its bounded pattern: more seams, more gaps.",
-    ),
-    (
-        Preset::Million,
-        "The paper's figure 11",
-        "A million samples, as many as the paper times. So large a run keeps its result only, without steps.",
-    ),
-    (
-        Preset::BreakIt,
-        "Break it",
-        "Gaps are searched for within 2 r only: some stay open, and the verdict shows where.",
-    ),
-    (
-        Preset::LargeBlocks,
-        "Blocks too large",
-        "Blocks larger than the pattern: it repeats within them, which the spectrum in Analysis shows as spikes.",
-    ),
-    (
-        Preset::Uniform,
-        "Uniform insertion",
-        "Gaps are filled by darts, uniformly over their area, instead of at circumcentres.",
-    ),
-    (
-        Preset::Exact,
-        "Exact tiling",
-        "Darts are tiled with their order of arrival, and what came first stays: seams have no bias.",
-    ),
-    (
-        Preset::Nested,
-        "Nested levels",
-        "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many.",
-    ),
+/// What the menu says of a preset.
+struct Row {
+    preset: Preset,
+    name: &'static str,
+    explanation: &'static str,
+}
+
+/// Every preset, in the order of the menu.
+const ROWS: [Row; 8] = [
+    Row {
+        preset: Preset::First,
+        name: "The first session",
+        explanation: "About 10,000 samples in nine blocks: small enough to see every step.",
+    },
+    Row {
+        preset: Preset::SmallBlocks,
+        name: "Many small blocks",
+        explanation: "Blocks of at least 20 r, the smallest that the paper recommends, and its bounded pattern: more seams, more gaps.",
+    },
+    Row {
+        preset: Preset::Million,
+        name: "The paper's figure 11",
+        explanation: "A million samples, as many as the paper times. So large a run keeps its result only, without steps.",
+    },
+    Row {
+        preset: Preset::BreakIt,
+        name: "Break it",
+        explanation: "Gaps are searched for within 2 r only: some stay open, and the verdict shows where.",
+    },
+    Row {
+        preset: Preset::LargeBlocks,
+        name: "Blocks too large",
+        explanation: "Blocks larger than the pattern: it repeats within them, which the spectrum in Analysis shows as spikes.",
+    },
+    Row {
+        preset: Preset::Uniform,
+        name: "Uniform insertion",
+        explanation: "Gaps are filled by darts, uniformly over their area, instead of at circumcentres.",
+    },
+    Row {
+        preset: Preset::Exact,
+        name: "Exact tiling",
+        explanation: "Darts are tiled with their order of arrival, and what came first stays: seams have no bias.",
+    },
+    Row {
+        preset: Preset::Nested,
+        name: "Nested levels",
+        explanation: "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many.",
+    },
 ];
 
 impl Preset {
     /// Returns every preset, in the order of the menu.
     pub fn all() -> impl Iterator<Item = Self> {
-        ROWS.iter().map(|row| row.0)
+        ROWS.iter().map(|row| row.preset)
     }
 
     /// Returns its name in the menu.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        ROWS[self as usize].1
+        ROWS[self as usize].name
     }
 
     /// Returns its description, in a sentence.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
-        ROWS[self as usize].2
+        ROWS[self as usize].explanation
     }
 
     /// Returns the parameters that it sets.

@@ -84,7 +84,7 @@ pub fn packed(task: &impl Serialize) -> Result<(Vec<u8>, Vec<Arc<Session>>), pos
 }
 
 /// Returns the task of these bytes.
-pub fn unpacked<'de, E: Deserialize<'de>>(bytes: &'de [u8]) -> Result<E, TaskError> {
+pub fn unpacked<'de, T: Deserialize<'de>>(bytes: &'de [u8]) -> Result<T, TaskError> {
     MISSING.with_borrow_mut(Vec::clear);
     postcard::from_bytes(bytes).map_err(|error| {
         let missing = MISSING.take();
