@@ -325,6 +325,10 @@ export function showLesson(lesson) {
 
   words = lesson.labels;
   panel.lang = lesson.language || "en";
+  // What the author wrote may be in another language than the words around it.
+  for (const part of ["steps", "text", "question"]) {
+    element(`lesson-${part}`).lang = lesson.text_language;
+  }
 
   const { list, question } = lesson;
   renew("head", list ? 0 : lesson.title, () => head(lesson));
@@ -345,7 +349,7 @@ export function showLesson(lesson) {
 
 /** @param {any} lesson */
 function head(lesson) {
-  const other = lesson.language === "de" ? "en" : "de";
+  const other = lesson.next_language;
   const list = make("div", { class: "row" });
 
   if (!lesson.list) {

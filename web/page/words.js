@@ -2,7 +2,10 @@
 // tables are the program's own, `assets/words`; one is loaded when its language is first wanted.
 
 /** The addresses of the tables, by language. @type {Record<string, string>} */
-const TABLES = { de: new URL("./{{asset:de.txt}}", import.meta.url).href };
+const TABLES = {
+  de: new URL("./{{asset:de.txt}}", import.meta.url).href,
+  es: new URL("./{{asset:es.txt}}", import.meta.url).href,
+};
 /** The key of the language of lessons in the browser's store, as in `web/app/src/page.rs`. */
 const KEY = "language";
 const SLOT = /\{[#=]?(\w+)\}/g;

@@ -13,9 +13,17 @@ import { PATIENCE_MS, launch } from "./harness.mjs";
 const here = path.dirname(fileURLToPath(import.meta.url));
 const assets = path.join(here, "../../assets");
 /** The table of German words: English texts with the German ones. */
-const GERMAN = new Map(readFileSync(path.join(assets, "words/de.txt"), "utf8").split("\n").flatMap((line, at, lines) => (line.startsWith("    ") ? [[lines[at - 1], line.slice(4)]] : [])));
+/** The texts of a table, by the English ones. */
+const table = (language) =>
+  new Map(readFileSync(path.join(assets, `words/${language}.txt`), "utf8").split("\n").flatMap((line, at, lines) => (line.startsWith("    ") ? [[lines[at - 1], line.slice(4)]] : [])));
+const GERMAN = table("de");
+const SPANISH = table("es");
 const ENGLISH_LABELS = JSON.parse(readFileSync(path.join(assets, "lesson-labels.json"), "utf8"));
-const LABELS = { en: ENGLISH_LABELS, de: Object.fromEntries(Object.entries(ENGLISH_LABELS).map(([name, text]) => [name, GERMAN.get(text)])) };
+const translated = (words) => Object.fromEntries(Object.entries(ENGLISH_LABELS).map(([name, text]) => [name, words.get(text)]));
+const LABELS = { en: ENGLISH_LABELS, de: translated(GERMAN), es: translated(SPANISH) };
+/** The language behind another one, and that of lessons where the window is in it. */
+const NEXT = { en: "de", de: "es", es: "en" };
+const textLanguage = (language) => (language === "de" ? "de" : "en");
 const TYPES = { ".txt": "text/plain", ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".webmanifest": "application/json" };
 
 /** Stands for the program: it records what it is asked and told, and shows the state that `show` is given. */
@@ -44,7 +52,7 @@ function lesson(language = "en", changes = {}) {
     controls: [{ control: "list", items }],
   };
   return {
-    lesson: "survivors", title: "Elimination and who survives it", language, step: "chain", index: 1, heading: "A chain of conflicts",
+    lesson: "survivors", title: "Elimination and who survives it", language, text_language: textLanguage(language), next_language: NEXT[language], step: "chain", index: 1, heading: "A chain of conflicts",
     steps: ["Too close", "A chain of conflicts", "Six turns", "One", "Two", "Three", "Four"].map((title, at) => ({ name: `step-${at}`, title, score: at === 0 ? 1 : null })),
     text: [text("Three samples are joined.")], waits: false, practice: null, question, answers: 0, may_go_on: false, reasons: [], labels, ...changes,
   };
@@ -60,7 +68,7 @@ function chosen(index) {
 /** The list of lessons with results. */
 function list(changes = {}) {
   const entry = { name: "welcome", title: "What is this?", objective: "You see what maximal means.", minutes: 4, gates: 3, done: 1 };
-  return { language: "en", labels: LABELS.en, list: { lessons: [entry], answered: 1, share: 1, learner: "", asked_to_clear: false, ...changes } };
+  return { language: "en", text_language: "en", next_language: "de", labels: LABELS.en, list: { lessons: [entry], answered: 1, share: 1, learner: "", asked_to_clear: false, ...changes } };
 }
 
 let server;
@@ -78,7 +86,7 @@ before(async () => {
     } else if (!/^[\w.-]+$/.test(name) || name === "sw.js") {
       response.writeHead(404).end();
     } else {
-      const bytes = readFileSync(name === "de.txt" ? path.join(assets, "words", name) : path.join(here, "../page", name));
+      const bytes = readFileSync(/^[a-z]{2}\.txt$/.test(name) ? path.join(assets, "words", name) : path.join(here, "../page", name));
       const text = bytes.toString().replace(/\{\{(?:asset|size|address):?(.*?)\}\}/g, "$1");
       // What the build writes there: a text would end the head, and the program's style would stand in the body.
       response.end(!type ? bytes : name === "index.html" ? text.replace(/\[\[.*?\]\]/g, "") : text);
@@ -121,11 +129,14 @@ function show(page, state) {
   }, state);
 }
 
-/** What sticks out of the panel or the window at the right. */
+/** What sticks out of the panel or the window at one side. */
 function outside(page) {
   return page.evaluate(() => {
     const panel = document.getElementById("lesson");
-    const far = [...panel.querySelectorAll("button, p, h2, h3, input")].filter((one) => one.getBoundingClientRect().right > innerWidth);
+    const far = [...panel.querySelectorAll("button, p, h2, h3, input")].filter((one) => {
+      const { left, right } = one.getBoundingClientRect();
+      return left < 0 || right > innerWidth;
+    });
     return [...far.map((one) => one.id || one.textContent), ...(panel.scrollWidth > panel.clientWidth ? ["the panel scrolls sideways"] : [])];
   });
 }
@@ -136,17 +147,24 @@ for (const [name, settings, css] of [
   ["at 320 px", { viewport: { width: 320, height: 568 } }, ""],
   ["on a phone with text of 200%", { viewport: PHONE }, ":root { font-size: 200% }"],
 ]) {
-  for (const language of ["en", "de"]) {
-    test(`${name} nothing of the lesson is outside, in the language ${language}`, async (t) => {
-      const page = await shown(t, lesson(language), settings, css);
-      assert.deepEqual(await outside(page), []);
-      await show(page, { ...list({ asked_to_clear: true }), language, labels: LABELS[language] });
-      assert.deepEqual(await outside(page), []);
-      // Negative control: a header that does not wrap sticks out where there is no room.
+  test(`${name} nothing of the lesson is outside, in any language, from left to right or from right to left`, async (t) => {
+    const page = await shown(t, lesson(), settings, css);
+    for (const language of Object.keys(LABELS)) {
+      for (const direction of ["ltr", "rtl"]) {
+        await page.evaluate((direction) => (document.documentElement.dir = direction), direction);
+        for (const state of [lesson(language), { ...list({ asked_to_clear: true }), language, labels: LABELS[language] }]) {
+          await show(page, state);
+          assert.deepEqual(await outside(page), [], `${language}, ${direction}`);
+        }
+      }
+    }
+    // Negative control: a header that does not wrap sticks out where there is no room.
+    for (const direction of ["ltr", "rtl"]) {
+      await page.evaluate((direction) => (document.documentElement.dir = direction), direction);
       await page.evaluate(() => document.getElementById("lesson-head").prepend(Object.assign(document.createElement("button"), { style: "min-width: 120rem" })));
       assert.notDeepEqual(await outside(page), []);
-    });
-  }
+    }
+  });
 }
 
 test("on a phone the canvas has at least half of the height, and targets have 44 px", async (t) => {
@@ -203,9 +221,14 @@ test("buttons are renewed with the language, and each says what is written on it
   const page = await shown(t, lesson("en"));
   assert.equal(await page.textContent("#lesson-back"), LABELS.en.back);
   assert.equal(await page.textContent("#lesson-language"), "Deutsch");
-  await show(page, lesson("de"));
-  for (const [id, label] of [["back", "back"], ["next", "next"], ["answer", "answer"], ["hint", "hint"], ["list", "lessons"], ["language", "other_language"]]) {
-    assert.equal(await page.textContent(`#lesson-${id}`), LABELS.de[label], id);
+  for (const language of ["es", "de"]) {
+    await show(page, lesson(language));
+    for (const [id, label] of [["back", "back"], ["next", "next"], ["answer", "answer"], ["hint", "hint"], ["list", "lessons"], ["language", "other_language"]]) {
+      assert.equal(await page.textContent(`#lesson-${id}`), LABELS[language][label], id);
+    }
+    // Lessons that are not translated stay English, and are read out as such.
+    const spoken = await page.evaluate(() => ["lesson", "lesson-text", "lesson-language"].map((id) => document.getElementById(id).lang));
+    assert.deepEqual(spoken, [language, textLanguage(language), NEXT[language]]);
   }
   const hidden = () =>
     page.locator("#lesson button[aria-label]").evaluateAll((all) =>
@@ -348,14 +371,16 @@ async function other(t, fragment, locale) {
 
 test("the voting card speaks the language of its link, or the browser's", async (t) => {
   const said = [];
-  for (const [fragment, locale] of [["card", "en-GB"], ["card", "de-AT"], ["card&language=de", "en-GB"], ["card&language=en", "de-DE"]]) {
+  for (const [fragment, locale] of [["card", "en-GB"], ["card", "de-AT"], ["card&language=de", "en-GB"], ["card&language=en", "de-DE"], ["card", "es-MX"]]) {
     const page = await other(t, fragment, locale);
     await page.locator("#card button").last().waitFor();
     said.push({ lang: await page.getAttribute("html", "lang"), texts: await texts(page) });
   }
-  const [english, german, linked, back] = said;
+  const [english, german, linked, back, spanish] = said;
   assert.deepEqual(shared(german.texts, english.texts), []);
   assert.ok(german.texts.includes("B, Quadrat"), german.texts.join("; "));
+  assert.equal(spanish.lang, "es");
+  assert.deepEqual(shared(spanish.texts, english.texts), []);
   assert.deepEqual(linked, { ...german, lang: "de" });
   assert.deepEqual(back, { ...english, lang: "en" });
   // Negative control: a page that is not translated shares its texts.

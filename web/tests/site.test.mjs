@@ -245,8 +245,11 @@ for (const path of PAGES) {
     for (const [width, size] of [[320, "100%"], [640, "200%"]]) {
       await page.setViewportSize({ width, height: 800 });
       await page.evaluate((size) => (document.documentElement.style.fontSize = size), size);
-      const needed = await page.evaluate(() => document.documentElement.scrollWidth);
-      assert.ok(needed <= width, `${needed} of ${width} pixels`);
+      for (const direction of ["ltr", "rtl"]) {
+        await page.evaluate((direction) => (document.documentElement.dir = direction), direction);
+        const needed = await page.evaluate(() => document.documentElement.scrollWidth);
+        assert.ok(needed <= width, `${needed} of ${width} pixels, ${direction}`);
+      }
     }
   });
 }

@@ -98,10 +98,9 @@ impl Lessons {
             return None;
         }
 
-        let german = Translation::read(&next.german)
-            .ok()
-            .filter(|_| self.language == "de")
-            .unwrap_or_default();
-        Some((next.name.to_string(), german.of(&lesson.title).to_owned()))
+        let translation = next.translation(&self.language);
+        let translation = translation.and_then(|text| Translation::read(text).ok());
+        let title = translation.unwrap_or_default().of(&lesson.title).to_owned();
+        Some((next.name.to_string(), title))
     }
 }

@@ -515,13 +515,13 @@ fn handout_content(arguments: &HandoutArguments) -> Result<Handout> {
         answers: *answers,
         notes: *notes,
     };
-    // Lessons of the program have a German translation, and no files beside them in which others could be.
+    // A lesson of the program has its translation with it, and no files beside it in which others could be.
     if let Some(shipped) = shipped_lesson(lesson) {
+        let translation = shipped.translation(language).map(str::to_owned);
         ensure!(
-            !is_translated || language == "de",
+            !is_translated || translation.is_some(),
             "--language {language}: {lesson} comes in en and de"
         );
-        let translation = is_translated.then(|| shipped.german.into_owned());
         return Ok(of(lesson.clone(), shipped.text.into_owned(), translation));
     }
 

@@ -83,6 +83,24 @@ pub const LECTURE: [(&str, u32); 8] = [
     ("rounds", 6),
 ];
 
+impl Shipped {
+    /// Returns the text of its translation; `None` but for German.
+    #[must_use]
+    pub fn translation(&self, language: &str) -> Option<&str> {
+        (text_language(language) == GERMAN).then_some(&*self.german)
+    }
+}
+
+/// The language into which the lessons that come with the program are translated.
+const GERMAN: &str = "de";
+
+/// Returns the language of the texts of lessons that come with the program, where the window is in a given one: English where
+/// they are not translated.
+#[must_use]
+pub fn text_language(language: &str) -> &'static str {
+    if language == GERMAN { GERMAN } else { "en" }
+}
+
 /// What a page loads when lessons are first asked for.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Loaded {

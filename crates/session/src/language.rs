@@ -2,7 +2,7 @@
 //!
 //! The program makes its texts in English; where one is shown, [`Language::text`] gives the one to show instead. A text with
 //! numbers or with parts of its own has a row with slots in braces, so that the words of a language may stand in another
-//! order. A new language is one more file, and a row of `TABLES`.
+//! order. A new language is one more file, a row of `TABLES`, a tag in `TAGS`, and a row in `web/page/words.js`.
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
@@ -12,8 +12,21 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 pub const TABLES: &[(&str, &str)] = if cfg!(target_arch = "wasm32") {
     &[]
 } else {
-    &[("de", include_str!("../../../assets/words/de.txt"))]
+    &[
+        ("de", include_str!("../../../assets/words/de.txt")),
+        ("es", include_str!("../../../assets/words/es.txt")),
+    ]
 };
+
+/// The tags of all languages that the window can have, English first, in the order in which its button leads through them.
+pub const TAGS: [&str; 3] = ["en", "de", "es"];
+
+/// Returns the tag of the language behind a given one in [`TAGS`]; English follows the last one, and any other text.
+#[must_use]
+pub fn next_tag(tag: &str) -> &'static str {
+    let at = TAGS.iter().position(|other| *other == tag);
+    at.and_then(|at| TAGS.get(at + 1)).unwrap_or(&TAGS[0])
+}
 
 /// The number by which a table shows its separators of thousands and of decimals, and how it writes percent.
 const SAMPLE_NUMBER: &str = "1,234.5%";
@@ -401,6 +414,34 @@ mod tests {
             assert_eq!(Language::read(table).err(), None, "{tag}");
         }
         assert!(Language::of("de").is_some() && Language::of("en").is_none());
+        let tables = TABLES.iter().map(|(tag, _)| *tag);
+        assert!(std::iter::once("en").chain(tables).eq(TAGS));
+    }
+
+    /// Returns the English texts of a table, in their order.
+    fn english(table: &str) -> Vec<&str> {
+        let rows = table.lines().filter(|line| !line.is_empty());
+        rows.filter(|line| !line.starts_with([' ', '#'])).collect()
+    }
+
+    // Tests of the window find what the German table lacks.
+    #[test]
+    fn all_tables_have_the_rows_of_the_first() {
+        let [first, others @ ..] = TABLES else {
+            panic!("no table");
+        };
+        assert!(english(first.1).len() > 500);
+        for (tag, table) in others {
+            assert_eq!(english(table), english(first.1), "{tag}");
+            let lacks = table.replacen("\nEnter\n", "\nReturn\n", 1);
+            assert_ne!(english(&lacks), english(first.1), "control");
+        }
+    }
+
+    #[test]
+    fn the_button_leads_through_all_languages_and_from_an_unknown_one_to_english() {
+        assert_eq!(TAGS.map(next_tag), ["de", "es", "en"]);
+        assert_eq!(next_tag("xx"), "en");
     }
 
     #[test]

@@ -13,6 +13,7 @@ use serde::Deserialize;
 use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
 use tilescope_classroom::lessons::NOT_STORED;
+use tilescope_session::language;
 use tilescope_session::look::Look;
 use tilescope_session::task::set_task_pool;
 use tilescope_ui::focus::{self, End};
@@ -43,8 +44,6 @@ const UNREADABLE_RESULTS_KEY: &str = "lessons.unreadable";
 const LOOK_KEY: &str = "look";
 /// The key of the language of lessons in the browser's store.
 const LANGUAGE_KEY: &str = "language";
-/// The languages of lessons.
-const LANGUAGES: [&str; 2] = ["en", "de"];
 
 /// Options for starting the app.
 #[derive(Default, Deserialize)]
@@ -625,10 +624,10 @@ fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<St
     storage.get_string(LANGUAGE_KEY)
 }
 
-/// Returns the language of lessons that is wanted first: "de", or "en" if the lessons have none of them.
+/// Returns the tag of the language that is wanted first, English if the window has none of them.
 fn preferred<'a>(languages: impl IntoIterator<Item = &'a String>) -> String {
     let primary = |language: &'a String| language.split('-').next().unwrap_or_default();
-    let known = |language: &&str| LANGUAGES.contains(language);
+    let known = |language: &&str| language::TAGS.contains(language);
     let found = languages.into_iter().map(primary).find(known);
     found.unwrap_or("en").to_owned()
 }

@@ -26,6 +26,7 @@ use tilescope_classroom::talk::TalkCommand;
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Question, letter};
+use tilescope_session::language::next_tag;
 use tilescope_ui::focus;
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
@@ -487,15 +488,12 @@ impl LessonPanel<'_> {
     }
 }
 
-/// Shows the button that changes the language.
+/// Shows the button that leads to the next language.
 fn language(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let (name, id) = match state.lessons().language.as_str() {
-        "de" => ("EN", "en"),
-        _ => ("DE", "de"),
-    };
+    let next = next_tag(&state.lessons().language);
     let button = ui
-        .add(Button::new(name).small())
+        .add(Button::new(next.to_uppercase()).small())
         .on_hover_text(labels(state).other_language);
-    let command = Command::Lesson(LessonCommand::Language(id.to_owned()));
+    let command = Command::Lesson(LessonCommand::Language(next.to_owned()));
     button.issues("lesson-language", command, commands);
 }

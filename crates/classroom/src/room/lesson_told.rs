@@ -3,7 +3,9 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
+use tilescope_lessons::shipped::text_language;
 use tilescope_lessons::{Control, DraftCommand, Lesson, Progress, Span, Translation, spans};
+use tilescope_session::language::next_tag;
 use tilescope_session::words::quoted;
 
 use crate::graded::FULL_MARKS;
@@ -20,8 +22,13 @@ impl Lessons {
     #[must_use]
     pub fn to_json(&self) -> Value {
         if self.shows_list {
-            let labels = lesson_labels(&self.language);
-            return json!({ "list": self.list_json(), "language": self.language, "labels": labels });
+            return json!({
+                "list": self.list_json(),
+                "language": self.language,
+                "text_language": text_language(&self.language),
+                "next_language": next_tag(&self.language),
+                "labels": lesson_labels(&self.language),
+            });
         }
 
         let Some(open) = &self.open else {
@@ -37,6 +44,12 @@ impl Lessons {
             texts
                 .map(|text| json!(spans(&learner.words(text))))
                 .collect()
+        };
+
+        // In which language the author of a file wrote is not stated there: it counts as the window's.
+        let text_language = match open.source {
+            LessonSource::Shipped => text_language(&self.language),
+            LessonSource::File(_) | LessonSource::Text => self.language.as_str(),
         };
 
         // The text after the question tells the answer, so that it is held back while the question is open.
@@ -59,6 +72,8 @@ impl Lessons {
             "form": lesson.form,
             "title": learner.words(&lesson.title),
             "language": self.language,
+            "text_language": text_language,
+            "next_language": next_tag(&self.language),
             "step": step.name,
             "index": learner.index(),
             "steps": steps.collect::<Value>(),
@@ -86,11 +101,9 @@ impl Lessons {
         let entries = self.shelf.iter().filter_map(|shipped| {
             // A lesson that cannot be read would be left out; tests read all that come with the program.
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
-            // German is the one translation that comes with the program. In other languages the texts stay English.
-            let german = Translation::read(&shipped.german)
-                .ok()
-                .filter(|_| self.language == "de")
-                .unwrap_or_default();
+            let translation = shipped.translation(&self.language);
+            let translation = translation.and_then(|text| Translation::read(text).ok());
+            let translation = translation.unwrap_or_default();
 
             // A question counts as done once it has an answer, right or wrong.
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();
@@ -99,8 +112,8 @@ impl Lessons {
 
             Some(json!({
                 "name": shipped.name,
-                "title": german.of(&lesson.title),
-                "objective": german.of(&lesson.objective),
+                "title": translation.of(&lesson.title),
+                "objective": translation.of(&lesson.objective),
                 "minutes": lesson.minutes,
                 "form": lesson.form,
                 "gates": gates.len(),

@@ -343,12 +343,12 @@ impl Classroom {
         // The tag may be any text: only that of a known language becomes a part of a path below.
         let language = Language::of(tag);
 
-        // Lessons that come with the program are translated into German alone. Tests read these translations.
-        let shipped = self.lessons.shipped(name).filter(|_| tag == "de");
-
         let read = match source {
             LessonSource::Shipped => {
-                shipped.map(|shipped| Ok(Translation::read(&shipped.german).unwrap_or_default()))
+                let shipped = self.lessons.shipped(name);
+                let text = shipped.and_then(|shipped| shipped.translation(tag));
+                // Tests read these translations.
+                text.map(|text| Ok(Translation::read(text).unwrap_or_default()))
             }
             LessonSource::File(path) if language.is_some() => {
                 translation_of_file(&path.with_extension(format!("{tag}.md")))

@@ -518,17 +518,19 @@ impl Classroom {
             return context.tell("Open a lesson first.".to_owned());
         };
 
-        // Only lessons that come with the program have a translation at hand, and it is German.
+        // Only lessons that come with the program have a translation at hand.
         let name = open.learner.lesson().name.clone();
-        let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
-        let shipped = self.lessons.shipped(&name).filter(|_| is_german);
-        let german = shipped.map(|shipped| shipped.german.to_string());
+        let shipped = self.lessons.shipped(&name);
+        let translation = shipped
+            .filter(|_| open.source == LessonSource::Shipped)
+            .and_then(|shipped| shipped.translation(&self.lessons.language))
+            .map(str::to_owned);
 
         let task = HandoutTask {
             name: name.clone(),
             text: open.text.clone(),
             language: self.lessons.language.clone(),
-            translation: german,
+            translation,
             answers,
             notes,
             // The drawings of a talk are printed if the lecturer chose to keep them.
@@ -585,8 +587,8 @@ impl Classroom {
         match (base, self.lessons.open_question()) {
             ("", _) => String::new(),
             // As in links to lessons, English is not named, so that readers of other languages get theirs.
-            (base, Some(_)) if self.lessons.language == "de" => format!("{base}#card&language=de"),
-            (base, Some(_)) => format!("{base}#card"),
+            (base, Some(_)) if self.lessons.language == "en" => format!("{base}#card"),
+            (base, Some(_)) => format!("{base}#card&language={}", self.lessons.language),
             (base, None) => format!("{base}#{fragment}"),
         }
     }

@@ -12,6 +12,7 @@ use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, Wi
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
+use tilescope_session::language;
 use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
@@ -35,9 +36,6 @@ const OTHERS: &str = "v levels exactly order-within combine at stage camera laye
 
 /// The keys of texts that people write, in which every character counts.
 const FREE_TEXTS: [&str; 4] = ["break", "watch", "mark", "mark-view"];
-
-/// The languages of lessons.
-const LANGUAGES: [&str; 2] = ["en", "de"];
 
 /// Every colouring, in the sequence of their numbers in links.
 pub const COLOURINGS: [Colouring; 4] = [
@@ -132,7 +130,7 @@ impl LinkReader {
 
     fn lesson(&mut self, content: &mut LinkContent) {
         let known = |text: &str| {
-            LANGUAGES
+            language::TAGS
                 .into_iter()
                 .find(|name| text.eq_ignore_ascii_case(name))
         };

@@ -72,8 +72,8 @@ impl LinkSource<'_> {
         };
 
         let lesson = Some(lesson);
-        // A lesson in German is linked as such. English is not named, so that a reader of such a link gets a language of their own.
-        let language = Some(lessons.language.clone()).filter(|name| name == "de");
+        // Another language than English is part of the link. English is not, so that a reader of such a link gets a language of their own.
+        let language = Some(lessons.language.clone()).filter(|name| name != "en");
         Some(link::write(&LinkContent {
             lesson,
             language,

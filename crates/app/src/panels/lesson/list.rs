@@ -3,7 +3,7 @@
 use egui::{Button, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Lesson, shipped};
+use tilescope_lessons::{Lesson, Translation, shipped};
 use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 use tilescope_workbench::command::Command;
@@ -77,13 +77,10 @@ fn entry(
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    let german = tilescope_lessons::Translation::read(&shipped.german)
-        .ok()
-        .filter(|_| state.lessons().language == "de");
-    let words = |text: &str| match &german {
-        Some(german) => german.of(text).to_owned(),
-        None => text.to_owned(),
-    };
+    let translation = shipped.translation(&state.lessons().language);
+    let translation = translation.and_then(|text| Translation::read(text).ok());
+    let translation = translation.unwrap_or_default();
+    let words = |text: &str| translation.of(text).to_owned();
 
     let gate_count = lesson.gates().count();
     let results = &state.lessons().results;
