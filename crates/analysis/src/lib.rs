@@ -42,6 +42,7 @@ mod error;
 mod exact;
 mod findings;
 mod grid;
+mod idle;
 mod input;
 mod judge;
 mod levels;

@@ -11,7 +11,8 @@ use rustfft::num_complex::Complex;
 
 use super::error::MeasureError;
 use super::kernel::{Kernel, WIDTH};
-use super::nufft::{Scratch, TOGETHER, TransformPlan, zeros};
+use super::nufft::{TransformPlan, zeros};
+use super::passes::{Scratch, TOGETHER};
 use super::spread::{Sample, Tiles, first_grid_point};
 use crate::monitor::Monitor;
 

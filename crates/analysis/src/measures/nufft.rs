@@ -1,19 +1,22 @@
 //! A type-1 non-uniform Fourier transform: samples with weights to integer frequencies of the unit torus. Samples are
 //! spread onto a fine grid, the grid is transformed, the kernel divided out. The result does not depend on the number
 //! of threads.
+//!
+//! Unless the transform is made in slices, the grid is never there as a whole: strips of it are transformed along y, and
+//! rows of frequencies are handed on as they are transformed along x ([`super::passes`]). For a million samples the grid
+//! would take 800 MB, and the system more time to clear its pages than the transform takes.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
-use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
 use super::error::MeasureError;
 use super::kernel::{OVERSAMPLING, WIDTH, transform};
-use super::spread::{Sample, Spread, SpreadGrid};
+use super::passes::{Scratch, TOGETHER};
+use super::spread::Sample;
 use super::window::FrequencyWindow;
+use crate::idle::Idle;
 use crate::monitor::Monitor;
 
 /// Bound of the transform's error by its kernel, as a fraction of the sum of the weights' magnitudes; a test
@@ -31,9 +34,6 @@ pub const MAX_WINDOW_BYTES: u64 = if cfg!(target_pointer_width = "64") {
 
 /// Largest magnitude of a frequency, 2^24: coordinates rounded to 2^-53 then blur a phase by less than 1.2e-8.
 pub const MAX_FREQUENCY: i64 = 1 << 24;
-
-/// Frequencies along the slow axis that are transformed together, so that reads use whole cache lines.
-pub(super) const TOGETHER: usize = 8;
 
 /// An axis of the grid.
 #[derive(Clone, Copy, Debug)]
@@ -121,9 +121,7 @@ pub(crate) struct TransformPlan {
 
 /// The transform at the frequencies of a plan.
 pub(crate) struct Transform {
-    pub axes: [GridAxis; 2],
-    /// Whether only the rows from `ky = 0` up are held.
-    pub real: bool,
+    pub plan: TransformPlan,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.
     pub values: Vec<Complex<f64>>,
 }
@@ -194,7 +192,8 @@ impl TransformPlan {
         if self.real { 1 } else { 2 }
     }
 
-    /// Grid, grid transformed along one axis, and result.
+    /// Grid, grid transformed along one axis, and result. A transform that is not made in slices takes less: strips of the grid
+    /// in place of all of it.
     pub fn bytes(&self) -> u64 {
         let [x, y] = self.axes.map(|axis| (axis.size + 2 * WIDTH) as u64);
         let (rows, columns) = (self.rows() as u64, self.axes[0].count() as u64);
@@ -213,188 +212,93 @@ impl TransformPlan {
         samples: &[Sample],
         monitor: &Monitor<'_>,
     ) -> Result<Transform, MeasureError> {
-        let half = if self.real {
-            let spread = Spread::<1>::new(samples, self.sizes(), |sample| [sample.weight]);
-            self.along_y_real(&spread.run(monitor)?, monitor)?
-        } else {
-            // A phase moves the middle of the window to frequency 0, about which the grid is made.
-            let middle = DVec2::from(self.axes.map(|axis| axis.middle as f64));
-            let moved = |sample: &Sample| {
-                // Whole turns are dropped before the angle loses digits to them.
-                let turns = middle.dot(sample.at);
-                let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
-                [sample.weight * cos, -sample.weight * sin]
-            };
-
-            let spread = Spread::<2>::new(samples, self.sizes(), moved);
-            self.along_y_complex(&spread.run(monitor)?, monitor)?
-        };
-
+        let half = self.along_y(samples, monitor)?;
         let values = self.along_x(&half, monitor)?;
         Ok(Transform {
-            axes: self.axes,
-            real: self.real,
+            plan: *self,
             values,
         })
+    }
+
+    /// Returns a number for each frequency of `window`, which must be that of the plan, in its sequence: what `number` makes of the
+    /// transform there. Only a few rows of the transform are kept at a time.
+    pub fn run_to_numbers(
+        &self,
+        samples: &[Sample],
+        window: &FrequencyWindow,
+        number: impl Fn([i64; 2], Complex<f64>) -> f64 + Sync,
+        monitor: &Monitor<'_>,
+    ) -> Result<Vec<f64>, MeasureError> {
+        let half = self.along_y(samples, monitor)?;
+        let (axis, columns) = (self.axes[0], self.axes[0].count());
+        let (factors, fft) = (axis.factors(), self.fft_along(0));
+
+        // Each block of transformed rows gives the rows of the window at its frequencies along y and at their opposites.
+        let mut numbers = vec![0.0; window.columns() * window.rows()];
+        let rows = window.y.clone().zip(numbers.chunks_mut(window.columns()));
+        let mut blocks: Vec<Vec<(i64, &mut [f64])>> = Vec::new();
+        blocks.resize_with(self.rows().div_ceil(TOGETHER), Vec::new);
+        for (ky, row) in rows {
+            blocks[self.row_of(ky) / TOGETHER].push((ky, row));
+        }
+
+        let rooms = Idle::default();
+        let blocks = blocks.into_par_iter().enumerate();
+        blocks.try_for_each(|(block, rows)| {
+            let room = || {
+                let values = vec![Complex::default(); TOGETHER * columns];
+                (Scratch::new(&fft, axis.size * TOGETHER), values)
+            };
+            let (mut scratch, mut values) = rooms.take_or(room);
+
+            let first = block * TOGETHER;
+            let count = TOGETHER.min(self.rows() - first);
+            let out = &mut values[..count * columns];
+            self.block_along_x(&half, block, &factors, &mut scratch, &fft, out);
+            for (ky, row) in rows {
+                let line = &out[(self.row_of(ky) - first) * columns..][..columns];
+                for (place, kx) in row.iter_mut().zip(window.x.clone()) {
+                    *place = number([kx, ky], self.in_line(line, [kx, ky]));
+                }
+            }
+
+            rooms.give((scratch, values));
+            monitor.advance((axis.size * count) as u64)
+        })?;
+        Ok(numbers)
+    }
+
+    /// The row of the transform that has a frequency along y of the window, or its opposite.
+    fn row_of(&self, ky: i64) -> usize {
+        if self.real {
+            ky.unsigned_abs() as usize
+        } else {
+            (ky - self.axes[1].middle + self.axes[1].below) as usize
+        }
+    }
+
+    /// The value at a frequency, in the row of [`Self::row_of`].
+    fn in_line(&self, line: &[Complex<f64>], [kx, ky]: [i64; 2]) -> Complex<f64> {
+        let x = self.axes[0];
+        // The weights of a real plan are real: opposite frequencies are conjugate.
+        if self.real && ky < 0 {
+            line[(x.below - kx) as usize].conj()
+        } else {
+            line[(kx - x.middle + x.below) as usize]
+        }
     }
 
     pub fn sizes(&self) -> [usize; 2] {
         self.axes.map(|axis| axis.size)
     }
-
-    /// Transforms grid lines along y, two real ones as one complex, and keeps the rows of the window.
-    fn along_y_real(
-        &self,
-        grid: &SpreadGrid<1>,
-        monitor: &Monitor<'_>,
-    ) -> Result<Vec<Complex<f64>>, MeasureError> {
-        let (size, rows) = (self.axes[1].size, self.rows());
-        let fft = FftPlanner::new().plan_fft_forward(size);
-
-        let mut half = zeros(self.axes[0].size * rows);
-        let lines = half.par_chunks_mut(2 * rows).enumerate();
-        lines.try_for_each_init(
-            || Scratch::new(&fft, size),
-            |scratch, (pair, out)| {
-                self.pair_along_y(grid, pair, scratch, &fft, out);
-                monitor.advance(2 * size as u64)
-            },
-        )?;
-        Ok(half)
-    }
-
-    /// Transforms two grid lines along y. Writes the first line's values at the rows of the window to `out`, then the second's.
-    pub(super) fn pair_along_y(
-        &self,
-        grid: &SpreadGrid<1>,
-        pair: usize,
-        scratch: &mut Scratch,
-        fft: &Arc<dyn Fft<f64>>,
-        out: &mut [Complex<f64>],
-    ) {
-        let (size, rows) = (self.axes[1].size, self.rows());
-        let [one, two] = [0, 1].map(|odd| grid.line(2 * pair + odd)[0]);
-        for (index, value) in scratch.line.iter_mut().enumerate() {
-            // Points beyond the grid's size are its first ones: the transform is periodic.
-            let folded =
-                |line: &[f64]| line[index] + line.get(index + size).copied().unwrap_or(0.0);
-            *value = Complex::new(folded(one), folded(two));
-        }
-        scratch.run(fft);
-
-        for k in 0..rows {
-            // The transform of a real line has conjugate values at opposite frequencies. So `a` is the first line's value plus
-            // i times the second's, and `b` the same with minus.
-            let [a, b] = [scratch.line[k], scratch.line[(size - k) % size].conj()];
-            out[k] = (a + b) * 0.5;
-            out[rows + k] = (a - b) * Complex::new(0.0, -0.5);
-        }
-    }
-
-    /// Transforms complex grid lines along y. Returns the values at the rows of the window, line by line.
-    fn along_y_complex(
-        &self,
-        grid: &SpreadGrid<2>,
-        monitor: &Monitor<'_>,
-    ) -> Result<Vec<Complex<f64>>, MeasureError> {
-        let (axis, rows) = (self.axes[1], self.rows());
-        let fft = FftPlanner::new().plan_fft_forward(axis.size);
-
-        let mut half = zeros(self.axes[0].size * rows);
-        let lines = half.par_chunks_mut(rows).enumerate();
-        lines.try_for_each_init(
-            || Scratch::new(&fft, axis.size),
-            |scratch, (line, out)| {
-                let [re, im] = grid.line(line);
-                for (index, value) in scratch.line.iter_mut().enumerate() {
-                    // Points beyond the grid's size are its first ones, as in `pair_along_y`.
-                    let folded = |line: &[f64]| {
-                        line[index] + line.get(index + axis.size).copied().unwrap_or(0.0)
-                    };
-                    *value = Complex::new(folded(re), folded(im));
-                }
-
-                scratch.run(&fft);
-
-                // Only rows of the window are kept.
-                for (value, offset) in out.iter_mut().zip(-axis.below..) {
-                    *value = scratch.line[axis.index(offset)];
-                }
-
-                monitor.advance(axis.size as u64)
-            },
-        )?;
-        Ok(half)
-    }
-
-    /// Transforms along x at each row of the window and divides the kernel out.
-    fn along_x(
-        &self,
-        half: &[Complex<f64>],
-        monitor: &Monitor<'_>,
-    ) -> Result<Vec<Complex<f64>>, MeasureError> {
-        let (axis, columns) = (self.axes[0], self.axes[0].count());
-        let factors = axis.factors();
-        let fft = FftPlanner::new().plan_fft_forward(axis.size);
-
-        let mut values = zeros(self.rows() * columns);
-        let blocks = values.par_chunks_mut(TOGETHER * columns).enumerate();
-        blocks.try_for_each_init(
-            || Scratch::new(&fft, axis.size * TOGETHER),
-            |scratch, (block, out)| {
-                self.block_along_x(half, block, &factors, scratch, &fft, out);
-                monitor.advance((axis.size * out.len() / columns) as u64)
-            },
-        )?;
-        Ok(values)
-    }
-
-    /// Transforms [`TOGETHER`] rows of the window along x, or those that are left, and divides the kernel out. `half` has the
-    /// values at the rows for each grid point along x; `out` gets the block's rows.
-    pub(super) fn block_along_x(
-        &self,
-        half: &[Complex<f64>],
-        block: usize,
-        factors: &[Complex<f64>],
-        scratch: &mut Scratch,
-        fft: &Arc<dyn Fft<f64>>,
-        out: &mut [Complex<f64>],
-    ) {
-        let ([x_axis, y_axis], rows) = (self.axes, self.rows());
-        let (columns, start) = (x_axis.count(), block * TOGETHER);
-        let count = out.len() / columns;
-
-        // Several rows are gathered at a time, so that whole cache lines are read.
-        for (index, line) in half.chunks_exact(rows).enumerate() {
-            for (row, value) in line[start..start + count].iter().enumerate() {
-                scratch.line[row * x_axis.size + index] = *value;
-            }
-        }
-        scratch.run(fft);
-
-        for (row, out) in out.chunks_exact_mut(columns).enumerate() {
-            let line = &scratch.line[row * x_axis.size..][..x_axis.size];
-            let along_y = y_axis.factor(self.first_row() + (start + row) as i64);
-            for ((value, factor), offset) in out.iter_mut().zip(factors).zip(-x_axis.below..) {
-                *value = line[x_axis.index(offset)] * factor * along_y;
-            }
-        }
-    }
 }
 
 impl Transform {
     /// The value at a frequency of the window.
-    pub fn at(&self, [kx, ky]: [i64; 2]) -> Complex<f64> {
-        let [x, y] = self.axes;
-        let (x_index, y_index) = (kx - x.middle + x.below, ky - y.middle);
-        let columns = x.count();
-        let at = |row: i64, column: i64| self.values[row as usize * columns + column as usize];
-        match self.real {
-            // The weights are real: opposite frequencies are conjugate.
-            true if ky < 0 => at(-ky, x.below - kx).conj(),
-            true => at(ky, x_index),
-            false => at(y_index + y.below, x_index),
-        }
+    pub fn at(&self, frequency: [i64; 2]) -> Complex<f64> {
+        let columns = self.plan.axes[0].count();
+        let line = &self.values[self.plan.row_of(frequency[1]) * columns..][..columns];
+        self.plan.in_line(line, frequency)
     }
 }
 
@@ -405,30 +309,4 @@ pub(super) fn zeros(count: usize) -> Vec<Complex<f64>> {
         .into_par_iter()
         .map(|_| Complex::default())
         .collect()
-}
-
-/// Buffers of a thread.
-pub(super) struct Scratch {
-    /// The lines that are transformed.
-    pub line: Vec<Complex<f64>>,
-    /// The memory that the transform itself needs.
-    scratch: Vec<Complex<f64>>,
-}
-
-impl Scratch {
-    pub fn new(fft: &Arc<dyn Fft<f64>>, length: usize) -> Self {
-        Self {
-            line: vec![Complex::default(); length],
-            scratch: vec![Complex::default(); fft.get_inplace_scratch_len()],
-        }
-    }
-
-    pub fn run(&mut self, fft: &Arc<dyn Fft<f64>>) {
-        fft.process_with_scratch(&mut self.line, &mut self.scratch);
-    }
-
-    /// Transforms a line of the caller's.
-    pub fn run_on(&mut self, fft: &Arc<dyn Fft<f64>>, line: &mut [Complex<f64>]) {
-        fft.process_with_scratch(line, &mut self.scratch);
-    }
 }

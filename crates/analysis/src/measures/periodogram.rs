@@ -90,7 +90,7 @@ impl Weighed {
             let weight = taper.weight(at);
             Sample { at, weight }
         };
-        let samples: Vec<Sample> = points.iter().map(sample).collect();
+        let samples: Vec<Sample> = points.par_iter().map(sample).collect();
         let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
 
         Self {
@@ -159,18 +159,9 @@ impl Periodogram {
         let monitor = Monitor::begin(control, plan.work(points.len()))?;
 
         let set = Weighed::new(points, region, taper);
-        let transform = plan.run(&set.samples, &monitor)?;
-
-        let mut power = vec![0.0; window.columns() * window.rows()];
-        let rows = power.par_chunks_mut(window.columns()).enumerate();
-        rows.for_each(|(row, powers)| {
-            let ky = window.y.start + row as i64;
-            for (power, kx) in powers.iter_mut().zip(window.x.clone()) {
-                // The sum is without the mean density, which reaches beyond the zero frequency in a tapered set.
-                let k = [kx, ky];
-                *power = set.sum(k, transform.at(k)).norm_sqr() * set.scale;
-            }
-        });
+        // The sum is without the mean density, which reaches beyond the zero frequency in a tapered set.
+        let power = |k, transform| set.sum(k, transform).norm_sqr() * set.scale;
+        let power = plan.run_to_numbers(&set.samples, window, power, &monitor)?;
 
         Ok(Self {
             window: window.clone(),

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use super::nufft::{Scratch, TOGETHER, Transform, TransformPlan};
+use super::nufft::{Transform, TransformPlan};
+use super::passes::{ComplexParts, Scratch, TOGETHER};
 use super::spread::{Sample, Spread, SpreadGrid};
 
 /// What a slice of a transform was.
@@ -42,7 +43,7 @@ pub(crate) struct SlicedTransform {
     /// The factors along x that divide the kernel out.
     factors: Vec<Complex<f64>>,
     /// The grid after the transform along y.
-    half: Vec<Complex<f64>>,
+    half: Vec<ComplexParts>,
     /// The values of the whole transform.
     values: Vec<Complex<f64>>,
     /// Slices that are made.
@@ -65,7 +66,7 @@ impl SlicedTransform {
             along_x: Along::new(x.size, TOGETHER),
             along_y: Along::new(y.size, 1),
             factors: x.factors(),
-            half: vec![Complex::default(); x.size * rows],
+            half: vec![ComplexParts::default(); x.size * rows],
             values: vec![Complex::default(); x.count() * rows],
             made: 0,
         })
@@ -110,8 +111,7 @@ impl SlicedTransform {
     /// Returns the values, once all slices are made.
     pub fn finish(self) -> Transform {
         Transform {
-            axes: self.plan.axes,
-            real: true,
+            plan: self.plan,
             values: self.values,
         }
     }

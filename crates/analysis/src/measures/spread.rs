@@ -1,19 +1,29 @@
-//! Spreads weighted samples of the unit torus onto a fine grid, in bands that fit a cache. Samples are sorted by tile
-//! first; even bands go before odd ones, so that sums have one order. Indices do not wrap: the grid has margins, and
-//! readers fold them back.
+//! Spreads weighted samples of the unit torus onto a fine grid: onto a strip of its lines at a time, or onto the whole
+//! grid band by band. Samples are sorted by tile first, and even bands go before odd ones, so that sums have one order,
+//! and strips the bits of the whole grid. Indices do not wrap: the grid has margins, and readers fold them back.
+
+use std::ops::Range;
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::error::MeasureError;
 use super::kernel::{Kernel, WIDTH};
-use crate::monitor::Monitor;
 
 /// Grid lines of a band; at least the kernel's width, so that a band reaches only into the next.
 const BAND: usize = 32;
 
+/// Bands of a strip.
+const BANDS_EACH: usize = 2;
+
+/// Grid lines of a strip. Samples that reach into two strips are spread twice, a sixth of them; longer strips do not
+/// stay in the caches until they are transformed.
+pub(super) const STRIP: usize = BANDS_EACH * BAND;
+
 /// Grid points of a tile along a line: a tile with the kernel's margin takes 27 KiB per component.
 const TILE: usize = 64;
+
+/// Lines, or points of a line, behind the last that kernels reach.
+const MARGIN: usize = WIDTH + 1;
 
 /// A sample of the unit torus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,18 +112,29 @@ impl Tiles {
     }
 }
 
-/// A grid with margins, of `C` components that follow each other line by line.
+/// Lines of a grid with margins, of `C` components that follow each other line by line.
 pub(super) struct SpreadGrid<const C: usize> {
     /// The number of values from one line to the next.
     stride: usize,
+    /// The lines that are held: all, or those of a strip.
+    lines: Range<usize>,
     cells: Vec<f64>,
 }
 
 impl<const C: usize> SpreadGrid<C> {
+    fn new(stride: usize, lines: Range<usize>) -> Self {
+        Self {
+            stride,
+            cells: vec![0.0; lines.len() * C * stride],
+            lines,
+        }
+    }
+
     /// The components of a line along y. Values beyond the grid's size belong to its start.
     pub fn line(&self, index: usize) -> [&[f64]; C] {
+        let first = (index - self.lines.start) * C;
         std::array::from_fn(|component| {
-            &self.cells[(index * C + component) * self.stride..][..self.stride]
+            &self.cells[(first + component) * self.stride..][..self.stride]
         })
     }
 }
@@ -153,39 +174,73 @@ impl<const C: usize> Spread<C> {
         }
     }
 
-    /// Returns the grid with all samples spread onto it.
-    pub fn run(&self, monitor: &Monitor<'_>) -> Result<SpreadGrid<C>, MeasureError> {
-        let mut grid = self.empty_grid();
-        monitor.advance(self.samples.len() as u64)?;
-
-        // A band writes on its own lines and those of the next: bands of one parity share none.
-        for parity in [0, 1] {
-            let band_cells = BAND * C * grid.stride;
-            let chunks = grid.cells[parity * band_cells..].par_chunks_mut(2 * band_cells);
-            chunks.enumerate().try_for_each(|(index, cells)| {
-                let band = 2 * index + parity;
-                let samples = self.band(band, grid.stride, cells);
-                monitor.advance(samples as u64)
-            })?;
-        }
-        self.fold(&mut grid);
-        Ok(grid)
+    /// How many samples are spread.
+    pub fn count(&self) -> usize {
+        self.samples.len()
     }
 
-    /// Returns the grid before any sample is spread onto it.
-    pub fn empty_grid(&self) -> SpreadGrid<C> {
-        let stride = self.sizes[1] + WIDTH + 1;
-        SpreadGrid {
-            stride,
-            cells: vec![0.0; (self.bands() + 1) * BAND * C * stride],
+    /// Returns room for a strip of lines.
+    pub fn room(&self) -> SpreadGrid<C> {
+        SpreadGrid::new(self.stride(), 0..STRIP)
+    }
+
+    /// Makes `room` the lines from `strip` times [`STRIP`] on, with all samples that reach them and what is folded into them.
+    /// Returns how many samples begin there.
+    pub fn spread_strip(&self, strip: usize, room: &mut SpreadGrid<C>) -> usize {
+        let first = strip * STRIP;
+        let lines = first..self.sizes[0].min(first + STRIP);
+        self.spread_lines(lines.clone(), room);
+
+        // Lines beyond the last one are the first ones.
+        if strip == 0 {
+            let beyond = self.sizes[0]..self.sizes[0] + MARGIN;
+            let mut margin = SpreadGrid::new(room.stride, beyond.clone());
+            self.spread_lines(beyond, &mut margin);
+            for (value, extra) in room.cells.iter_mut().zip(margin.cells) {
+                *value += extra;
+            }
         }
+
+        // The last strip has the bands behind it, too: kernels may begin on the line after the last.
+        let last = if lines.end == self.sizes[0] {
+            self.bands()
+        } else {
+            (strip + 1) * BANDS_EACH
+        };
+        self.starts[last] - self.starts[strip * BANDS_EACH]
+    }
+
+    /// Makes `room` some lines of the grid, before any is folded.
+    fn spread_lines(&self, lines: Range<usize>, room: &mut SpreadGrid<C>) {
+        room.cells.fill(0.0);
+        room.lines = lines.clone();
+
+        // The kernel of a sample reaches lines behind the first of its band.
+        let bands = lines.start.saturating_sub(WIDTH - 1) / BAND..lines.end.div_ceil(BAND);
+        // The order of the sums is that of the whole grid, where bands of one parity are spread at the same time.
+        for parity in [0, 1] {
+            for band in bands.clone().filter(|band| band % 2 == parity) {
+                self.add(self.of_band(band), &lines, room.stride, &mut room.cells);
+            }
+        }
+    }
+
+    /// Returns the whole grid before any sample is spread onto it.
+    pub fn empty_grid(&self) -> SpreadGrid<C> {
+        SpreadGrid::new(self.stride(), 0..(self.bands() + 1) * BAND)
+    }
+
+    /// The values of a line: kernels reach beyond its last point.
+    fn stride(&self) -> usize {
+        self.sizes[1] + MARGIN
     }
 
     pub fn bands(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Spreads the samples of the band that comes at an index, the even bands before the odd ones. Returns how many there are.
+    /// Spreads the samples of the band that comes at an index, the even bands before the odd ones, onto the whole grid. Returns
+    /// how many there are.
     pub fn spread_band(&self, index: usize, grid: &mut SpreadGrid<C>) -> usize {
         let even = self.bands().div_ceil(2);
         let band = if index < even {
@@ -193,46 +248,55 @@ impl<const C: usize> Spread<C> {
         } else {
             2 * (index - even) + 1
         };
-        let (stride, start) = (grid.stride, band * BAND * C * grid.stride);
-        let end = grid.cells.len().min(start + 2 * BAND * C * stride);
-        self.band(band, stride, &mut grid.cells[start..end])
+
+        let samples = self.of_band(band);
+        let lines = grid.lines.clone();
+        self.add(samples, &lines, grid.stride, &mut grid.cells);
+        samples.len()
     }
 
     /// Adds the lines beyond the last to the first ones, to which they belong, once all bands are spread.
     pub fn fold(&self, grid: &mut SpreadGrid<C>) {
         let line = C * grid.stride;
         let (home, margin) = grid.cells.split_at_mut(self.sizes[0] * line);
-        for (value, extra) in home.iter_mut().zip(&margin[..(WIDTH + 1) * line]) {
+        for (value, extra) in home.iter_mut().zip(&margin[..MARGIN * line]) {
             *value += extra;
         }
     }
 
-    /// Spreads the samples of a band onto its lines and those of the next one, and returns how many there are.
-    fn band(&self, band: usize, stride: usize, cells: &mut [f64]) -> usize {
-        // Behind the last band lie the lines that it reaches.
-        let [Some(&start), Some(&end)] = [band, band + 1].map(|band| self.starts.get(band)) else {
-            return 0;
-        };
-        let samples = &self.samples[start..end];
-        self.add(band, samples, stride, cells);
-        samples.len()
+    /// The samples of a band; none of one behind the last.
+    fn of_band(&self, band: usize) -> &[SpreadSample<C>] {
+        match [band, band + 1].map(|band| self.starts.get(band)) {
+            [Some(&start), Some(&end)] => &self.samples[start..end],
+            _ => &[],
+        }
     }
 
-    /// Adds samples of a band to its cells, each sample with the kernel's values times its weights.
-    fn add(&self, band: usize, samples: &[SpreadSample<C>], stride: usize, cells: &mut [f64]) {
+    /// Adds samples to the cells of some lines, each sample with the kernel's values times its weights.
+    fn add(
+        &self,
+        samples: &[SpreadSample<C>],
+        lines: &Range<usize>,
+        stride: usize,
+        cells: &mut [f64],
+    ) {
         for sample in samples {
+            let (line, start) = (sample.first[0] as usize, sample.first[1] as usize);
+            // Samples of the bands at both ends reach other lines, too, or only those.
+            let reached = line.max(lines.start)..(line + WIDTH).min(lines.end);
+            if reached.is_empty() {
+                continue;
+            }
+
             let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));
-            let (line, start) = (
-                sample.first[0] as usize - band * BAND,
-                sample.first[1] as usize,
-            );
+            let factors = &along_x[reached.start - line..reached.end - line];
 
             // Nothing wraps: values beyond the grid go into its margins.
-            let lines = &mut cells[line * C * stride..][..WIDTH * C * stride];
-            for (lines, factor) in lines.chunks_exact_mut(C * stride).zip(along_x) {
+            let cells = &mut cells[(reached.start - lines.start) * C * stride..];
+            for (line, factor) in cells.chunks_exact_mut(C * stride).zip(factors) {
                 for component in 0..C {
                     let weight = factor * sample.value[component];
-                    let cells = &mut lines[component * stride + start..];
+                    let cells = &mut line[component * stride + start..];
                     if let Some(cells) = cells.first_chunk_mut::<WIDTH>() {
                         for (cell, value) in cells.iter_mut().zip(along_y) {
                             *cell += weight * value;
@@ -251,4 +315,67 @@ pub(super) fn first_grid_point(at: DVec2, sizes: [usize; 2]) -> ([u32; 2], [f64;
     let first = position.ceil();
     let indices = first.to_array().map(|value| value as u32);
     (indices, (first - position).to_array())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples anywhere and at both ends of the axes, whose kernels reach beyond the last lines.
+    fn samples() -> Vec<Sample> {
+        let sample = |i: u32| Sample {
+            at: DVec2::new(f64::from(i) * 0.754_877, f64::from(i) * 0.569_84).fract(),
+            weight: 1.0 + f64::from(i % 7),
+        };
+        let ends = [0.0, 1.0].map(|end| Sample {
+            at: DVec2::splat(end),
+            weight: 0.3,
+        });
+        (0..3000).map(sample).chain(ends).collect()
+    }
+
+    fn spread(samples: &[Sample], sizes: [usize; 2]) -> Spread<2> {
+        Spread::new(samples, sizes, |sample| [sample.weight, -0.5 * sample.at.x])
+    }
+
+    /// Returns how many values of the strips' lines have other bits than those of the whole grid.
+    fn differences(strips: &Spread<2>, whole: &Spread<2>) -> usize {
+        let mut grid = whole.empty_grid();
+        for index in 0..whole.bands() {
+            whole.spread_band(index, &mut grid);
+        }
+        whole.fold(&mut grid);
+
+        let [lines, _] = whole.sizes;
+        let (mut room, mut different, mut count) = (strips.room(), 0, 0);
+        for strip in 0..lines.div_ceil(STRIP) {
+            count += strips.spread_strip(strip, &mut room);
+            for line in strip * STRIP..lines.min((strip + 1) * STRIP) {
+                let found = room.line(line).into_iter().flatten();
+                let expected = grid.line(line).into_iter().flatten();
+                different += found
+                    .zip(expected)
+                    .filter(|(a, b)| a.to_bits() != b.to_bits())
+                    .count();
+            }
+        }
+        assert_eq!(count, strips.count(), "each sample begins in one strip");
+        different
+    }
+
+    #[test]
+    fn strips_have_the_bits_of_the_whole_grid() {
+        let samples = samples();
+        // Less than a strip, whole strips, and a rest of a few lines.
+        for lines in [24, 64, 128, 150, 200] {
+            let sizes = [lines, 90];
+            let whole = spread(&samples, sizes);
+            assert_eq!(differences(&spread(&samples, sizes), &whole), 0, "{lines}");
+            // The control: one sample less shows.
+            assert!(
+                differences(&spread(&samples[1..], sizes), &whole) > 0,
+                "{lines}"
+            );
+        }
+    }
 }
