@@ -38,6 +38,7 @@ mod nufft;
 mod numbers;
 mod order;
 mod pair_correlation;
+mod pair_search;
 mod passes;
 mod peaks;
 mod periodogram;

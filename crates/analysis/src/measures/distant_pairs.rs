@@ -1,6 +1,8 @@
 //! The pairs of samples whose distance lies in a range: those that a bin of the pair correlation counts. Distances go
 //! around the torus when periodic. All pairs are counted; at most the caller's limit of them is held.
 
+use std::ops::Range;
+
 use glam::{BVec2, DVec2};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -169,9 +171,9 @@ impl RangeSearch<'_> {
                 continue;
             }
 
-            let compare = |run: &[Entry], once: bool| {
+            let compare = |run: Range<usize>, once: bool| {
                 for a in own {
-                    for b in run {
+                    for b in &grid.entries()[run.clone()] {
                         let length = self.neighbors.offset(a, b).length();
                         // A pair that is met from both of its samples counts at the lower index.
                         let counts_here = once || a.id < b.id;

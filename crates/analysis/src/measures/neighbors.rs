@@ -24,14 +24,14 @@ impl Neighbors<'_> {
         }
     }
 
-    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met. The second
-    /// argument of `see` is true where each pair is met once, and false where each is met twice, from both of its samples,
+    /// Calls `see` with runs of samples, by their indices in the grid, such that over all cells every pair of samples within
+    /// `distance` is met. The second argument of `see` is true where each pair is met once, and false where each is met twice, from both of its samples,
     /// and each sample also meets itself.
     pub fn partners(
         &self,
         [column, row]: [usize; 2],
         distance: f64,
-        mut see: impl FnMut(&[Entry], bool),
+        mut see: impl FnMut(Range<usize>, bool),
     ) {
         let (once, twice) = (true, false);
         let (grid, cells, sides) = (self.grid, self.grid.cells, self.grid.cell_sides());
@@ -51,7 +51,10 @@ impl Neighbors<'_> {
         };
         for row in rows.into_iter().flatten() {
             for columns in &columns {
-                see(grid.run(row, columns), if all_rows { twice } else { once });
+                see(
+                    grid.run_range(row, columns),
+                    if all_rows { twice } else { once },
+                );
             }
         }
 
@@ -61,11 +64,11 @@ impl Neighbors<'_> {
         }
 
         if all_columns {
-            see(grid.run(row, &(0..cells[0])), twice);
+            see(grid.run_range(row, &(0..cells[0])), twice);
         } else {
-            see(grid.run(row, &(column..column + 1)), twice);
+            see(grid.run_range(row, &(column..column + 1)), twice);
             for columns in ahead(column, reach[0], cells[0], periodic) {
-                see(grid.run(row, &columns), once);
+                see(grid.run_range(row, &columns), once);
             }
         }
     }
@@ -74,7 +77,7 @@ impl Neighbors<'_> {
     pub fn nearest(&self, entry: &Entry) -> f64 {
         let (rows, side) = (self.grid.cells[1], self.grid.cell_sides()[1]);
         let domain = &self.grid.domain;
-        let home = crate::grid::cell_at(domain, self.grid.cells, entry.position)[1];
+        let [column, home] = crate::grid::cell_at(domain, self.grid.cells, entry.position);
 
         let mut least_square = f64::INFINITY;
         // Around a torus every row is within half of them.
@@ -99,18 +102,28 @@ impl Neighbors<'_> {
             // Below and above are one row at step 0 and, of an even number of rows on a torus, at the last step.
             let above = above.filter(|_| above != below);
             for row in [below, above].into_iter().flatten() {
-                least_square = self.nearest_in_row(entry, row, least_square);
+                least_square = self.nearest_in_row(entry, [column, row], least_square);
             }
         }
         least_square.sqrt()
     }
 
     /// Returns the smaller of a squared distance and that to the nearest other sample of a row. The row is sorted by x, and
-    /// is walked from the sample's x outwards.
-    fn nearest_in_row(&self, entry: &Entry, row: usize, mut least_square: f64) -> f64 {
-        let run = self.grid.run(row, &(0..self.grid.cells[0]));
-        let x = entry.position.x;
-        let start = run.partition_point(|other| other.position.x < x);
+    /// is walked from the sample's x outwards. `column` is that of the sample.
+    fn nearest_in_row(
+        &self,
+        entry: &Entry,
+        [column, row]: [usize; 2],
+        mut least_square: f64,
+    ) -> f64 {
+        let whole = self.grid.run_range(row, &(0..self.grid.cells[0]));
+        let (run, x) = (&self.grid.entries()[whole.clone()], entry.position.x);
+
+        // A sample of an earlier column lies before the sample's x and one of a later column behind it, as no column falls when x
+        // rises. So the place where the walks begin is in the sample's own column.
+        let own = self.grid.run_range(row, &(column..column + 1));
+        let before = self.grid.entries()[own.clone()].partition_point(|other| other.position.x < x);
+        let start = own.start - whole.start + before;
         let width = self.grid.domain.extent.x;
 
         // Each step says whether the walk goes on.

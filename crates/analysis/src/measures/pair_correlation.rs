@@ -2,33 +2,19 @@
 //! around the torus when periodic; bounded sets get the translation correction. Nothing is smoothed, and counts are
 //! exact.
 
-use std::ops::Range;
-
-use glam::DVec2;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::distances::largest_min_distance;
 use super::error::MeasureError;
-use super::neighbors::Neighbors;
+use super::pair_search::{PairSearch, PairSums};
 use super::{MIN_SAMPLES, check_count, check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
-use crate::error::VerifyError;
-use crate::grid::{Entry, Grid};
+use crate::grid::Grid;
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// Bins of a distribution at most.
 const MAX_BINS: usize = 1 << 16;
-
-/// Parts that are counted apart and added in sequence, so that sums do not depend on threads.
-const PARTS: usize = 64;
-
-/// The pairs of a cell with more samples than this are counted on several threads.
-const CROWD: usize = 1 << 10;
-
-/// Pairs whose bins are found together.
-const PAIRS: usize = 16;
 
 /// Cells along the largest distance: with more, fewer samples are compared in vain, but more cells are visited.
 const CELLS_ALONG: f64 = 5.0;
@@ -83,11 +69,7 @@ impl PairCorrelation {
         let domain = Domain::new(region)?;
         let distance = most * r_max * domain.scale;
         let grid = Grid::new(points, domain, distance / CELLS_ALONG);
-        let search = PairSearch {
-            neighbors: Neighbors { grid: &grid },
-            distance,
-            bins,
-        };
+        let search = PairSearch::new(&grid, distance, bins);
         let PairSums { counts, weights } = search.run(&monitor)?;
         Ok(Self::of_sums(points.len(), &domain, most, counts, &weights))
     }
@@ -179,175 +161,6 @@ impl PairCorrelation {
     #[must_use]
     pub fn distance(&self, bin: usize) -> f64 {
         (bin as f64 + 0.5) * self.bin_width
-    }
-}
-
-/// The search for the pairs of all bins.
-struct PairSearch<'a> {
-    neighbors: Neighbors<'a>,
-    /// The end of the last bin, in the domain's unit.
-    distance: f64,
-    bins: usize,
-}
-
-/// Pairs and their weights, by bin; one more bin takes the farther pairs that were compared, and is dropped.
-struct PairSums {
-    counts: Vec<u64>,
-    weights: Vec<f64>,
-}
-
-impl PairSearch<'_> {
-    /// Returns the pairs in each bin and their weights.
-    fn run(&self, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
-        let rows = self.neighbors.grid.cells[1];
-        let bound = |part: usize| part * rows / PARTS;
-        let parts: Vec<PairSums> = (0..PARTS)
-            .into_par_iter()
-            .map(|part| self.rows(bound(part)..bound(part + 1), monitor))
-            .collect::<Result<_, _>>()?;
-
-        let mut sum = self.empty();
-        // Parts are added in their order, as the rounding of sums depends on it.
-        for part in parts {
-            sum.add(part);
-        }
-        // The last count is that of pairs beyond all bins.
-        sum.counts.pop();
-
-        let domain = &self.neighbors.grid.domain;
-        // On a torus all pairs weigh the same: exact counts give the weights.
-        if domain.periodic {
-            let area = domain.extent.element_product();
-            sum.weights = sum
-                .counts
-                .iter()
-                .map(|count| *count as f64 / area)
-                .collect();
-        }
-
-        Ok(sum)
-    }
-
-    fn empty(&self) -> PairSums {
-        PairSums {
-            counts: vec![0; self.bins + 1],
-            weights: vec![0.0; self.bins],
-        }
-    }
-
-    fn rows(&self, rows: Range<usize>, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
-        let mut found = self.empty();
-        for row in rows {
-            for column in 0..self.neighbors.grid.cells[0] {
-                let own = self.neighbors.grid.run(row, &(column..column + 1));
-                if !own.is_empty() {
-                    self.cell([column, row], &mut found);
-                    monitor.advance(own.len() as u64)?;
-                }
-            }
-        }
-        Ok(found)
-    }
-
-    /// Counts the pairs of a cell's samples with each other and with the samples ahead of them.
-    fn cell(&self, [column, row]: [usize; 2], found: &mut PairSums) {
-        let own = self.neighbors.grid.run(row, &(column..column + 1));
-        let partners = |run: &[Entry], once: bool| {
-            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one.
-            if once && self.is_one_bin([own, run]) {
-                found.counts[0] += own.len() as u64 * run.len() as u64;
-            } else if !std::ptr::eq(own, run) {
-                self.each(own, found, |k, found| self.pairs(&own[k], run, once, found));
-            } else if self.is_one_bin([own, own]) {
-                found.counts[0] += own.len() as u64 * (own.len() as u64 - 1) / 2;
-            } else {
-                // Within a cell each sample is compared with those after it.
-                let once = true;
-                self.each(own, found, |k, found| {
-                    self.pairs(&own[k], &own[k + 1..], once, found);
-                });
-            }
-        };
-        self.neighbors
-            .partners([column, row], self.distance, partners);
-    }
-
-    /// Calls `look` with the index of each sample of a cell, and with the sums to add its pairs to: on all threads where a
-    /// cluster fills the cell.
-    fn each(
-        &self,
-        own: &[Entry],
-        found: &mut PairSums,
-        look: impl Fn(usize, &mut PairSums) + Sync,
-    ) {
-        if own.len() <= CROWD {
-            for k in 0..own.len() {
-                look(k, found);
-            }
-            return;
-        }
-
-        let starts = (0..own.len()).into_par_iter().step_by(CROWD);
-        let chunks = starts.map(|start| {
-            let mut part = self.empty();
-            for k in start..own.len().min(start + CROWD) {
-                look(k, &mut part);
-            }
-            part
-        });
-        // Parts are added in their order, so that sums do not depend on threads.
-        for part in chunks.collect::<Vec<PairSums>>() {
-            found.add(part);
-        }
-    }
-
-    /// Counts the pairs of a sample with those of a run. Pairs beyond the distance go into a bin of their own: half of
-    /// the compared pairs are, and a branch would be mispredicted as often.
-    fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut PairSums) {
-        let domain = &self.neighbors.grid.domain;
-        let (per_length, beyond) = (self.bins as f64 / self.distance, self.bins as f64);
-        for run in run.chunks(PAIRS) {
-            // First the bins, without a write to the counts between them, so that roots of several pairs are under way at once.
-            let mut bins = [0_u32; PAIRS];
-            for (bin, b) in bins.iter_mut().zip(run) {
-                let length = self.neighbors.offset(a, b).length();
-                *bin = (length * per_length).min(beyond) as u32;
-            }
-
-            for (bin, b) in bins.into_iter().map(|bin| bin as usize).zip(run) {
-                let new = once || a.id < b.id;
-                found.counts[bin] += u64::from(new);
-                if !domain.periodic && new && bin < self.bins {
-                    let overlap = (domain.extent - self.neighbors.offset(a, b)).element_product();
-                    found.weights[bin] += 1.0 / overlap;
-                }
-            }
-        }
-    }
-
-    /// Returns whether all pairs of two runs are certainly in the first bin, which a tight cluster fills with as many
-    /// pairs as the square of its samples. Where pairs are weighed, each must be computed.
-    fn is_one_bin(&self, runs: [&[Entry]; 2]) -> bool {
-        let is_crowd = runs[0].len() * runs[1].len() > CROWD;
-        if !is_crowd || !self.neighbors.grid.domain.periodic {
-            return false;
-        }
-
-        let all = runs.into_iter().flatten().map(|entry| entry.position);
-        let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let (low, high) = all.fold(ends, |(low, high), at| (low.min(at), high.max(at)));
-        low.distance(high) * (self.bins as f64 / self.distance) < 1.0
-    }
-}
-
-impl PairSums {
-    fn add(&mut self, other: Self) {
-        for (total, count) in self.counts.iter_mut().zip(other.counts) {
-            *total += count;
-        }
-        for (total, weight) in self.weights.iter_mut().zip(other.weights) {
-            *total += weight;
-        }
     }
 }
 
