@@ -11,6 +11,7 @@ mod window;
 
 pub use gap_regions::{Edge, GapRegion};
 pub use triangles::Triangle;
+pub(crate) use voronoi::voronoi_cells_of;
 pub use voronoi::{VoronoiCell, voronoi_cells};
 
 use glam::DVec2;

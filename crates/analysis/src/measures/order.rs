@@ -74,33 +74,31 @@ impl Order {
 
     /// Returns the order of a set from its cells; the error if all of them are at the border.
     fn of_cells(cells: Vec<CellOrder>) -> Result<Self, MeasureError> {
-        let inner: Vec<CellOrder> = (cells.iter().copied())
-            // The border cuts the cells at it: their areas and sides say nothing about the set.
-            .filter(|cell| !cell.at_border)
-            .collect();
+        // The border cuts the cells at it: their areas and sides say nothing about the set.
+        let inner = || cells.iter().filter(|cell| !cell.at_border);
         // Without an inner cell there is no order.
-        let relative_areas = Summary::of(inner.iter().map(|cell| cell.relative_area))
+        let relative_areas = Summary::of(inner().map(|cell| cell.relative_area))
             .ok_or(MeasureError::TooFew { count: 0, limit: 1 })?;
 
-        let most_sides = inner.iter().map(|cell| cell.sides).max().unwrap_or(0);
+        let most_sides = inner().map(|cell| cell.sides).max().unwrap_or(0);
         let mut sides = vec![0; most_sides + 1];
         let (mut all_sides, mut magnitudes, mut bond_sum) = (0, 0.0, [0.0; 2]);
 
-        for cell in &inner {
+        for cell in inner() {
             sides[cell.sides] += 1;
             all_sides += cell.sides;
             magnitudes += cell.bond_order[0].hypot(cell.bond_order[1]);
             bond_sum = [0, 1].map(|part| bond_sum[part] + cell.bond_order[part]);
         }
 
-        let count = inner.len() as f64;
+        let count = relative_areas.count as f64;
         Ok(Self {
-            cells,
             relative_areas,
             sides,
             mean_sides: all_sides as f64 / count,
             bond_order: magnitudes / count,
             global_bond_order: bond_sum[0].hypot(bond_sum[1]) / count,
+            cells,
         })
     }
 }

@@ -11,7 +11,7 @@ use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
 use crate::monitor::Monitor;
 use crate::region::{Boundary, Region};
-use crate::tessellation::{VoronoiCell, voronoi_cells};
+use crate::tessellation::{VoronoiCell, voronoi_cells, voronoi_cells_of};
 
 /// Grid cells along the side of a tile; one cell holds one sample on average.
 pub(super) const TILE_CELLS: usize = 96;
@@ -166,26 +166,26 @@ impl<'a> CellTile<'a> {
             height: size.y,
             boundary: Boundary::Bounded,
         };
-        let cells = voronoi_cells(&positions, region)?;
+        let mut cells = voronoi_cells_of(own.iter().copied(), &positions, region)?;
 
         // A cell is that of the whole set if the empty circles at its corners lie in view: no sample out of view is inside of
         // them. `reach` says how far these circles reach from the sample.
-        let follows = |index: usize| {
+        let follows = |(index, cell): (usize, &VoronoiCell)| {
             [0, 1].into_iter().all(|axis| {
-                let end = |end: usize| positions[index][axis] + cells[index].reach[end][axis];
+                let end = |end: usize| positions[index][axis] + cell.reach[end][axis];
                 let [no_more_below, no_more_above] = view.ends[axis];
                 (no_more_below || end(0) >= 0.0) && (no_more_above || end(1) <= size[axis])
             })
         };
-        if !own.iter().all(|&index| follows(index)) {
+        if !own.into_iter().zip(&cells).all(follows) {
             return Ok(None);
         }
 
         let scale = self.grid.domain.scale;
-        let kept = own
-            .into_iter()
-            .map(|index| in_unit_of_caller(&cells[index], scale));
-        Ok(Some(kept.collect()))
+        for cell in &mut cells {
+            to_unit_of_caller(cell, scale);
+        }
+        Ok(Some(cells))
     }
 
     /// Returns the samples in view, from its lower corner, and which of them are the tile's, row by row.
@@ -219,14 +219,13 @@ impl<'a> CellTile<'a> {
     }
 }
 
-fn in_unit_of_caller(cell: &VoronoiCell, scale: f64) -> VoronoiCell {
-    VoronoiCell {
-        area: cell.area / (scale * scale),
-        neighbors: (cell.neighbors.iter())
-            .map(|offset| offset / scale)
-            .collect(),
-        at_border: cell.at_border,
-        reach: cell.reach.map(|corner| corner / scale),
+fn to_unit_of_caller(cell: &mut VoronoiCell, scale: f64) {
+    cell.area /= scale * scale;
+    for offset in &mut cell.neighbors {
+        *offset /= scale;
+    }
+    for corner in &mut cell.reach {
+        *corner /= scale;
     }
 }
 

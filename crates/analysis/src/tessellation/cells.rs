@@ -2,6 +2,7 @@
 //! outside the disks. Cells of a bounded domain are clipped to it. Parts are joined across cells in
 //! [`super::gap_regions`].
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::{DVec2, IVec2};
@@ -50,6 +51,18 @@ pub(super) struct Cells {
 impl Cells {
     /// Returns the cells of a window's polygons, with what the disks of `radius` leave uncovered of their sides.
     pub fn new(window: &Window, domain: &Domain, radius: f64, same: f64) -> Self {
+        let mut cells = Self::alone(window, domain, radius, same);
+        // Twins are in other cells, so that they are looked for once all sides are there.
+        let of_many = cells.sides_of_many();
+        for side in 0..cells.sides.len() {
+            cells.sides[side].twin = cells.find_twin(side, &of_many);
+            (cells.sides[side].head, cells.sides[side].tail) = cells.outside(side);
+        }
+        cells
+    }
+
+    /// Returns the cells of a window's polygons, each for itself: without twins, and without what disks leave uncovered.
+    pub fn alone(window: &Window, domain: &Domain, radius: f64, same: f64) -> Self {
         let samples = window.samples.clone();
         // A cell has six sides on average.
         let (mut sides, mut starts) = (Vec::with_capacity(6 * samples.len()), vec![0]);
@@ -68,21 +81,13 @@ impl Cells {
             starts.push(sides.len());
         }
 
-        let mut cells = Self {
+        Self {
             domain: *domain,
             radius,
             samples,
             sides,
             starts,
-        };
-
-        // Twins are in other cells, so that they are looked for once all sides are there.
-        let of_many = cells.sides_of_many();
-        for side in 0..cells.sides.len() {
-            cells.sides[side].twin = cells.find_twin(side, &of_many);
-            (cells.sides[side].head, cells.sides[side].tail) = cells.outside(side);
         }
-        cells
     }
 
     /// The sides of a cell, in counter-clockwise sequence.
@@ -222,14 +227,14 @@ impl Cells {
 }
 
 /// The polygon inside a bounded domain; a periodic one has no border.
-fn clipped(polygon: &[Corner], domain: &Domain, sample: DVec2) -> Vec<Corner> {
-    let mut corners = polygon.to_vec();
+fn clipped<'a>(polygon: &'a [Corner], domain: &Domain, sample: DVec2) -> Cow<'a, [Corner]> {
+    let mut corners = Cow::Borrowed(polygon);
     for &line in domain.border() {
         let inside = |corner: &Corner| line.depth(corner.at, domain.extent) >= 0.0;
         // Most cells do not reach the border.
         if !corners.iter().all(inside) {
             let bound = line.level(domain.extent);
-            corners = cut(&corners, line.axis, bound, sample, inside);
+            corners = Cow::Owned(cut(&corners, line.axis, bound, sample, inside));
         }
     }
     corners

@@ -44,13 +44,33 @@ pub struct VoronoiCell {
 /// # Ok::<(), tilescope_analysis::VerifyError>(())
 /// ```
 pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiCell>, VerifyError> {
+    voronoi_cells_of(0..points.len(), points, region)
+}
+
+/// Returns the Voronoi cells of some samples of a set, which are given by rising indices.
+pub(crate) fn voronoi_cells_of(
+    wanted: impl IntoIterator<Item = usize>,
+    points: &[[f64; 2]],
+    region: Region,
+) -> Result<Vec<VoronoiCell>, VerifyError> {
     let domain = Domain::new(region)?;
     check_points(points, region)?;
-    let spacing = domain.spacing(points.len());
-    let window = Window::new(points, domain, spacing)?;
+    let wanted: Vec<usize> = wanted.into_iter().collect();
+    let mut is_wanted = vec![false; points.len()];
+    for index in &wanted {
+        is_wanted[*index] = true;
+    }
+
+    // Cells need no triangles, and neither twins of their sides nor what disks leave uncovered of them.
+    let (spacing, has_triangles) = (domain.spacing(points.len()), false);
+    let is_wanted = |index: usize| is_wanted[index];
+    let window = Window::of_some(points, domain, spacing, has_triangles, is_wanted)?;
     let same = domain.same_place(spacing);
-    let cells = Cells::new(&window, &domain, spacing, same);
-    Ok((0..points.len()).map(|index| cell(&cells, index)).collect())
+    let cells = Cells::alone(&window, &domain, spacing, same);
+    Ok(wanted
+        .into_iter()
+        .map(|index| cell(&cells, index))
+        .collect())
 }
 
 /// Returns the cell of a sample, in the unit of the samples.

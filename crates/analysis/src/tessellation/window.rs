@@ -57,6 +57,19 @@ pub(super) struct Window {
 impl Window {
     /// Returns the polygons of a set, and the error of a triangulation that fails.
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
+        let has_triangles = true;
+        Self::of_some(points, domain, radius, has_triangles, |_| true)
+    }
+
+    /// Returns the polygons of the samples that are wanted, by index: those of others are empty. Triangles take a while, and are
+    /// left out unless they are asked for.
+    pub fn of_some(
+        points: &[[f64; 2]],
+        domain: Domain,
+        radius: f64,
+        has_triangles: bool,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Result<Self, VerifyError> {
         let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
 
         // All samples are triangulated together, from the domain's corner on.
@@ -77,7 +90,9 @@ impl Window {
             if !domain.periodic {
                 let guards = guards(&domain);
                 if let Some(found) = &mut found {
-                    triangles = triangles_of(found);
+                    if has_triangles {
+                        triangles = triangles_of(found);
+                    }
                     for guard in guards {
                         let inserted = found.insert(guard);
                         inserted.map_err(|error| failed(error.to_string()))?;
@@ -91,8 +106,8 @@ impl Window {
 
             // A bounded domain has no copies, and a halo of a period holds all copies that matter.
             let has_all = !domain.periodic || halo >= domain.extent.max_element();
-            let polygons =
-                found.and_then(|found| polygons(&found, &samples, &domain, halo, has_all));
+            let polygons = found
+                .and_then(|found| polygons(&found, &samples, &domain, halo, has_all, &is_wanted));
             if let Some(polygons) = polygons {
                 return Ok(Self {
                     samples,
@@ -176,14 +191,18 @@ fn polygons(
     domain: &Domain,
     halo: f64,
     has_all: bool,
+    is_wanted: impl Fn(usize) -> bool,
 ) -> Option<Vec<Vec<Corner>>> {
     let mut polygons = vec![Vec::new(); samples.len()];
     // Copies and guards only bound the cells of samples. Cells of their own are not wanted.
     let homes = (found.vertices()).filter(|vertex| {
-        vertex.data().seen.sample != GUARD && vertex.data().seen.shift == IVec2::ZERO
+        let Seen { sample, shift } = vertex.data().seen;
+        sample != GUARD && shift == IVec2::ZERO && is_wanted(sample as usize)
     });
     for vertex in homes {
         let polygon = &mut polygons[vertex.data().seen.sample as usize];
+        // A cell has six sides on average, and hardly any more than eight.
+        polygon.reserve(8);
 
         let first = vertex.out_edge()?;
         let mut edge = first;
