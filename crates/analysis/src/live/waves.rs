@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
+use fearless_simd::{Level, Simd, dispatch, f32x8, f64x8, i32x8};
 use rustfft::num_complex::Complex;
 
 use crate::measures::Transform;
@@ -208,22 +208,36 @@ fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
 /// Writes the squared transforms of a row of sums, multiplied by `scale`: from the middle on those at the columns, and
 /// before it, from there on down, those at the columns of the opposite row, which are those of the opposite columns.
 pub(super) fn write_powers(sums: &[ProductSums], scale: f64, powers: &mut [f64]) {
-    let columns = powers.len() / 2 + 1;
-    let mut first = 0;
-    for [a, b, c, d] in sums {
-        let power = |i: usize, sign: f64| {
-            let (re, im) = (a[i] - sign * b[i], c[i] + sign * d[i]);
-            scale * (re * re + im * im)
-        };
-        let [up, down] = [1.0, -1.0].map(|sign| std::array::from_fn(|i| power(i, sign)));
-        let [up, down]: [Lanes<f64>; 2] = [up, down];
+    dispatch!(Level::new(), simd => write_in_vectors(simd, sums, scale, powers));
+}
 
+#[expect(
+    clippy::inline_always,
+    reason = "it must become a part of what dispatch! compiles for the processor"
+)]
+#[inline(always)]
+fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: &mut [f64]) {
+    let columns = powers.len() / 2 + 1;
+    let scale = f64x8::splat(simd, scale);
+    for (block, products) in sums.iter().enumerate() {
+        // Closures would not be compiled for the processor below the highest level of optimisation.
+        let cosines = f64x8::from_slice(simd, &products[0]);
+        let sines = f64x8::from_slice(simd, &products[1]);
+        let (re, opposite_re) = (cosines - sines, cosines + sines);
+        let along_x = f64x8::from_slice(simd, &products[2]);
+        let along_y = f64x8::from_slice(simd, &products[3]);
+        let (im, opposite_im) = (along_x + along_y, along_x - along_y);
+
+        let up = scale * (re * re + im * im);
+        let down = scale * (opposite_re * opposite_re + opposite_im * opposite_im);
+        let down = simd.reverse_f64x8(down);
+
+        // The last block may have more columns than there are.
+        let first = block * LANES;
         let count = LANES.min(columns - first);
-        powers[columns - 1 + first..][..count].copy_from_slice(&up[..count]);
-        for (power, down) in powers[..columns - first].iter_mut().rev().zip(down) {
-            *power = down;
-        }
-        first += LANES;
+        powers[columns - 1 + first..][..count].copy_from_slice(&up.as_slice()[..count]);
+        let down = &down.as_slice()[LANES - count..];
+        powers[columns - first - count..][..count].copy_from_slice(down);
     }
 }
 

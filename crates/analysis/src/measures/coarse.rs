@@ -1,6 +1,7 @@
 //! A periodogram on a coarser grid, for display: means over rectangles of frequencies. Every frequency of the window
 //! counts, except zero and those of an incomplete rim.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -50,15 +51,16 @@ impl CoarsePower {
         let step = 1;
         let mut sums = CoarseSums::new(reach, most, step);
         let [x, y] = reach;
+        let columns = 2 * x as usize + 1;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
-            // The power at zero counts as 0: it tells the number of samples, and would outshine all others.
-            let of_structure = |k: &[i64; 2]| *k != [0, 0];
-            let power = |kx| {
-                Some([kx, ky])
-                    .filter(of_structure)
-                    .and_then(|k| periodogram.at(k))
-            };
-            let powers: Vec<f64> = (-x..=x).map(|kx| power(kx).unwrap_or(0.0)).collect();
+            // The window reaches as far as the picture to both sides, so that rows of the picture are parts of its rows.
+            let first = periodogram.window.index([-x, ky]);
+            let row = first.and_then(|first| periodogram.power.get(first..first + columns));
+            let mut powers = row.map_or_else(|| Cow::Owned(vec![0.0; columns]), Cow::Borrowed);
+            if ky == 0 {
+                // The power at zero counts as 0: it tells the number of samples, and would outshine all others.
+                powers.to_mut()[x as usize] = 0.0;
+            }
             sums.along(&powers)
         });
 

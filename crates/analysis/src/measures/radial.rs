@@ -66,12 +66,8 @@ impl RadialProfile {
             let mut sums = vec![AnnulusSums::default(); whole_annuli];
             let first = part as i64 * ROWS;
             let rows = first..(most_y + 1).min(first + ROWS);
-            // One of each two opposite frequencies is enough, as they have the same power.
-            for [length, power] in periodogram.half_plane(most_x, rows) {
-                // Frequencies beyond the last whole annulus count for nothing.
-                if let Some(sums) = sums.get_mut(annulus_of(length, width)) {
-                    sums.add(length, power);
-                }
+            for ky in rows {
+                add_row(&mut sums, periodogram, ky, most_x, width);
             }
             sums
         });
@@ -137,9 +133,30 @@ fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
         })
 }
 
-/// The annulus of a length.
+/// Adds the powers of a row of frequencies, zero or above, to the sums of their annuli.
+fn add_row(sums: &mut [AnnulusSums], periodogram: &Periodogram, ky: i64, most_x: i64, width: f64) {
+    let [x_unit, y_unit] = unit_lengths(periodogram.region);
+    // Frequencies to both sides of zero have the same length.
+    let place = |kx: i64| {
+        let length = (kx as f64 * x_unit).hypot(ky as f64 * y_unit);
+        (length, annulus_of(length, width))
+    };
+    let places: Vec<(f64, usize)> = (0..=most_x).map(place).collect();
+
+    // One of each two opposite frequencies is enough, as they have the same power.
+    let least_x = if ky == 0 { 1 } else { -most_x };
+    for kx in least_x..=most_x {
+        let (length, annulus) = places[kx.unsigned_abs() as usize];
+        // Frequencies beyond the last whole annulus count for nothing.
+        if let (Some(sums), Some(power)) = (sums.get_mut(annulus), periodogram.at([kx, ky])) {
+            sums.add(length, power);
+        }
+    }
+}
+
+/// The annulus of a length; the first one has those below it, too.
 fn annulus_of(length: f64, width: f64) -> usize {
-    ((length - 0.5) / width).floor().max(0.0) as usize
+    ((length - 0.5) / width).max(0.0) as usize
 }
 
 /// Sums over an annulus, one frequency of each pair; the spread is kept as in Welford 1962.
@@ -188,11 +205,21 @@ impl AnnulusSums {
     }
 }
 
+/// Neighbouring columns of a row whose frequencies are in one annulus.
+#[derive(Clone, Copy, Debug)]
+struct AnnulusRun {
+    annulus: u32,
+    first: u32,
+    end: u32,
+}
+
 /// The annuli of the multiples of a frequency about zero: made once, for the profiles of many sets.
 #[derive(Clone, Debug)]
 pub(crate) struct AnnulusTable {
-    /// The annulus of each frequency of a quarter, row by row; frequencies beyond the last annulus have the next index.
-    annuli: Vec<u32>,
+    /// The annuli of the frequencies of a quarter, row by row. Frequencies beyond the last annulus are in none.
+    runs: Vec<AnnulusRun>,
+    /// Where the runs of each row begin, and the end of the last row's.
+    starts: Vec<usize>,
     columns: usize,
     /// The number of frequencies in each annulus, one of each pair, and the sum of their lengths.
     counts: Vec<u64>,
@@ -208,26 +235,40 @@ impl AnnulusTable {
         let [missing_x, missing_y] = [columns, rows].map(|count| (count * step) as f64);
         let whole = annulus_of((missing_x * x_unit).min(missing_y * y_unit), width);
 
-        let mut annuli = Vec::with_capacity(columns * rows);
+        let (mut runs, mut starts) = (Vec::new(), vec![0]);
         let (mut counts, mut lengths) = (vec![0; whole + 1], vec![0.0; whole + 1]);
         for y in 0..rows {
             let along_y = (y * step) as f64 * y_unit;
             let length = |x: usize| ((x * step) as f64 * x_unit).hypot(along_y);
             let row: Vec<f64> = (0..columns).map(length).collect();
 
-            let first = annuli.len();
             // Frequencies beyond the last whole annulus share the index after it, and are left out in the end.
-            annuli.extend((row.iter()).map(|length| annulus_of(*length, width).min(whole) as u32));
+            let annulus = |length: &f64| annulus_of(*length, width).min(whole);
+            let annuli: Vec<usize> = row.iter().map(annulus).collect();
             // Counts are of one frequency of each opposite pair.
             for x in half_row(columns, y) {
-                let annulus = annuli[first + x] as usize;
-                counts[annulus] += 1;
-                lengths[annulus] += row[x];
+                counts[annuli[x]] += 1;
+                lengths[annuli[x]] += row[x];
             }
+
+            let mut first = 0;
+            for run in annuli.chunk_by(|one, next| one == next) {
+                let end = first + run.len();
+                if run[0] < whole {
+                    runs.push(AnnulusRun {
+                        annulus: run[0] as u32,
+                        first: first as u32,
+                        end: end as u32,
+                    });
+                }
+                first = end;
+            }
+            starts.push(runs.len());
         }
 
         Self {
-            annuli,
+            runs,
+            starts,
             columns,
             counts,
             lengths,
@@ -239,6 +280,7 @@ impl AnnulusTable {
         ProfileSums {
             table: self,
             sums: vec![[0.0; 2]; self.lengths.len()],
+            pairs: vec![[0.0; 2]; self.columns],
         }
     }
 }
@@ -257,33 +299,43 @@ pub(crate) struct ProfileSums<'a> {
     /// Of each annulus the sums of the powers and of their squares: quicker than Welford's mean and spread, which divide by each
     /// count. The spread loses digits where powers of an annulus are equal to more than half of theirs, as of one sample alone.
     sums: Vec<[f64; 2]>,
+    /// Room for the sums of the powers at a column and at its opposite, and of their squares.
+    pairs: Vec<[f64; 2]>,
 }
 
 impl ProfileSums<'_> {
     /// Adds a row, zero or above, of powers from `x = 1 - columns` to `columns - 1`.
     pub fn add_row(&mut self, row: usize, powers: &[f64]) {
         let columns = self.table.columns;
-        let annuli = &self.table.annuli[row * columns..][..columns];
+        let runs = &self.table.runs[self.table.starts[row]..self.table.starts[row + 1]];
+        let reached = runs.last().map_or(1, |run| run.end as usize);
+
         let (below, above) = powers.split_at(columns - 1);
+        let pairs = &mut self.pairs[..reached];
+        let pair = |one: f64, other: f64| [one + other, one * one + other * other];
         if row == 0 {
             // Opposite frequencies of the row of zero are one pair, and zero is in no annulus.
-            for (annulus, power) in annuli.iter().zip(above).skip(1) {
-                self.add(*annulus, [*power, 0.0]);
+            for (sums, one) in pairs.iter_mut().zip(above) {
+                *sums = pair(*one, 0.0);
             }
-            return;
+            pairs[0] = [0.0; 2];
+        } else {
+            pairs[0] = pair(above[0], 0.0);
+            let powers = above[1..].iter().zip(below.iter().rev());
+            for (sums, (one, other)) in pairs[1..].iter_mut().zip(powers) {
+                *sums = pair(*one, *other);
+            }
         }
 
-        self.add(annuli[0], [above[0], 0.0]);
-        let pairs = above[1..].iter().zip(below.iter().rev());
-        for (annulus, (one, other)) in annuli[1..].iter().zip(pairs) {
-            self.add(*annulus, [*one, *other]);
+        // Sums of a run are kept out of memory: to write and read them for each column takes longer than the sum.
+        for run in runs {
+            let [mut sum, mut squares] = self.sums[run.annulus as usize];
+            for [pair, square] in &self.pairs[run.first as usize..run.end as usize] {
+                sum += pair;
+                squares += square;
+            }
+            self.sums[run.annulus as usize] = [sum, squares];
         }
-    }
-
-    fn add(&mut self, annulus: u32, [one, other]: [f64; 2]) {
-        let [sum, squares] = &mut self.sums[annulus as usize];
-        *sum += one + other;
-        *squares += one * one + other * other;
     }
 
     /// Returns the profile of one set.
