@@ -1,6 +1,7 @@
 //! Progress bars, which only terminals show, and the seconds of each stage.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -30,8 +31,13 @@ pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
 /// Works with a bar of that name; stops on Ctrl-C.
 pub fn watched<T>(what: &str, work: impl FnOnce(Control<'_>) -> T) -> T {
     let bar = bar(what, 0);
+    let total = AtomicU64::new(0);
     work(&|progress| {
-        bar.set_length(progress.total);
+        // To set a length, a thread waits for all others that report, and a length seldom changes.
+        if total.load(Ordering::Relaxed) != progress.total {
+            total.store(progress.total, Ordering::Relaxed);
+            bar.set_length(progress.total);
+        }
         bar.set_position(progress.done);
         interrupt::flow()
     })

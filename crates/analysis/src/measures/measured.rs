@@ -192,8 +192,8 @@ impl MeasuredSet {
     }
 
     /// Takes the spectrum of a window of frequencies that the caller chose.
-    pub fn take_spectrum(&mut self, spectrum: Spectrum) {
-        self.spectrum = Some(Arc::new(spectrum));
+    pub fn take_spectrum(&mut self, spectrum: impl Into<Arc<Spectrum>>) {
+        self.spectrum = Some(spectrum.into());
         self.rough = None;
         self.know(Part::Spectrum);
     }

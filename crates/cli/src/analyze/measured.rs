@@ -59,6 +59,8 @@ pub struct Measurement {
     /// Distance over `r_max`, and g(r).
     pub pairs: Vec<[f64; 2]>,
     pub periodogram: Periodogram,
+    /// The shown parts of the periodogram.
+    pub spectrum: Arc<Spectrum>,
     bins: PairBins,
 }
 
@@ -176,9 +178,9 @@ impl<'a> Request<'a> {
                 set.measure(part, points, control)?;
             }
             let periodogram = Periodogram::of(points, region, &window, control)?;
-            let spectrum = Spectrum::of(&periodogram)?;
+            let spectrum = Arc::new(Spectrum::of(&periodogram)?);
             let powers = spectrum.profile.powers();
-            set.take_spectrum(spectrum);
+            set.take_spectrum(Arc::clone(&spectrum));
 
             // In an average the bins are those of the first set.
             let farthest = bins.farthest(samples, region);
@@ -198,6 +200,7 @@ impl<'a> Request<'a> {
                 curve: set.curve,
                 pairs: pairs.points(),
                 periodogram,
+                spectrum,
                 bins,
             })
         };

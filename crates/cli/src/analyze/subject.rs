@@ -1,6 +1,8 @@
 //! A subject of the analysis: a set, or the average of several, with a column in the tables and a curve in the charts.
 //! An average takes its sets one after another and keeps only their numbers.
 
+use std::sync::Arc;
+
 use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
     Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, Spectrum,
@@ -69,6 +71,8 @@ pub struct Population {
     members: Vec<Member>,
     distances: Vec<f64>,
     periodograms: MeanPeriodogram,
+    /// The shown parts of the first periodogram: those of the mean as long as it is the only one.
+    first: Option<Arc<Spectrum>>,
     powers: Option<Average>,
     correlations: Option<Average>,
     smooth: Option<SmoothMean>,
@@ -104,6 +108,7 @@ impl Population {
         }
 
         self.periodograms.add(set.periodogram)?;
+        self.first.get_or_insert(set.spectrum);
         let powers = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
         powers.add(&set.powers)?;
 
@@ -124,7 +129,9 @@ impl Population {
             return Ok(None);
         };
 
-        let spectrum = Spectrum::of(&mean)?;
+        let of_only_set = self.first.filter(|_| mean.sets == 1);
+        let spectrum =
+            of_only_set.map_or_else(|| Spectrum::of(&mean), |own| Ok(Arc::unwrap_or_clone(own)))?;
         let mut measures = means(&self.members)?;
         let mut name = self.members[0].name.clone();
         if average {
