@@ -1,14 +1,16 @@
-//! Prints all measures of a file of `x,y` lines, or times the transform and brushing on noise:
-//! `measures FILE [width height [periodic|bounded [radius]]]`, `measures time [samples frequencies threads]`,
-//! `measures brush [samples nu distance threads]`. Times are printed, not asserted.
+//! Prints all measures of a file of `x,y` lines, or times the transform and brushing on noise, or each part of the
+//! measures of a file: `measures FILE [width height [periodic|bounded [radius]]]`,
+//! `measures time [samples frequencies threads]`, `measures brush [samples nu distance threads]`,
+//! `measures parts FILE [radius]`. Times are printed, not asserted.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use tilescope_analysis::measures::{
-    Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
-    Periodogram, PowerCurve, RadialProfile, Summary, anisotropy_reference_db, density,
-    frequency_shares, largest_min_distance, pairs_between, power_band,
+    Discrepancy, FrequencyWindow, MeasureError, MeasuredSet, NearestDistances, Order,
+    PairCorrelation, Part, Periodogram, PowerCurve, RadialProfile, Spectrum, Summary,
+    anisotropy_reference_db, density, frequency_shares, largest_min_distance, pairs_between,
+    power_band,
 };
 use tilescope_analysis::{Boundary, Progress, Region};
 
@@ -24,7 +26,8 @@ fn main() {
     match text(0) {
         None => {
             println!(
-                "measures FILE [width height [periodic|bounded [radius]]], or: measures time, or: measures brush"
+                "measures FILE [width height [periodic|bounded [radius]]], or: measures time, or: measures brush, \
+                 or: measures parts FILE"
             );
         }
         Some("time") => {
@@ -32,6 +35,10 @@ fn main() {
                 text(index).map_or(default, |text| text.parse().expect("a whole number"))
             };
             time(whole(1, 1_000_000), whole(2, 1024), whole(3, 1));
+        }
+        Some("parts") => {
+            let points = read(text(1).expect("a file"));
+            parts(&points, number(2, 0.0)).expect("measures");
         }
         Some("brush") => {
             let [count, threads] = [number(1, 1e4), number(4, 1.0)].map(|value| value as usize);
@@ -234,6 +241,46 @@ fn time(count: usize, frequencies: usize, threads: usize) {
             (found.power.iter().sum::<f64>() - count as f64) / (found.power.len() - 1) as f64
         );
     }
+}
+
+/// Times the parts of the measures of a set of the periodic unit square, as `tilescope analyze` has them.
+fn parts(points: &[[f64; 2]], radius: f64) -> Result<(), MeasureError> {
+    let region = Region::UNIT_SQUARE;
+    let mut set = MeasuredSet::new(
+        points.len(),
+        region,
+        Some(radius).filter(|radius| *radius > 0.0),
+    );
+    for part in Part::of_numbers().filter(|part| *part != Part::Spectrum) {
+        processor(part.doing(), || set.measure(part, points, &go_on))?;
+    }
+    processor("g(r)", || set.measure(Part::Pairs, points, &go_on))?;
+
+    let window = Spectrum::window_to(Spectrum::MAX_NU, points.len() as f64, region)?;
+    let found = processor("periodogram", || {
+        Periodogram::of(points, region, &window, &go_on)
+    })?;
+    processor("rings and picture", || Spectrum::of(&found))?;
+    Ok(())
+}
+
+/// Prints the seconds that a part takes, by the clock and of all processors: by the program, and by the system for it.
+fn processor<T>(name: &str, run: impl FnOnce() -> T) -> T {
+    let (start, before) = (Instant::now(), ticks());
+    let found = run();
+    let (seconds, after) = (start.elapsed().as_secs_f64(), ticks());
+    let [user, system] = [0, 1].map(|part| (after[part] - before[part]) / 100.0);
+    println!("{name:>20}: {seconds:.2} s, processor {user:.2} + {system:.2} s");
+    found
+}
+
+/// Hundredths of seconds that all threads computed; zeros where the system does not tell.
+fn ticks() -> [f64; 2] {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // The name of the program, in brackets, may hold spaces.
+    let numbers = text.rsplit(')').next().unwrap_or_default().split(' ');
+    let mut times = numbers.skip(12).filter_map(|number| number.parse().ok());
+    [0, 1].map(|_| times.next().unwrap_or(0.0))
 }
 
 /// Times the measures behind a mark in a curve: the shares of a ring that ends at a frequency `nu`, and the pairs up to
