@@ -146,6 +146,7 @@ impl<'a> PairSearch<'a> {
         let grid = self.neighbors.grid;
         let own = grid.run_range(row, &(column..column + 1));
         let samples = |run: &Range<usize>| &grid.entries()[run.clone()];
+
         let partners = |run: Range<usize>, once: bool| {
             // A tight cluster has the square of its samples in pairs, which need not be looked at one by one.
             if once && self.is_one_bin([samples(&own), samples(&run)]) {
@@ -164,6 +165,7 @@ impl<'a> PairSearch<'a> {
                 });
             }
         };
+
         self.neighbors
             .partners([column, row], self.distance, partners);
     }
