@@ -158,6 +158,24 @@ impl Rect64 {
         (self.min.cmple(p) & p.cmplt(self.max)).all()
     }
 
+    /// Returns four rectangles that together are this one without `inner`, which lies in it: the one below, the one to the left,
+    /// the one to the right and the one above. They do not overlap.
+    #[inline]
+    #[must_use]
+    pub(crate) fn without(&self, inner: &Self) -> [Self; 4] {
+        let rect = |left, bottom, right, top| Self {
+            min: I64Vec2::new(left, bottom),
+            max: I64Vec2::new(right, top),
+        };
+        let (min, max) = (self.min, self.max);
+        [
+            rect(min.x, min.y, max.x, inner.min.y),
+            rect(min.x, inner.min.y, inner.min.x, inner.max.y),
+            rect(inner.max.x, inner.min.y, max.x, inner.max.y),
+            rect(min.x, inner.max.y, max.x, max.y),
+        ]
+    }
+
     /// Returns the intersection with `other`, or `None` if it is empty.
     #[must_use]
     pub fn within(&self, other: &Rect) -> Option<Rect> {
@@ -387,6 +405,28 @@ impl Domain {
     pub fn users_from_lattice(&self, points: &[Point]) -> Vec<[f64; 2]> {
         let unit = self.unit();
         points.iter().map(|&p| self.user_of(p, unit)).collect()
+    }
+
+    /// Returns the positions in user units of places of the plane, which repeats a periodic domain. Places of the domain have
+    /// the positions that [`Self::user_from_lattice`] gives.
+    #[must_use]
+    pub fn users_from_plane<'a>(
+        &self,
+        places: &'a [I64Vec2],
+    ) -> impl ExactSizeIterator<Item = [f64; 2]> + use<'a> {
+        let unit = self.unit();
+        // A periodic plane has no end at which a rounded product must stay.
+        let end = match self.boundary {
+            Boundary::Periodic => DVec2::INFINITY,
+            Boundary::Bounded => self.size.into(),
+        };
+        (places.iter()).map(move |place| (place.as_dvec2() * unit).min(end).to_array())
+    }
+
+    /// Returns the place of the plane nearest to a position in user units: that of a sample, if the position is a sample's.
+    #[must_use]
+    pub fn plane_from_user(&self, position: [f64; 2]) -> I64Vec2 {
+        (DVec2::from(position) / self.unit()).round().as_i64vec2()
     }
 
     /// Returns the lengths of a lattice unit along x and y, in user units.

@@ -63,6 +63,7 @@ pub mod windows {
 pub use circumcentre::{circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, radius_for_count, search_radius};
 pub use engine::parallel::instructions::InstructionSet;
+pub use engine::parallel::places::PlaceBuffers;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::parallel::widened::WidenedWindow;

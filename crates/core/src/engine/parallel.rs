@@ -12,6 +12,7 @@ pub(crate) mod frame;
 pub(crate) mod gaps;
 pub(crate) mod instructions;
 mod near;
+pub(crate) mod places;
 pub(crate) mod plane;
 mod region;
 pub(crate) mod side_by_side;

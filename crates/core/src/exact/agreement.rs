@@ -8,8 +8,6 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use glam::I64Vec2;
-
 use crate::engine::parallel::window_maker::parts;
 use crate::lattice::{Domain, Point, R, Rect, Window};
 
@@ -51,18 +49,8 @@ impl Agreement {
 
 /// Returns the four strips of width R around a window, which do not overlap.
 fn strips(window: &Rect) -> [Window; 4] {
-    let (min, max) = (I64Vec2::from(window.min), I64Vec2::from(window.max));
-    let reach = i64::from(R);
-    let strip = |left, bottom, right, top| Window {
-        min: I64Vec2::new(left, bottom),
-        max: I64Vec2::new(right, top),
-    };
-    [
-        strip(min.x - reach, min.y - reach, max.x + reach, min.y),
-        strip(min.x - reach, max.y, max.x + reach, max.y + reach),
-        strip(min.x - reach, min.y, min.x, max.y),
-        strip(max.x, min.y, max.x + reach, max.y),
-    ]
+    let (inner, reach) = (Window::from(*window), i64::from(R));
+    inner.grown(reach, reach).without(&inner)
 }
 
 /// Appends to `out` those of `points`, which are in canonical order, that lie in a rectangle.

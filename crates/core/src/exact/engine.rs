@@ -645,7 +645,7 @@ impl<'a> ExactTiling<'a> {
 
     /// Counts what the window has.
     fn count(&self, counts: &mut WindowCounts) {
-        *counts = WindowCounts::default();
+        counts.clear();
         let window = self.present.ground().frame.window;
         let corners = self.blocks.iter().map(|block| block.rect.min);
         let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));

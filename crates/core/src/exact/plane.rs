@@ -274,7 +274,7 @@ mod tests {
             };
             let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
             let plane = ExactPlane::new(&parameters, &history).unwrap();
-            let windows = pieces(&plane.domain.rect(), 12 * R);
+            let windows: Vec<Rect> = pieces(&plane.domain.rect(), 12 * R).collect();
 
             let mut differing = [0; 6];
             for window in &windows {

@@ -317,7 +317,7 @@ impl NestedPlane {
         window: &Window,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
-        self.compute_parts(&parts(self.domain(), window), observer)
+        self.compute_parts(parts(self.domain(), window), observer)
     }
 
     /// Returns `window` with a margin around it, with the samples of the set `S_level`.
@@ -355,12 +355,11 @@ impl NestedPlane {
     /// Returns the samples of all `parts`, which lie in the domain, level by level in the order of the whole.
     fn compute_parts(
         &self,
-        parts: &[Rect],
+        parts: impl Iterator<Item = Rect>,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
         let windows: Vec<Rect> = parts
-            .iter()
-            .flat_map(|part| pieces(part, self.window_side))
+            .flat_map(|part| pieces(&part, self.window_side))
             .collect();
 
         let (stage, total) = (Stage::Regions, windows.len() as u64);

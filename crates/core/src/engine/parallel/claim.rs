@@ -4,7 +4,7 @@
 //! nothing must be sorted.
 
 use fearless_simd::Simd;
-use glam::{I64Vec2, IVec2};
+use glam::IVec2;
 
 use crate::lattice::{R, Rect, Rect64, covers_offset};
 use crate::parameters::Order;
@@ -120,7 +120,7 @@ impl<const TAGS: bool> Region<TAGS> {
         target: &Rect,
     ) {
         self.waiting.clear();
-        for part in frame_between(&block.rect, &interior(block, depth)) {
+        for part in block.rect.without(&interior(block, depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
@@ -143,7 +143,7 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         // All are clipped before the first is decided, since a decision needs the whole region.
         self.waiting.clear();
-        for part in frame_between(&block.rect.grown(R.into(), R.into()), &block.rect) {
+        for part in block.rect.grown(R.into(), R.into()).without(&block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
@@ -175,8 +175,8 @@ impl<const TAGS: bool> Region<TAGS> {
         // The buffer is taken out of the region, which changes meanwhile.
         let mut contested = std::mem::take(&mut self.contested);
         for block in blocks {
-            let own = frame_between(&block.rect, &interior(block, depth));
-            let margin = frame_between(&block.rect.grown(R.into(), R.into()), &block.rect);
+            let own = block.rect.without(&interior(block, depth));
+            let margin = block.rect.grown(R.into(), R.into()).without(&block.rect);
 
             for (part, is_own) in own
                 .map(|p| (p, true))
@@ -258,19 +258,4 @@ impl<const TAGS: bool> Region<TAGS> {
 #[inline(always)]
 fn interior(block: &PlacedBlock, depth: i64) -> Rect64 {
     block.rect.grown(-depth - 1, -depth)
-}
-
-/// Returns four rectangles that together are `outer` without `inner`.
-fn frame_between(outer: &Rect64, inner: &Rect64) -> [Rect64; 4] {
-    let rect = |left, bottom, right, top| Rect64 {
-        min: I64Vec2::new(left, bottom),
-        max: I64Vec2::new(right, top),
-    };
-    let (min, max) = (outer.min, outer.max);
-    [
-        rect(min.x, min.y, max.x, inner.min.y),
-        rect(min.x, inner.min.y, inner.min.x, inner.max.y),
-        rect(inner.max.x, inner.min.y, max.x, inner.max.y),
-        rect(min.x, inner.max.y, max.x, max.y),
-    ]
 }

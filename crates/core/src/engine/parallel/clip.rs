@@ -7,6 +7,7 @@ use glam::I64Vec2;
 use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect, Rect64};
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
+use crate::pool::Pool;
 use crate::random::{Key, Stream, below};
 use crate::stages::blocks::{Block, Node};
 use crate::stages::tile::clip_start;
@@ -229,6 +230,8 @@ pub struct Clipper {
     key: Key,
     variants: Vec<CellPattern>,
     counts: Option<Vec<u32>>,
+    /// Lists of the nodes that a search has yet to visit.
+    stacks: Pool<Vec<Visit>>,
 }
 
 /// A node to visit, the index of its first split in the clipper's counts, and the index of its first leaf.
@@ -247,6 +250,7 @@ impl Clipper {
             key,
             variants,
             counts: None,
+            stacks: Pool::default(),
         }
     }
 
@@ -295,7 +299,10 @@ impl Clipper {
     pub fn blocks(&self, frame: &Frame, out: &mut Vec<PlacedBlock>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();
-        let mut stack: Vec<Visit> = vec![(Node::root(&self.domain, self.key), 0, 0)];
+        let mut stack = self.stacks.take();
+        // A search that failed has left nodes behind.
+        stack.clear();
+        stack.push((Node::root(&self.domain, self.key), 0, 0));
         let mut sequence = 0;
 
         while let Some((node, split, leaf)) = stack.pop() {
@@ -321,6 +328,8 @@ impl Clipper {
                 sequence += 1;
             }
         }
+
+        self.stacks.give(stack);
         Ok(())
     }
 

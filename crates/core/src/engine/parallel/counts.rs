@@ -22,6 +22,17 @@ pub struct WindowCounts {
 }
 
 impl WindowCounts {
+    /// Begins to count anew.
+    pub(crate) fn clear(&mut self) {
+        // The list keeps its memory.
+        let mut inserted = std::mem::take(&mut self.inserted);
+        inserted.clear();
+        *self = Self {
+            inserted,
+            ..Self::default()
+        };
+    }
+
     /// Adds the counts of another window.
     pub fn add(&mut self, other: &Self) {
         self.blocks += other.blocks;
@@ -56,8 +67,8 @@ impl WindowCounts {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Returns the counts of the window without the cells in `repaired`, which the repairing regions count.
-    pub(super) fn count(&self, repaired: &[Rect]) -> WindowCounts {
+    /// Adds the counts of the window without the cells in `repaired`, which the repairing regions count.
+    pub(super) fn count(&self, repaired: &[Rect], counts: &mut WindowCounts) {
         let window = self.frame.window;
         let counted = |x: i32, y: i32| {
             let cell = Point::new(x >> CELL_BITS, y >> CELL_BITS);
@@ -65,7 +76,6 @@ impl<const TAGS: bool> Region<TAGS> {
             window.contains(Point::new(x, y)) && !is_repaired
         };
 
-        let mut counts = WindowCounts::default();
         for block in &self.blocks {
             let min = block.rect.min;
             let is_inside = Rect64::from(window).contains(min);
@@ -92,6 +102,5 @@ impl<const TAGS: bool> Region<TAGS> {
                 counts.insert(inserted.iteration as usize - 1, 1);
             }
         }
-        counts
     }
 }

@@ -84,6 +84,8 @@ pub(crate) struct GapBuffers {
     sites: [u8; MAX_SITES],
     candidates: Vec<RankedCandidate>,
     todo: Vec<(u32, u8)>,
+    /// Cells in which a detection found that it does not know enough.
+    unsure: Vec<usize>,
     pub inserted: Vec<Inserted>,
     /// Cell and slot of the samples inserted in the last iteration, sorted.
     detectors: Vec<u64>,
@@ -105,6 +107,7 @@ impl Default for GapBuffers {
             sites: [0; MAX_SITES],
             candidates: Vec::new(),
             todo: Vec::new(),
+            unsure: Vec::new(),
             inserted: Vec::new(),
             detectors: Vec::new(),
         }

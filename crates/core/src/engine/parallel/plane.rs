@@ -117,23 +117,24 @@ impl Plane {
     /// Appends the samples of a window just computed: see [`Region::emit`].
     pub(super) fn emit<const TAGS: bool>(
         &self,
-        scratch: &Scratch<TAGS>,
+        scratch: &mut Scratch<TAGS>,
         out: &mut Vec<Point>,
         tags: &mut Vec<u64>,
         rows: &mut Vec<u32>,
     ) {
-        let region = &scratch.0[0];
+        let region = &mut scratch.0[0];
         dispatch!(self.instructions.level(), _simd => region.emit(out, tags, rows));
     }
 
-    /// Computes a window in the region number `depth` of `scratch`, and returns its counts. The
+    /// Computes a window in the region number `depth` of `scratch`, and adds its counts to `counts`. The
     /// window is not empty and lies in the domain.
     pub(super) fn compute<const TAGS: bool>(
         &self,
         scratch: &mut Scratch<TAGS>,
         depth: usize,
         window: &Rect,
-    ) -> Result<WindowCounts, SampleError> {
+        counts: &mut WindowCounts,
+    ) -> Result<(), SampleError> {
         let is_beyond_repair = depth > MAX_REPAIRS;
         if is_beyond_repair && self.whole.is_none() {
             return Err(SampleError::Entangled {
@@ -152,7 +153,8 @@ impl Plane {
         if let Some(whole) = &self.whole
             && (is_beyond_repair || depth > 0 && whole.is_shorter(&frame))
         {
-            return whole.show(region, &self.domain, window);
+            counts.add(&whole.show(region, &self.domain, window)?);
+            return Ok(());
         }
 
         region.reset(frame, self.rules.reach());
@@ -168,17 +170,21 @@ impl Plane {
 
         // One window in some hundred has unsure cells, which are computed again with a wider halo. A halo that always
         // suffices would cost all windows more than repairs cost those few.
-        let unsure = region.unsure_in_window(NEIGHBOURS);
-        let mut counts = region.count(&unsure);
+        // The list is taken out of the region, since more regions come to stand beside it.
+        let mut unsure = std::mem::take(&mut region.repairs);
+        region.unsure_in_window(NEIGHBOURS, &mut unsure);
+        region.count(&unsure, counts);
+
         for cells in &unsure {
             let region = &scratch.0[depth];
             let part = part_of(&region.frame, cells, window);
-            counts.add(&self.compute(scratch, depth + 1, &part)?);
+            self.compute(scratch, depth + 1, &part, counts)?;
             let (known, wider) = scratch.0.split_at_mut(depth + 1);
             known[depth].adopt(&wider[0], cells);
         }
 
-        Ok(counts)
+        scratch.0[depth].repairs = unsure;
+        Ok(())
     }
 }
 
@@ -246,8 +252,8 @@ impl Plane {
         out: &mut WindowSamples,
     ) -> Result<(), SampleError> {
         let mut scratch = pool.take();
-        out.counts = self.compute(&mut scratch, 0, window)?;
-        self.emit(&scratch, &mut out.points, &mut out.tags, &mut out.rows);
+        self.compute(&mut scratch, 0, window, &mut out.counts)?;
+        self.emit(&mut scratch, &mut out.points, &mut out.tags, &mut out.rows);
         pool.give(scratch);
         Ok(())
     }
@@ -288,10 +294,11 @@ mod tests {
                     max: Point::new((x + 8) * R, (y + 8) * R),
                 };
                 let mut scratch = Scratch::<false>::default();
-                plane.compute(&mut scratch, depth, &window).unwrap();
+                let counts = &mut WindowCounts::default();
+                plane.compute(&mut scratch, depth, &window, counts).unwrap();
                 repaired += usize::from(scratch.0.len() > depth + 1);
                 let mut points = Vec::new();
-                let region = &scratch.0[depth];
+                let region = &mut scratch.0[depth];
                 region.emit(&mut points, &mut Vec::new(), &mut Vec::new());
                 found.push(points);
             }
@@ -351,7 +358,8 @@ mod tests {
         };
         let found = |plane: &Plane, depth: usize| {
             let mut scratch = Scratch::<true>::default();
-            let counts = plane.compute(&mut scratch, depth, &window)?;
+            let mut counts = WindowCounts::default();
+            plane.compute(&mut scratch, depth, &window, &mut counts)?;
             let (mut points, mut tags, mut rows) = (Vec::new(), Vec::new(), Vec::new());
             scratch.0[depth].emit(&mut points, &mut tags, &mut rows);
             Ok((points, tags, rows, counts))

@@ -69,6 +69,10 @@ pub(crate) struct Region<const TAGS: bool> {
     pub waiting: Vec<(i32, i32, u64)>,
     pub contested: Vec<super::claim::Contested>,
     pub gaps: GapBuffers,
+    /// The samples of a row of cells, while they are put in order.
+    line: Vec<Point>,
+    /// The rectangles of cells that are computed again with a wider halo.
+    pub repairs: Vec<Rect>,
 }
 
 impl<const TAGS: bool> Region<TAGS> {
@@ -172,11 +176,11 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns rectangles of cells that hold all unsure cells of the window and do not overlap; cells at most
+    /// Makes `found` rectangles of cells that hold all unsure cells of the window and do not overlap; cells at most
     /// `near` from a rectangle are joined to it.
-    pub(crate) fn unsure_in_window(&self, near: i32) -> Vec<Rect> {
+    pub(crate) fn unsure_in_window(&self, near: i32, found: &mut Vec<Rect>) {
         let window = self.frame.window_cells();
-        let mut found: Vec<Rect> = Vec::new();
+        found.clear();
         for &cell in &self.unsure {
             let (column, row) = self.frame.column_row(cell as usize);
             let at = Point::new(column, row);
@@ -193,7 +197,6 @@ impl<const TAGS: bool> Region<TAGS> {
             }
             found.push(joined);
         }
-        found
     }
 
     /// Replaces the cells `cells` (of this frame) by those of a region in which they are sure.
@@ -216,7 +219,7 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Appends the window's samples in canonical order to `out`, with `TAGS` their tags to `tags`, and after each row of cells
     /// the length of `out` to `rows`.
     #[inline(always)]
-    pub(crate) fn emit(&self, out: &mut Vec<Point>, tags: &mut Vec<u64>, rows: &mut Vec<u32>) {
+    pub(crate) fn emit(&mut self, out: &mut Vec<Point>, tags: &mut Vec<u64>, rows: &mut Vec<u32>) {
         let cells = self.frame.window_cells();
         let width = (cells.max.x - cells.min.x) as usize;
         let window = self.frame.window;
@@ -226,8 +229,11 @@ impl<const TAGS: bool> Region<TAGS> {
         let ends_at_cells =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(at_cells) == [true; 4];
 
-        // A cell has at most three samples, and four places are written for it.
-        let mut line = vec![Point::default(); 3 * width + 4];
+        // The buffer is taken out of the region, which is read while it changes. A cell has at most three samples, and four
+        // places are written for it.
+        let mut held_line = std::mem::take(&mut self.line);
+        held_line.resize(3 * width + 4, Point::default());
+        let line = &mut held_line[..];
 
         for row in cells.min.y..cells.max.y {
             let start = self.frame.cell(cells.min.x, row);
@@ -278,6 +284,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
             rows.push(out.len() as u32);
         }
+
+        self.line = held_line;
     }
 
     /// Appends the tags of a row of cells.

@@ -1,6 +1,7 @@
 //! What engines that compute any window of a run alone have in common: a run or a larger window is cut into windows that
 //! fit the cache, which are computed on all threads.
 
+use glam::I64Vec2;
 use rayon::prelude::*;
 
 use crate::error::SampleError;
@@ -10,6 +11,7 @@ use crate::stage::Stage;
 
 use super::counts::WindowCounts;
 use super::frame::CELL_BITS;
+use super::places::{PlaceBuffers, beyond};
 use super::side_by_side::compute_each;
 use super::widened::WidenedWindow;
 
@@ -48,6 +50,33 @@ pub trait WindowMaker: Sync + Sized {
         samples_of_window(self, window, observer)
     }
 
+    /// Returns the places in the plane of the samples in `window`, in lattice units: where a periodic domain repeats, a sample is
+    /// at the place of its image in the window.
+    ///
+    /// They are made by the calling thread alone, in `buffers`, whose memory is used again from call to call. A window of at
+    /// most [`Self::MAX_SIDE`] radii a side that does not cross the domain's end has canonical order; others come piece by piece.
+    /// Fails as [`Self::window`].
+    fn places<'b>(
+        &self,
+        window: &Window,
+        buffers: &'b mut PlaceBuffers,
+    ) -> Result<&'b [I64Vec2], SampleError> {
+        buffers.fill(self, &[*window])
+    }
+
+    /// Returns the places of the samples in `to` that are not in `from`: what a window gains when it moves. With the two
+    /// exchanged, these are the samples that it loses.
+    ///
+    /// Only the part of `to` outside of `from` is computed, at most four rectangles. Otherwise as [`Self::places`].
+    fn gained<'b>(
+        &self,
+        from: &Window,
+        to: &Window,
+        buffers: &'b mut PlaceBuffers,
+    ) -> Result<&'b [I64Vec2], SampleError> {
+        buffers.fill(self, &beyond(from, to))
+    }
+
     /// Returns the window with the samples around it that a verifier needs to judge it. Fails as [`Self::observed_window`].
     fn widened(
         &self,
@@ -73,6 +102,7 @@ impl WindowSamples {
         self.points.clear();
         self.tags.clear();
         self.rows.clear();
+        self.counts.clear();
     }
 }
 
@@ -82,10 +112,7 @@ fn samples_of_window<M: WindowMaker>(
     window: &Window,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
-    let pieces: Vec<Rect> = parts(maker.domain(), window)
-        .iter()
-        .flat_map(|part| pieces(part, M::MAX_SIDE << CELL_BITS))
-        .collect();
+    let pieces: Vec<Rect> = pieces_of_window(maker, window).collect();
 
     let compute = |piece: &Rect| {
         let mut found = WindowSamples::default();
@@ -117,15 +144,24 @@ fn samples_of_window<M: WindowMaker>(
     Ok(points)
 }
 
+/// Returns the rectangles of the domain that are computed one by one for `window`.
+pub(super) fn pieces_of_window<M: WindowMaker>(
+    maker: &M,
+    window: &Window,
+) -> impl Iterator<Item = Rect> + use<M> {
+    let side = M::MAX_SIDE << CELL_BITS;
+    parts(maker.domain(), window).flat_map(move |part| pieces(&part, side))
+}
+
 /// Returns the parts of the domain that a window shows, each once.
-pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
+pub(crate) fn parts(domain: &Domain, window: &Window) -> impl Iterator<Item = Rect> + use<> {
     let max = domain.rect().max;
     let ends = [i64::from(max.x), i64::from(max.y)];
     let spans = [0, 1].map(|axis| {
         let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
         if !domain.is_periodic() {
-            // The plane ends at a closed border.
-            return vec![(low.max(0), high.min(end))];
+            // The plane ends at a closed border: there is no second span.
+            return [(low.max(0), high.min(end)), (0, 0)];
         }
 
         // A window longer than the domain would show places twice.
@@ -133,33 +169,30 @@ pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
         // Moved by whole sides, the window begins in the domain. A part beyond the end lies at the beginning again.
         let shift = low.div_euclid(end) * end;
         let (low, high) = (low - shift, high - shift);
-        vec![(0, high - end), (low, high.min(end))]
+        [(0, high - end), (low, high.min(end))]
     });
 
     // A span that ends before it begins holds no places.
-    let mut parts = Vec::new();
-    for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
-        for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
-            parts.push(Rect {
-                min: Point::new(left as i32, bottom as i32),
-                max: Point::new(right as i32, top as i32),
-            });
-        }
-    }
-    parts
+    let held = move |axis: usize| spans[axis].into_iter().filter(|(low, high)| low < high);
+    held(1).flat_map(move |(bottom, top)| {
+        held(0).map(move |(left, right)| Rect {
+            min: Point::new(left as i32, bottom as i32),
+            max: Point::new(right as i32, top as i32),
+        })
+    })
 }
 
 /// Cuts a part of the domain into windows of at most `side` units along each axis.
-pub(crate) fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
-    let cut = |low: i32, high: i32| {
+pub(crate) fn pieces(part: &Rect, side: i32) -> impl Iterator<Item = Rect> + use<> {
+    let part = *part;
+    let cut = move |low: i32, high: i32| {
         let starts = (low..high).step_by(side as usize);
         starts.map(move |at| (at, at.saturating_add(side).min(high)))
     };
-    let rows = cut(part.min.y, part.max.y);
-    let rect = |(bottom, top), (left, right)| Rect {
-        min: Point::new(left, bottom),
-        max: Point::new(right, top),
-    };
-    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
-        .collect()
+    cut(part.min.y, part.max.y).flat_map(move |(bottom, top)| {
+        cut(part.min.x, part.max.x).map(move |(left, right)| Rect {
+            min: Point::new(left, bottom),
+            max: Point::new(right, top),
+        })
+    })
 }

@@ -36,9 +36,9 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.open_index.resize(self.frame.cell_count(), 0);
 
         self.find_open(gaps);
-        let mut unsure = Vec::new();
-        // The list of open cells is taken out of the buffers, which change meanwhile.
+        // The lists are taken out of the buffers, which change meanwhile.
         let masks = std::mem::take(&mut gaps.masks);
+        let mut unsure = std::mem::take(&mut gaps.unsure);
 
         for &(cell, open) in &masks {
             let cell = cell as usize;
@@ -68,9 +68,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         gaps.masks = masks;
-        for cell in unsure {
-            self.make_hot(cell);
-        }
+        self.make_all_hot(gaps, unsure);
     }
 
     /// Fills `gaps.masks` with the cells that have open pixels.
@@ -138,9 +136,9 @@ impl<const TAGS: bool> Region<TAGS> {
         first: usize,
         rules: &Rules,
     ) {
-        // The list of pixels to search is taken out of the buffers, which change meanwhile.
+        // The lists are taken out of the buffers, which change meanwhile.
         let mut todo = std::mem::take(&mut gaps.todo);
-        let mut unsure = Vec::new();
+        let mut unsure = std::mem::take(&mut gaps.unsure);
         todo.clear();
         gaps.candidates.clear();
         gaps.detectors.clear();
@@ -176,9 +174,15 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         gaps.todo = todo;
-        for cell in unsure {
+        self.make_all_hot(gaps, unsure);
+    }
+
+    /// Makes the cells of a list hot, and gives the list back to the buffers, empty.
+    fn make_all_hot(&mut self, gaps: &mut GapBuffers, mut cells: Vec<usize>) {
+        for cell in cells.drain(..) {
             self.make_hot(cell);
         }
+        gaps.unsure = cells;
     }
 
     /// Appends the open pixels for which the sample at (x, y) may be one of a candidate's.
