@@ -1,5 +1,6 @@
 //! Compiles the GPU engine's own shaders without the checks that wgpu adds to every shader, since it may come from
-//! anywhere. This crate holds the one `unsafe` of the programs and nothing else.
+//! anywhere. This crate holds the one `unsafe` of the programs and nothing else; the library for C, which is no part of them,
+//! has others.
 //!
 //! # The argument
 //!

@@ -23,6 +23,7 @@ fn documents() -> Vec<PathBuf> {
         ".github/CONTRIBUTING.md",
         "crates/README.md",
         "crates/STYLE.md",
+        "crates/c/README.md",
         "crates/cli/README.md",
         "crates/python/README.md",
         "crates/python/distributed.md",

@@ -8,6 +8,7 @@ mod digests;
 mod documents;
 mod engines;
 mod instructions;
+mod lints;
 mod live_moments;
 mod numbers;
 mod packages;

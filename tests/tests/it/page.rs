@@ -14,9 +14,10 @@ const BODY: usize = 15;
 
 /// For each crate the fewest comments in 1,000 lines of bodies: the counts of the day when the crate was last gone through. Raise
 /// them with each pass.
-const LIMITS: [(&str, usize); 24] = [
+const LIMITS: [(&str, usize); 25] = [
     ("crates/analysis", 69),
     ("crates/app", 52),
+    ("crates/c", 60),
     ("crates/canvas", 65),
     ("crates/classroom", 62),
     ("crates/cli", 72),
