@@ -74,8 +74,8 @@ typedef struct TilescopePlane TilescopePlane;
 /* Returns the usual settings: seed 1, radius 1, period 0, leaf 0, method TILESCOPE_KDRT. */
 TilescopeSettings tilescope_settings(void);
 
-/* Makes a plane, which takes about 20 milliseconds, and stores it in *plane: free it by tilescope_plane_free(). After a failure
- * *plane is null. */
+/* Makes a plane and stores it in *plane: free it by tilescope_plane_free(). After a failure *plane is null. The first plane of a
+ * program takes about 20 milliseconds, with TILESCOPE_EXACT half a second, as its pattern is made. */
 TilescopeStatus tilescope_plane_new(const TilescopeSettings *settings, TilescopePlane **plane);
 
 /* Frees a plane. Null is allowed. */
