@@ -37,7 +37,7 @@ enum {
 enum {
     /* Tiling of samples, elimination and insertion (Wang and Suda 2017): the fastest. */
     TILESCOPE_KDRT = 0,
-    /* Tiling of darts with their order of arrival: seams leave no trace in the statistics. About 20 times as slow. */
+    /* Tiling of darts with their order of arrival: seams leave no trace in the statistics. Moves take about 50 times as long. */
     TILESCOPE_EXACT = 1
 };
 
