@@ -56,6 +56,7 @@ mod lesson;
 mod moment;
 mod names;
 mod parameters;
+mod part;
 mod prose;
 mod question;
 mod read;
