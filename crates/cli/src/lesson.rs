@@ -1,6 +1,7 @@
 //! `tilescope lesson`: checks lessons, writes new ones and their keys, translations and handouts, and merges results.
 
 mod gain_page;
+mod package;
 
 use std::fmt::Write;
 use std::fs;
@@ -17,6 +18,8 @@ use tilescope_lessons::gain::Gains;
 use tilescope_lessons::results::{self, Merged, Results};
 use tilescope_lessons::shipped::{self, Shipped};
 use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check, is_language};
+
+use package::PackageArguments;
 
 use crate::paths::{InFile, check_inputs_stay, extension, named};
 use crate::progress::bar;
@@ -44,6 +47,9 @@ pub enum LessonCommand {
     },
     /// Make a handout: one HTML file with a picture of each step, the questions and space to write
     Handout(HandoutArguments),
+    /// Make a package for a course system (LMS): a ZIP archive with the program and the lesson, which reports score,
+    /// completion and answers by SCORM or cmi5
+    Package(PackageArguments),
     /// Make a lesson of the scenes of a session, to be presented or given questions
     From {
         /// The session, NAME.tilescope
@@ -138,6 +144,7 @@ Examples:
   tilescope lesson play gaps --present  the same, for a projector and a clicker
   tilescope lesson play lecture         the lecture of fifty minutes
   tilescope lesson handout gaps --out gaps.html --answers
+  tilescope lesson package gaps --scorm 1.2 --out gaps.zip
   tilescope lesson from talk.tilescope  a lesson of a session's scenes
   tilescope lesson new mine.md          a new lesson, to be edited
   tilescope lesson check mine.md        every question, for 40 runs; exit code 1 if anything is wrong
@@ -155,6 +162,7 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
             "{lesson} is played in the window, and there is none: there is no display, or this build has no window"
         ),
         LessonCommand::Handout(arguments) => handout(arguments, window)?,
+        LessonCommand::Package(arguments) => package::package(arguments)?,
         LessonCommand::From { session, out } => from(session, out.as_deref(), window)?,
         LessonCommand::List => list()?,
         LessonCommand::Keys(arguments) => keys(arguments)?,

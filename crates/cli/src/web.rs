@@ -147,8 +147,12 @@ fn outward(listening: IpAddr) -> Option<IpAddr> {
     Some(socket.local_addr().ok()?.ip())
 }
 
-/// Returns the folder to serve.
-fn folder(asked: Option<&Path>) -> Result<PathBuf> {
+/// Returns the folder of the built page: the one that was asked for, or one of the usual ones.
+///
+/// # Errors
+///
+/// There is no page.
+pub fn folder(asked: Option<&Path>) -> Result<PathBuf> {
     let has_page = |folder: &Path| folder.join("index.html").is_file();
     if let Some(folder) = asked {
         // Of a folder without the page all files would be served, and the page would not be found.

@@ -1,0 +1,341 @@
+//! `tilescope lesson package`: a lesson as a ZIP archive that course systems take. It has the built page, a page around it that
+//! speaks with the system (`web/course`), and the list of the lesson's questions. Begin with [`package`].
+
+mod archive;
+mod manifest;
+mod program;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use tilescope_figures::escape;
+use tilescope_formats::write_whole;
+use tilescope_lessons::shipped::Shipped;
+use tilescope_lessons::{Lesson, Translation, plain};
+
+use super::lesson_named;
+use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
+use crate::{output, web};
+use manifest::Description;
+
+/// The languages of the page.
+const LANGUAGES: [&str; 2] = ["en", "de"];
+
+/// The page's files that are in every package, by their names there.
+const PAGE: [(&str, &str); 3] = [
+    (
+        "course.css",
+        include_str!("../../../../web/course/course.css"),
+    ),
+    (
+        "course.js",
+        include_str!("../../../../web/course/course.js"),
+    ),
+    (
+        "record.js",
+        include_str!("../../../../web/course/record.js"),
+    ),
+];
+/// The page itself, with marks as `[[title]]`.
+const INDEX: &str = include_str!("../../../../web/course/index.html");
+
+/// Arguments of `tilescope lesson package`.
+#[derive(Debug, Args)]
+pub struct PackageArguments {
+    /// A file, or the name of a lesson that comes with the program
+    lesson: String,
+    /// The file to write
+    #[arg(long, value_name = "FILE.zip")]
+    out: PathBuf,
+    /// Make a package by this version of SCORM, as most course systems take it
+    #[arg(long, value_name = "VERSION", required_unless_present = "cmi5")]
+    scorm: Option<ScormVersion>,
+    /// Make a package by cmi5, for course systems with a record store
+    #[arg(long, conflicts_with = "scorm")]
+    cmi5: bool,
+    /// Only these steps, by their names in links, in the order of the lesson
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    steps: Vec<String>,
+    /// The percent of the score from which on the lesson counts as passed; without it there is only a score
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pass: Option<u8>,
+    /// The language to begin with, en or de; a learner can change it where the lesson has both
+    #[arg(long, value_name = "LANGUAGE", default_value = "en")]
+    language: String,
+    /// The built page [default: web/dist, or the folder `web` beside the program]
+    #[arg(long, value_name = "DIR")]
+    folder: Option<PathBuf>,
+}
+
+/// A version of SCORM.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ScormVersion {
+    /// The one that every system takes
+    #[value(name = "1.2")]
+    Old,
+    /// The fourth edition of SCORM 2004, with the score and the verdict apart
+    #[value(name = "2004")]
+    New,
+}
+
+/// How a course system and the page speak with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum System {
+    /// SCORM 1.2.
+    #[serde(rename = "scorm-1.2")]
+    Scorm12,
+    /// SCORM 2004, fourth edition.
+    #[serde(rename = "scorm-2004")]
+    Scorm2004,
+    /// cmi5.
+    #[serde(rename = "cmi5")]
+    Cmi5,
+}
+
+impl System {
+    const fn of(arguments: &PackageArguments) -> Self {
+        match arguments.scorm {
+            Some(ScormVersion::Old) => Self::Scorm12,
+            Some(ScormVersion::New) => Self::Scorm2004,
+            None => Self::Cmi5,
+        }
+    }
+
+    /// Returns its name in messages.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Scorm12 => "SCORM 1.2",
+            Self::Scorm2004 => "SCORM 2004",
+            Self::Cmi5 => "cmi5",
+        }
+    }
+
+    /// Returns the script that speaks with the system, by its name in the package.
+    const fn script(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Scorm12 | Self::Scorm2004 => {
+                ("scorm.js", include_str!("../../../../web/course/scorm.js"))
+            }
+            Self::Cmi5 => ("cmi5.js", include_str!("../../../../web/course/cmi5.js")),
+        }
+    }
+
+    /// Returns the policy of the page: what it may load. Only a record store is reached over the network, wherever it is.
+    fn policy(self) -> String {
+        let connect = match self {
+            Self::Scorm12 | Self::Scorm2004 => "'none'",
+            Self::Cmi5 => "'self' https: http:",
+        };
+        format!(
+            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; frame-src 'self'; \
+             connect-src {connect}; base-uri 'none'; form-action 'none'"
+        )
+    }
+}
+
+/// What the page knows of its lesson: the file `lesson.js`.
+#[derive(Debug, Serialize)]
+struct PackagedLesson {
+    system: System,
+    name: String,
+    language: String,
+    /// The languages in which the lesson can be read.
+    languages: Vec<&'static str>,
+    /// The hash of the lesson's text: what a system has kept of another one does not count.
+    hash: String,
+    /// The share of the score from which on the lesson counts as passed.
+    mastery: Option<f64>,
+    questions: Vec<PackagedQuestion>,
+}
+
+/// A question, as the page needs it to know when all are done.
+#[derive(Debug, Serialize)]
+struct PackagedQuestion {
+    gate: String,
+    id: String,
+    step: String,
+    title: String,
+    seed: u64,
+    traced: bool,
+}
+
+/// Makes a package, and says how large it is.
+///
+/// # Errors
+///
+/// An unknown lesson, step or language; a lesson without questions; no built page; a file that cannot be written.
+pub fn package(arguments: &PackageArguments) -> Result<()> {
+    let out = &arguments.out;
+    let path = named(out);
+    ensure!(
+        extension(out) == "zip",
+        "--out {path}: the file must end in .zip"
+    );
+    // Before the work, so that it is not in vain.
+    check_file(out)?;
+    check_inputs_stay(out, [Path::new(&arguments.lesson)])?;
+    let language = &arguments.language;
+    ensure!(
+        LANGUAGES.contains(&language.as_str()),
+        "--language {language}: the page speaks {}",
+        LANGUAGES.join(" and ")
+    );
+
+    let system = System::of(arguments);
+    let source = source(arguments)?;
+    let lesson = Lesson::read(&source.name, &source.text)
+        .map_err(|fault| anyhow!("{}: {fault}", arguments.lesson))?;
+    let translation = match (&*source.german, language.as_str()) {
+        ("", _) | (_, "en") => Translation::default(),
+        (german, _) => Translation::read(german)
+            .map_err(|fault| anyhow!("{} in {language}: {fault}", arguments.lesson))?,
+    };
+    let told = told(&lesson, &translation, &source, arguments);
+    let count = told.questions.len();
+    ensure!(
+        count > 0,
+        "{}: {} no question, so that a course would get no score",
+        arguments.lesson,
+        if arguments.steps.is_empty() {
+            "the lesson has"
+        } else {
+            "these steps have"
+        }
+    );
+
+    let title = plain(translation.of(&lesson.title));
+    let folder = web::folder(arguments.folder.as_deref())?;
+    let mut files = program::files(&folder, source)?;
+    files.extend(page(&told, &title)?);
+    let description = Description {
+        id: identity(&lesson.name, &arguments.steps),
+        objective: plain(translation.of(&lesson.objective)),
+        language: language.as_str(),
+        mastery: told.mastery,
+        title,
+    };
+    let names: Vec<&str> = files.keys().map(String::as_str).collect();
+    let (manifest, text) = manifest::of(system, &description, &names)?;
+    files.insert(manifest.to_owned(), text);
+
+    let bytes = archive::packed(&files)?;
+    write_whole(out, &bytes).in_file(out)?;
+    output::emit(&format!(
+        "{path}: {} bytes, {count} questions, for {}\n",
+        bytes.len(),
+        system.name()
+    ))
+}
+
+/// Returns the lesson with the chosen steps, and its German translation, empty if it has none.
+fn source(arguments: &PackageArguments) -> Result<Shipped> {
+    let (name, text, translation) = lesson_named(&arguments.lesson, &arguments.language)?;
+    // In an English package German can be chosen, if there is a translation.
+    let german = translation.or_else(|| lesson_named(&arguments.lesson, "de").ok()?.2);
+
+    let text = if arguments.steps.is_empty() {
+        text
+    } else {
+        let whole =
+            Lesson::read(&name, &text).map_err(|fault| anyhow!("{}: {fault}", arguments.lesson))?;
+        // The line of a step that is not there says nothing.
+        whole
+            .with_steps(&text, &arguments.steps)
+            .map_err(|fault| anyhow!("{}: {}", arguments.lesson, fault.message))?
+    };
+    Ok(Shipped {
+        name: name.into(),
+        text: text.into(),
+        german: german.unwrap_or_default().into(),
+        keys: "",
+    })
+}
+
+/// Returns what the page is told about its lesson.
+fn told(
+    lesson: &Lesson,
+    translation: &Translation,
+    source: &Shipped,
+    arguments: &PackageArguments,
+) -> PackagedLesson {
+    let questions = lesson
+        .gates()
+        .enumerate()
+        .map(|(index, (step, gate))| PackagedQuestion {
+            gate: gate.name.clone(),
+            id: identifier(&gate.name, index),
+            step: step.name.clone(),
+            title: plain(translation.of(&step.title)),
+            seed: step.scene.parameters.seed,
+            traced: gate.kind.is_trace(),
+        });
+
+    let has_german = !source.german.is_empty();
+    PackagedLesson {
+        system: System::of(arguments),
+        name: lesson.name.clone(),
+        language: arguments.language.clone(),
+        languages: LANGUAGES[..=usize::from(has_german)].to_vec(),
+        hash: lesson.hash.clone(),
+        mastery: arguments.pass.map(|percent| f64::from(percent) / 100.0),
+        questions: questions.collect(),
+    }
+}
+
+/// Returns the name of a question for course systems, of which SCORM 1.2 takes letters, digits and hyphens alone.
+fn identifier(name: &str, index: usize) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-';
+    if name.bytes().all(is_plain) {
+        name.to_owned()
+    } else {
+        format!("question-{}", index + 1)
+    }
+}
+
+/// Returns the name of a package among those of a course: that of the lesson, and the steps if they were chosen.
+fn identity(lesson: &str, steps: &[String]) -> String {
+    let names = [&[lesson.to_owned()][..], steps].concat();
+    let escaped = names.iter().map(|name| {
+        let bytes = name.bytes().map(|byte| match byte {
+            b'-' | b'_' => char::from(byte).to_string(),
+            _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+            // Identifiers of XML have no percent signs.
+            _ => format!("_{byte:02x}"),
+        });
+        bytes.collect::<String>()
+    });
+    escaped.collect::<Vec<_>>().join(".")
+}
+
+/// Returns the files of the page around the program.
+fn page(told: &PackagedLesson, title: &str) -> Result<BTreeMap<String, Vec<u8>>> {
+    let policy = told.system.policy();
+    let index = [
+        ("language", &*told.language),
+        ("title", title),
+        ("policy", policy.as_str()),
+    ]
+    .into_iter()
+    .fold(INDEX.to_owned(), |page, (mark, value)| {
+        page.replace(&format!("[[{mark}]]"), &escape(value))
+    });
+
+    let data = serde_json::to_string_pretty(told).context("lesson.js")?;
+    let mut files = BTreeMap::from([
+        ("index.html".to_owned(), index.into_bytes()),
+        (
+            "lesson.js".to_owned(),
+            format!("export const LESSON = {data};\n").into_bytes(),
+        ),
+    ]);
+    for (name, text) in PAGE.into_iter().chain([told.system.script()]) {
+        files.insert(name.to_owned(), text.as_bytes().to_vec());
+    }
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests;
