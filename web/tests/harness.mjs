@@ -11,6 +11,7 @@ import { test } from "node:test";
 import { setTimeout as delay } from "node:timers/promises";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
+import { inflateRawSync } from "node:zlib";
 import { chromium } from "playwright-core";
 
 const run = promisify(execFile);
@@ -292,14 +293,24 @@ export async function pixels(page, clip) {
 
 /** Returns the files of an archive whose entries are not compressed. @param {Buffer} archive */
 export function stored(archive) {
+  return unpacked(archive).map(({ name, method, bytes }) => {
+    assert.equal(method, 0, "the entry is compressed");
+    return { name, bytes };
+  });
+}
+
+/** Returns the files of an archive, each with the method of its compression. @param {Buffer} archive */
+export function unpacked(archive) {
   const files = [];
   let at = 0;
   while (archive.readUInt32LE(at) === 0x04034b50) {
-    assert.equal(archive.readUInt16LE(at + 8), 0, "the entry is compressed");
+    const method = archive.readUInt16LE(at + 8);
     const size = archive.readUInt32LE(at + 18);
     const name = archive.readUInt16LE(at + 26);
     const start = at + 30 + name + archive.readUInt16LE(at + 28);
-    files.push({ name: archive.toString("utf8", at + 30, at + 30 + name), bytes: archive.subarray(start, start + size) });
+    const packed = archive.subarray(start, start + size);
+    const bytes = method === 0 ? packed : inflateRawSync(packed);
+    files.push({ name: archive.toString("utf8", at + 30, at + 30 + name), method, bytes });
     at = start + size;
   }
   return files;
