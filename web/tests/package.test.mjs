@@ -178,6 +178,9 @@ async function value(page, name) {
 /** Waits until a package has set a value. */
 const settles = (page, name, wanted) => until(`${name} = ${wanted}`, async () => (await value(page, name)) === wanted);
 
+/** The values that the system has refused, with their names. */
+const refusedOf = (calls) => calls.filter(([name, , , result]) => name === "SetValue" && String(result) !== "true").map(([, name, value]) => [name, value]);
+
 /** Leaves the lesson as a learner does who goes on in the course, and returns the calls of before. */
 async function left(page) {
   await page.evaluate(() => document.getElementById("lesson").remove());
@@ -245,9 +248,11 @@ test("SCORM 1.2: answers and score are reported, a visit resumes at its place, a
   assert.equal(await value(first.page, "cmi.core.lesson_status"), "incomplete");
   assert.equal((await ask(first.program, { do: "lesson", go: "next" })).ok, true);
   await settles(first.page, "cmi.core.lesson_location", "second");
+  // The control: a value that no status has is refused.
+  await first.page.evaluate(() => window.API.LMSSetValue("cmi.core.lesson_status", "finished"));
   const before = await left(first.page);
-  // The system has refused no value, and what was kept last was committed before the end.
-  assert.deepEqual(before.filter(([name, , , result]) => name === "SetValue" && String(result) !== "true"), []);
+  // The system has refused no other, and what was kept last was committed before the end.
+  assert.deepEqual(refusedOf(before), [["cmi.core.lesson_status", "finished"]]);
   assert.deepEqual(before.slice(-3).map(([name, value]) => [name, value]), [["SetValue", "cmi.core.exit"], ["Commit", ""], ["Finish", ""]]);
 
   const kept = { "cmi.suspend_data": await value(first.page, "cmi.suspend_data"), "cmi.core.lesson_status": "incomplete" };
@@ -275,8 +280,7 @@ test("SCORM 2004: scaled score, completion and success; a review reports nothing
   assert.deepEqual([await value(page, "cmi.score.scaled"), await value(page, "cmi.success_status")], ["0.5", "failed"]);
   assert.equal(await value(page, "cmi.interactions.1.learner_response"), "That one");
   const text = await value(page, "cmi.suspend_data");
-  const refused = (await left(page)).filter(([name, , , result]) => name === "SetValue" && String(result) !== "true");
-  assert.deepEqual(refused, []);
+  assert.deepEqual(refusedOf(await left(page)), []);
 
   const review = await attempt(context, "2004", { "cmi.mode": "review", "cmi.suspend_data": text });
   await asked(review.program, "second");
