@@ -162,7 +162,7 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
             "{lesson} is played in the window, and there is none: there is no display, or this build has no window"
         ),
         LessonCommand::Handout(arguments) => handout(arguments, window)?,
-        LessonCommand::Package(arguments) => package::package(arguments)?,
+        LessonCommand::Package(arguments) => output::emit(&package::package(arguments)?)?,
         LessonCommand::From { session, out } => from(session, out.as_deref(), window)?,
         LessonCommand::List => list()?,
         LessonCommand::Keys(arguments) => keys(arguments)?,

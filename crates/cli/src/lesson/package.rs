@@ -8,7 +8,7 @@ mod program;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use tilescope_figures::escape;
@@ -18,7 +18,7 @@ use tilescope_lessons::{Lesson, Translation, plain};
 
 use super::lesson_named;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
-use crate::{output, web};
+use crate::web;
 use manifest::Description;
 
 /// The languages of the page.
@@ -162,13 +162,13 @@ struct PackagedQuestion {
     traced: bool,
 }
 
-/// Makes a package, and says how large it is.
+/// Makes a package; returns the line that says how large it is.
 ///
 /// # Errors
 ///
 /// An unknown lesson, step or language; a lesson without questions; no built page; a file that cannot be written.
-pub fn package(arguments: &PackageArguments) -> Result<()> {
-    let out = &arguments.out;
+pub fn package(arguments: &PackageArguments) -> Result<String> {
+    let (lesson_name, out) = (&arguments.lesson, &arguments.out);
     let path = named(out);
     ensure!(
         extension(out) == "zip",
@@ -176,58 +176,56 @@ pub fn package(arguments: &PackageArguments) -> Result<()> {
     );
     // Before the work, so that it is not in vain.
     check_file(out)?;
-    check_inputs_stay(out, [Path::new(&arguments.lesson)])?;
-    let language = &arguments.language;
+    check_inputs_stay(out, [Path::new(lesson_name)])?;
+    let language = arguments.language.as_str();
     ensure!(
-        LANGUAGES.contains(&language.as_str()),
+        LANGUAGES.contains(&language),
         "--language {language}: the page speaks {}",
         LANGUAGES.join(" and ")
     );
 
-    let system = System::of(arguments);
     let source = source(arguments)?;
     let lesson = Lesson::read(&source.name, &source.text)
-        .map_err(|fault| anyhow!("{}: {fault}", arguments.lesson))?;
-    let translation = match (&*source.german, language.as_str()) {
+        .map_err(|fault| anyhow!("{lesson_name}: {fault}"))?;
+    // English is the language of the lesson itself, and of a lesson that has no translation.
+    let translation = match (&*source.german, language) {
         ("", _) | (_, "en") => Translation::default(),
         (german, _) => Translation::read(german)
-            .map_err(|fault| anyhow!("{} in {language}: {fault}", arguments.lesson))?,
+            .map_err(|fault| anyhow!("{lesson_name} in {language}: {fault}"))?,
     };
-    let told = told(&lesson, &translation, &source, arguments);
-    let count = told.questions.len();
-    ensure!(
-        count > 0,
-        "{}: {} no question, so that a course would get no score",
-        arguments.lesson,
-        if arguments.steps.is_empty() {
-            "the lesson has"
-        } else {
-            "these steps have"
-        }
-    );
 
-    let title = plain(translation.of(&lesson.title));
-    let folder = web::folder(arguments.folder.as_deref())?;
-    let mut files = program::files(&folder, source)?;
-    files.extend(page(&told, &title)?);
+    let told = told(&lesson, &translation, &source, arguments);
+    let asked = match (told.questions.len(), arguments.steps.is_empty()) {
+        (0, true) => {
+            bail!("{lesson_name}: the lesson has no question, so that a course would get no score")
+        }
+        (0, false) => bail!(
+            "{lesson_name}: these steps have no question, so that a course would get no score"
+        ),
+        (1, _) => "1 question".to_owned(),
+        (count, _) => format!("{count} questions"),
+    };
+
     let description = Description {
         id: identity(&lesson.name, &arguments.steps),
+        title: plain(translation.of(&lesson.title)),
         objective: plain(translation.of(&lesson.objective)),
-        language: language.as_str(),
+        language,
         mastery: told.mastery,
-        title,
     };
+    let folder = web::folder(arguments.folder.as_deref())?;
+    let mut files = program::files(&folder, source)?;
+    files.extend(page(&told, &description.title)?);
+
+    // The manifest comes last, as it lists all other files.
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
-    let (manifest, text) = manifest::of(system, &description, &names)?;
+    let (manifest, text) = manifest::of(told.system, &description, &names)?;
     files.insert(manifest.to_owned(), text);
 
     let bytes = archive::packed(&files)?;
     write_whole(out, &bytes).in_file(out)?;
-    output::emit(&format!(
-        "{path}: {} bytes, {count} questions, for {}\n",
-        bytes.len(),
-        system.name()
-    ))
+    let (length, system) = (bytes.len(), told.system.name());
+    Ok(format!("{path}: {length} bytes, {asked}, for {system}\n"))
 }
 
 /// Returns the lesson with the chosen steps, and its German translation, empty if it has none.
@@ -261,6 +259,7 @@ fn told(
     source: &Shipped,
     arguments: &PackageArguments,
 ) -> PackagedLesson {
+    // A gate's index is its number among the questions, which name it where its own name cannot.
     let questions = lesson
         .gates()
         .enumerate()
@@ -273,6 +272,7 @@ fn told(
             traced: gate.kind.is_trace(),
         });
 
+    // The first language is that of the lesson itself.
     let has_german = !source.german.is_empty();
     PackagedLesson {
         system: System::of(arguments),

@@ -36,6 +36,7 @@ pub fn of(
         System::Cmi5 => ("cmi5.xml", cmi5(package)),
     };
 
+    // Indented, since lecturers look into it when a system refuses a package.
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     root.write(&mut writer)?;
@@ -85,6 +86,7 @@ impl Element {
     }
 
     fn write(&self, writer: &mut Writer<Vec<u8>>) -> Result<()> {
+        // Quotes and signs of markup in values and texts are escaped by the writer.
         let attributes = self.attributes.iter();
         let pairs = attributes.map(|(name, value)| (*name, value.as_str()));
         let start = BytesStart::new(self.name).with_attributes(pairs);
@@ -135,6 +137,7 @@ fn scorm_12(package: &Description<'_>, files: &[&str]) -> Element {
         item.holding([saying("title", &package.title)]),
     ]);
 
+    // A system that holds several packages tells them apart by this.
     let id = format!("tilescope.{}", package.id);
     let root = [
         ("identifier", &*id),
@@ -156,6 +159,7 @@ fn scorm_2004(package: &Description<'_>, files: &[&str]) -> Element {
         ("completionSetByContent", "true"),
         ("objectiveSetByContent", "true"),
     ];
+    // Otherwise a system would take the lesson for completed as soon as it is left.
     let delivery = element("imsss:deliveryControls", &by_page);
     let item = element(
         "item",
@@ -193,6 +197,7 @@ fn cmi5(package: &Description<'_>) -> Element {
         said.attributes.push(("lang", package.language.to_owned()));
         element(name, &[]).holding([said])
     };
+    // The course and its one unit have the same texts, and cmi5 asks for both.
     let texts = || {
         [
             in_language("title", &package.title),

@@ -40,6 +40,7 @@ pub fn files(folder: &Path, lesson: Shipped) -> Result<BTreeMap<String, Vec<u8>>
         if !TEXTS.contains(&&*extension(name.as_ref())) {
             continue;
         }
+        // Names are of plain letters, so that a text with wrong bytes is searched as well.
         let text = String::from_utf8_lossy(&found[&name]).into_owned();
         let (now, later): (Vec<String>, Vec<String>) = left
             .into_iter()
@@ -92,6 +93,7 @@ fn put_lesson(found: &mut BTreeMap<String, Vec<u8>>, folder: &Path, lesson: Ship
         return Err(anyhow::anyhow!(other_version(folder, why)));
     };
 
+    // The words of the page stay; of its lessons none does.
     let loaded = from_json(&String::from_utf8_lossy(list)).with_context(|| name.clone())?;
     ensure!(
         !loaded.tables.is_empty(),

@@ -19,6 +19,7 @@ fn built_page() -> TempDir {
         lessons: Vec::new(),
         tables: [("de".to_owned(), "Words\n    Wörter".to_owned())].into(),
     });
+    // What the first document leads to, and what a package has no use for.
     for (name, text) in [
         (
             "index.html",
@@ -66,7 +67,13 @@ fn arguments(folder: &TempDir, lesson: &str, others: &[&str]) -> PackageArgument
 
 /// Makes a package; returns its files by their paths.
 fn made(folder: &TempDir, lesson: &str, others: &[&str]) -> BTreeMap<String, String> {
-    package(&arguments(folder, lesson, others)).unwrap();
+    let said = package(&arguments(folder, lesson, others)).unwrap();
+    assert!(
+        said.contains("out.zip: ") && said.contains("question"),
+        "{said}"
+    );
+
+    // Read back by the names that the archive itself lists.
     let bytes = fs::read(folder.path().join("out.zip")).unwrap();
     let mut archive = ZipArchive::new(Cursor::new(bytes)).unwrap();
     let mut files = BTreeMap::new();
@@ -89,6 +96,7 @@ fn lesson_of(files: &BTreeMap<String, String>) -> serde_json::Value {
 /// The text of the first element at a path, or its attribute where the path ends in `@NAME`; `None` if there is none. Names
 /// count without their namespaces.
 fn at<'a>(document: &'a Document<'_>, path: &str) -> Option<&'a str> {
+    // Of several children of a name the first counts: manifests have one of each that is asked for here.
     let mut node = document.root();
     for name in path.split('/') {
         if let Some(attribute) = name.strip_prefix('@') {
@@ -353,6 +361,7 @@ fn a_score_to_pass_with_decides_when_a_course_goes_on() {
 #[test]
 fn texts_of_a_lesson_are_no_markup_and_no_part_of_names() {
     let folder = built_page();
+    // Signs of markup in the title, letters that identifiers cannot have in the names of the file and of the question.
     let text = "---\ntitle: A < B & \"C\"\nobjective: x\n---\n# One\n```run\nradius: 0.1\nleaf: 6\n```\n\
                 ```gate größer\ntype: number\nask: How many?\nanswer: 1\n```\n";
     let file = folder.path().join("my lesson ü.md");
@@ -382,6 +391,7 @@ fn texts_of_a_lesson_are_no_markup_and_no_part_of_names() {
 #[test]
 fn the_same_lesson_gives_the_same_bytes() {
     let folder = built_page();
+    // The second package replaces the first one in its place.
     let bytes = |others: &[&str]| {
         package(&arguments(&folder, "gaps", others)).unwrap();
         fs::read(folder.path().join("out.zip")).unwrap()
@@ -422,6 +432,7 @@ fn what_cannot_be_packed_is_named_and_leaves_no_file() {
         assert!(format!("{error:#}").contains(said), "{error:#}");
     }
 
+    // A folder without a page, and one with a page that has no part for the program.
     let mut without_page = arguments(&folder, "gaps", &["--cmi5"]);
     without_page.folder = Some(empty.path().to_owned());
     let error = format!("{:#}", package(&without_page).unwrap_err());
@@ -433,6 +444,7 @@ fn what_cannot_be_packed_is_named_and_leaves_no_file() {
     let error = format!("{:#}", package(&without_page).unwrap_err());
     assert!(error.contains("another version"), "{error}");
 
+    // A name that systems would not take for an archive.
     let mut elsewhere = arguments(&folder, "gaps", &["--cmi5"]);
     elsewhere.out = folder.path().join("out.pdf");
     assert!(
