@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use serde::Serialize;
 use tilescope_figures::escape;
 use tilescope_formats::write_whole;
@@ -44,6 +44,7 @@ const INDEX: &str = include_str!("../../../../web/course/index.html");
 
 /// Arguments of `tilescope lesson package`.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("system").args(["scorm", "cmi5"]).required(true))]
 pub struct PackageArguments {
     /// A file, or the name of a lesson that comes with the program
     lesson: String,
@@ -51,10 +52,10 @@ pub struct PackageArguments {
     #[arg(long, value_name = "FILE.zip")]
     out: PathBuf,
     /// Make a package by this version of SCORM, as most course systems take it
-    #[arg(long, value_name = "VERSION", required_unless_present = "cmi5")]
+    #[arg(long, value_name = "VERSION")]
     scorm: Option<ScormVersion>,
     /// Make a package by cmi5, for course systems with a record store
-    #[arg(long, conflicts_with = "scorm")]
+    #[arg(long)]
     cmi5: bool,
     /// Only these steps, by their names in links, in the order of the lesson
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
