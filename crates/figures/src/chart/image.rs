@@ -53,6 +53,7 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         });
     }
 
+    // Rows of the values count from below, and y of the picture from above.
     let absent_ring = chart.absent.map(|absent| {
         let [column, row] = [absent % chart.columns, absent / chart.columns];
         let offset = (DVec2::new(column as f64, row as f64) + 0.5) * size;

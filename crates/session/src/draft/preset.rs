@@ -109,7 +109,7 @@ impl Preset {
 
             // A maximal set has 0.696 samples for each r^2: of this radius 998,000.
             Self::Million => p.radius = 0.000_835,
-            // The set of this seed has gaps that so short a search leaves open.
+            // So short a search leaves gaps with this seed, and none with the default one.
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
             // Blocks are 60 r long at least, and the pattern is half of that.
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
