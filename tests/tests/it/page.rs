@@ -32,7 +32,7 @@ const LIMITS: [(&str, usize); 25] = [
     ("crates/passes", 60),
     ("crates/python", 65),
     ("crates/reproduce", 62),
-    ("crates/session", 65),
+    ("crates/session", 64),
     ("crates/sets", 69),
     ("crates/tilescope", 55),
     ("crates/trusted", 45),
