@@ -566,7 +566,7 @@ fn layers(list: &mut List, state: &State) {
     let shown = state
         .appearance()
         .layers(state.runs().first.current_stage());
-    let is_nested = state.runs().first.kind() == SessionKind::Nested;
+    let kind = state.runs().first.kind();
     // While a lesson's question is open, layers that would show its answer are hidden.
     let hidden = state
         .lessons()
@@ -574,9 +574,17 @@ fn layers(list: &mut List, state: &State) {
 
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
-        let has_none = is_nested && !layer.is_of(SessionKind::Nested);
-        let lacking =
-            has_none.then_some("This layer shows parts of a run, which nested levels do not have.");
+        let lacking = match kind {
+            _ if layer.is_of(kind) => None,
+            SessionKind::Nested => {
+                Some("This layer shows parts of a run, which nested levels do not have.")
+            }
+            SessionKind::Varying => Some(
+                "This layer shows parts of a tiling, or circles of one radius, which a set in a field or a shape does not have.",
+            ),
+            // Layers of other kinds show nothing of a run, as ever.
+            SessionKind::Run | SessionKind::Exact | SessionKind::Combination => None,
+        };
         list.add(format!("Layer: {}", layer.name()), command)
             .refused(hidden.has(layer).then_some(HIDDEN_LAYER).or(lacking))
             .marked(shown.has(layer));
@@ -595,6 +603,9 @@ fn colours(list: &mut List, state: &State) {
         let kind = state.runs().first.kind();
         let refusal = match kind {
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
+            SessionKind::Varying => {
+                "Samples in a field or a shape have neither block nor level; all were thrown as darts."
+            }
             _ => "Only nested levels have levels.",
         };
         // Such a colouring would be drawn as another one.

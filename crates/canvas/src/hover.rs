@@ -125,6 +125,8 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
 
     let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
+        // A large set in a field or a shape keeps nothing but its samples.
+        Origin::Tiled { .. } if shown.session.ground.is_some() => "made by darts".to_owned(),
         Origin::Tiled {
             block, own: true, ..
         } => format!("of {block_name} {}", grouped(block as usize)),
@@ -133,6 +135,9 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
                 "from the margin of {block_name} {}",
                 grouped(block as usize)
             )
+        }
+        Origin::Inserted { iteration, .. } if shown.session.ground.is_some() => {
+            format!("of throw {iteration}")
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
@@ -145,9 +150,15 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         .flatten()
         .unwrap_or_default();
 
+    // Where the radius depends on the place, it is named in the unit of the domain.
+    let radius = shown.session.ground.as_ref().map_or_else(String::new, |_| {
+        let radius = shown.session.radius_of(id) * shown.session.run().domain.radius();
+        format!(", radius {}", tilescope_session::words::significant(radius))
+    });
+
     [
-        format!("Sample {number}: {stands}{exposed}"),
-        format!("Sample {number} {from}: {stands}{exposed}"),
+        format!("Sample {number}: {stands}{radius}{exposed}"),
+        format!("Sample {number} {from}: {stands}{radius}{exposed}"),
     ]
 }
 
@@ -170,8 +181,13 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
     let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
-    // Before elimination nothing is called a gap, and the disks of a prefix of nested levels have another radius.
-    if shown.stage < Stage::Eliminate || !is_inside || shown.prefix.is_some() {
+    // Before elimination nothing is called a gap, and the disks of a prefix of nested levels have another radius, as those of a
+    // set in a field have.
+    if shown.session.ground.is_some()
+        || shown.stage < Stage::Eliminate
+        || !is_inside
+        || shown.prefix.is_some()
+    {
         return None;
     }
 

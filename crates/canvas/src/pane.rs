@@ -4,7 +4,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{
     Color32, ColorImage, Context, Painter, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2,
 };
-use tilescope_core::Stage;
+use tilescope_core::{R, Stage};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::parts;
 use tilescope_drawing::scene::{Scene, drawn_around};
@@ -174,6 +174,25 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let inserted_now = iteration.map_or(0..0, |iteration| iteration.inserted.clone());
 
     let (low, high) = frame.camera.visible(frame.viewport);
+    if let Some(locality) = session.run().locality.as_deref() {
+        let radii = coverage.local_radii(frame, locality);
+        let unit = f64::from(R) / frame.scale();
+        // A sample is near places up to twice its radius away.
+        let reach = 2.0 * session.largest_radius();
+        let beyond = drawn_around(session) + reach;
+        session
+            .index
+            .visit_around(low, high, reach, beyond, |seen| {
+                if shown.covers(seen.id) {
+                    let radius = locality.radius_at(session.run().samples.points[seen.id as usize]);
+                    let before = !inserted_now.contains(&seen.id);
+                    let at = frame.pixel_from_domain(seen.position);
+                    coverage.cover_near(at, radius, &radii, unit, before);
+                }
+            });
+        return coverage;
+    }
+
     let radius = frame.scale();
     // The disk of a sample reaches one radius into the part that is drawn.
     let beyond = drawn_around(session) + 1.0;

@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use egui::{Color32, ColorImage, Rect};
+use tilescope_core::{Locality, R};
 use tilescope_session::session::Session;
 
 use tilescope_drawing::camera::Camera;
@@ -38,6 +39,14 @@ impl PixelGrid {
     #[must_use]
     pub fn scale(&self) -> f64 {
         self.camera.scale * f64::from(self.pixels_per_point)
+    }
+
+    /// Returns the position, in r, that lies so many pixels right of and below the upper left corner.
+    #[must_use]
+    pub fn domain_from_pixel(&self, pixel: [f64; 2]) -> DVec2 {
+        let half = self.viewport.size() * self.pixels_per_point * 0.5;
+        let from_middle = DVec2::new(pixel[0] - f64::from(half.x), f64::from(half.y) - pixel[1]);
+        self.camera.center + from_middle / self.scale()
     }
 
     /// Returns where `position` lies, in pixels from the upper left corner.
@@ -87,6 +96,46 @@ impl Coverage {
             cells[row * size[0]..][columns.clone()].fill(OPEN);
         }
         Self { size, cells }
+    }
+
+    /// Closes the pixels outside of a shape, and returns the radius at each pixel, in lattice units; 0 where there is no place.
+    pub fn local_radii(&mut self, frame: &PixelGrid, locality: &Locality) -> Vec<i32> {
+        let domain = locality.field.domain();
+        let mut radii = vec![0; self.cells.len()];
+        for (index, (cell, radius)) in self.cells.iter_mut().zip(&mut radii).enumerate() {
+            // Columns and rows of pixels are those of `size`.
+            let pixel = [index % self.size[0], index / self.size[0]];
+            let at = frame.domain_from_pixel(pixel.map(|k| k as f64 + 0.5)) * f64::from(R);
+            let place = domain.wrap(at.floor().as_i64vec2());
+            match place.filter(|&place| *cell == OPEN && locality.inside(place)) {
+                Some(place) => *radius = locality.radius_at(place),
+                None => *cell = OUTSIDE,
+            }
+        }
+        radii
+    }
+
+    /// Covers the pixels that are near a sample of `radius` lattice units at the pixel coordinates `at`. `radii` are those at all
+    /// pixels, and a pixel is `unit` lattice units wide.
+    pub fn cover_near(&mut self, at: DVec2, radius: i32, radii: &[i32], unit: f64, before: bool) {
+        // What is near is at most twice the smaller radius away.
+        let reach = 2.0 * f64::from(radius) / unit;
+        let state = if before { BEFORE } else { NOW };
+        for row in centres(at[1] - reach, at[1] + reach, self.size[1]) {
+            let dy = (row as f64 + 0.5 - at[1]) * unit;
+            for column in centres(at[0] - reach, at[0] + reach, self.size[0]) {
+                let index = row * self.size[0] + column;
+                // Most pixels are covered by an earlier sample, and need no second look.
+                if self.cells[index] >= state {
+                    continue;
+                }
+                let dx = (column as f64 + 0.5 - at[0]) * unit;
+                let squared = (dx * dx + dy * dy) as i64;
+                if Locality::near_at(squared, [radius, radii[index]]) {
+                    self.cells[index] = state;
+                }
+            }
+        }
     }
 
     /// Covers the disk of `radius` pixels around `at` with the given state.

@@ -15,7 +15,10 @@ use crate::sprites::Sprites;
 use crate::strokes::KeptShapes;
 
 /// Parts drawn when there are too many samples for symbols. Samples, perhaps as points, lie below lines.
-const OF_CROWD: [Part; 11] = [
+const OF_CROWD: [Part; 14] = [
+    Part::Field,
+    Part::Outside,
+    Part::Outline,
     Part::Tints,
     Part::Band,
     Part::Disks,
@@ -97,8 +100,9 @@ impl<K: PartialEq> Stack<'_, K> {
         let mut points = Some(points);
         for part in OF_CROWD {
             match (part, self.resident) {
-                // In a crowd without a device there are no disks.
+                // In a crowd without a device there are no disks, nor are there any of several radii.
                 (Part::Disks, None) => {}
+                (Part::Disks, Some(_)) if self.scene.session.ground.is_some() => {}
                 (Part::Samples, None) => {
                     if let Some(points) = points.take().filter(|_| self.scene.has(Layer::Samples)) {
                         points();
@@ -120,7 +124,10 @@ impl<K: PartialEq> Stack<'_, K> {
         let painter = &self.painter.with_clip_rect(part.clip(scene));
         // The GPU draws disks and samples itself, without shapes.
         match (part, self.resident) {
-            (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
+            // The GPU's disks have one radius.
+            (Part::Disks, Some(resident)) if scene.session.ground.is_none() => {
+                return resident.disks(painter, scene);
+            }
             (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),
             _ => {}
         }

@@ -46,6 +46,7 @@ mod solid;
 mod stage;
 pub mod stages;
 mod varying;
+mod varying_run;
 mod whole_sets;
 mod words;
 
@@ -101,6 +102,8 @@ pub use solid::{
 };
 pub use stage::Stage;
 pub use varying::{
-    FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField, Shape, ShapeError, varying_sample,
+    FieldError, Locality, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField, Shape, ShapeError,
+    varying_sample,
 };
+pub use varying_run::varying_recorded;
 pub use words::grouped;

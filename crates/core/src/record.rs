@@ -21,6 +21,8 @@ pub enum Verdict {
         /// That sample's id, or `u32::MAX` where the process keeps no ids.
         by: u32,
     },
+    /// A dart that does not exist, as fewer darts fall where the radius is large.
+    Thinned,
     /// Another sample is clearly nearer to it than the samples that made it.
     NotNearest {
         /// The id of that sample.

@@ -43,26 +43,38 @@ pub(crate) fn finished<G: DartGround, T: Recorder>(
     recorder: &mut T,
 ) -> Result<Vec<Point>, SampleError> {
     let mut samples = Vec::new();
-    let mut throw = 0;
+    let mut number = 0;
 
     // The process ends: cells become smaller level by level, and a cell of a single point throws that point for certain.
     while !process.is_finished() {
-        throw += 1;
-        recorder.record(RunEvent::Iteration {
-            number: throw,
-            detectors: process.active_cells().len() as u32,
-        });
-
-        let first_id = samples.len() as u32;
-        let stage = Stage::Iterate(throw);
-        let inserted = process.step_recorded(stage, observer, first_id, recorder)?;
-        recorder.record(RunEvent::IterationEnd {
-            number: throw,
-            inserted: inserted.len() as u32,
-        });
-        samples.extend(inserted);
+        number += 1;
+        throw(&mut process, number, &mut samples, observer, recorder)?;
     }
     Ok(samples)
+}
+
+/// Makes the throw of this number, from 1, and appends its samples to those so far.
+pub(crate) fn throw<G: DartGround, T: Recorder>(
+    process: &mut DartProcess<G>,
+    number: u32,
+    samples: &mut Vec<Point>,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<(), SampleError> {
+    recorder.record(RunEvent::Iteration {
+        number,
+        detectors: process.active_cells().len() as u32,
+    });
+
+    let first_id = samples.len() as u32;
+    let stage = Stage::Iterate(number);
+    let inserted = process.step_recorded(stage, observer, first_id, recorder)?;
+    recorder.record(RunEvent::IterationEnd {
+        number,
+        inserted: inserted.len() as u32,
+    });
+    samples.extend(inserted);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::stages::blocks::{Blocks, split};
 use crate::stages::detect::Candidate;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
+use crate::varying::Locality;
 
 /// The data of one iteration of detection and insertion.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -68,6 +69,8 @@ pub struct Run {
     pub result: Vec<u32>,
     /// The counts of a run that kept only its result ([`crate::Sweep::run`]).
     pub counted: Option<Summary>,
+    /// Where its radius depends on the place, or its domain is a shape ([`crate::varying_recorded`]).
+    pub locality: Option<Arc<Locality>>,
 }
 
 /// The counts of a run.
@@ -101,6 +104,7 @@ impl Run {
             iterations: Vec::new(),
             result: Vec::new(),
             counted: None,
+            locality: None,
         }
     }
 
@@ -186,6 +190,40 @@ impl Run {
                 inserted: Vec::new(),
                 count,
             }),
+            locality: None,
+        }
+    }
+
+    /// Returns the finished run of darts that became samples in this order, throw by throw, with its locality. It has no
+    /// pattern and no blocks.
+    pub(crate) fn of_darts(
+        parameters: Parameters,
+        locality: &Arc<Locality>,
+        points: Vec<Point>,
+        iterations: Vec<Iteration>,
+    ) -> Self {
+        let domain = *locality.field.domain();
+        let mut origins = Vec::with_capacity(points.len());
+        for (iteration, of) in (1..).zip(&iterations) {
+            let origin = Origin::Inserted {
+                iteration,
+                sites: Sites::Dart,
+            };
+            origins.resize(of.inserted.end as usize, origin);
+        }
+
+        let fates = vec![Fate::Kept; points.len()];
+        Self {
+            result: (0..points.len() as u32).collect(),
+            samples: Samples {
+                points,
+                origins,
+                fates,
+            },
+            iterations,
+            counted: None,
+            locality: Some(Arc::clone(locality)),
+            ..Self::of_points(parameters, domain, Vec::new())
         }
     }
 

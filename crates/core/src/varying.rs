@@ -10,6 +10,7 @@
 
 mod field;
 mod ground;
+mod locality;
 mod octaves;
 mod quadtree;
 mod rule;
@@ -25,6 +26,7 @@ use crate::stages::darts::DartProcess;
 use ground::VaryingGround;
 
 pub use field::{FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField};
+pub use locality::Locality;
 pub use shape::{Shape, ShapeError};
 
 /// Returns the samples of the field's domain inside `shape`, in the order of their arrival.

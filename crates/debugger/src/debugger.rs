@@ -10,8 +10,8 @@ use crate::listing::{LineId, Listings};
 use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
-    PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_KDRT,
-    digest,
+    PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_EXACT,
+    VERSION_OF_KDRT, digest,
 };
 use crate::state::State;
 
@@ -371,8 +371,10 @@ impl Debugger {
     #[must_use]
     pub fn session(&self) -> Session {
         Session {
-            version: if self.recording.is_exact() {
+            version: if self.recording.run().locality.is_some() {
                 VERSION
+            } else if self.recording.is_exact() {
+                VERSION_OF_EXACT
             } else {
                 VERSION_OF_KDRT
             },
@@ -385,6 +387,8 @@ impl Debugger {
             scenes: self.scenes.clone(),
             view: self.view.clone(),
             pattern: self.pattern.clone(),
+            // Its owner knows what the field was made from, and adds it.
+            ground: serde_json::Value::Null,
         }
     }
 

@@ -59,7 +59,7 @@ pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
 pub use recording::{MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
-pub use sentence::{grouped, sentence, short};
+pub use sentence::{grouped, sentence, short, significant};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,
     SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, method_refusal,

@@ -201,5 +201,5 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
     // The search finds samples without a decision, too, which may still be eliminated.
     let stays =
         |&id: &u32| id != sample && recording.status(id, index + 1) == crate::life::Status::Kept;
-    recording.valid_near(point, R, index + 1).iter().any(stays)
+    recording.ever_covering(point).iter().any(stays)
 }

@@ -152,7 +152,14 @@ const COMPARISONS: [(&str, &str); 8] = [
     ),
 ];
 
-const VERDICTS: [&str; 5] = ["accepted", "too-far", "outside", "covered", "not-nearest"];
+const VERDICTS: [&str; 6] = [
+    "accepted",
+    "too-far",
+    "outside",
+    "covered",
+    "not-nearest",
+    "thinned",
+];
 
 /// Returns the words of queries with their meanings: targets of runs, kinds of events, and beginnings of comparisons.
 pub fn words() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -315,6 +322,7 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
         Verdict::Outside => VERDICTS[2],
         Verdict::Covered { .. } => VERDICTS[3],
         Verdict::NotNearest { .. } => VERDICTS[4],
+        Verdict::Thinned => VERDICTS[5],
     })
 }
 

@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use glam::I64Vec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
-    Domain, Fate, Observer, Parameters, Pattern, Point, Run, RunEvent, SampleError, SampleGrid,
-    Sequential, TilingMethod, Verdict, sample_recorded,
+    Domain, Fate, Insertion, Locality, Observer, Parameters, Pattern, Point, R, Run, RunEvent,
+    SampleError, SampleGrid, Sequential, TilingMethod, Verdict, sample_recorded, varying_recorded,
 };
 
 use crate::context::{Context, NeighbourSearch};
@@ -128,6 +128,25 @@ impl Recording {
         while engine.step_recorded(observer, &mut tape)?.is_some() {}
         tape.seal();
         Ok(Self::of(engine.finish(observer)?, tape))
+    }
+
+    /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. Only the seed
+    /// of the parameters is used.
+    pub fn with_locality(
+        locality: &Arc<Locality>,
+        parameters: &Parameters,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        // The tape finds the lines of events by the parameters, which must be those of insertion by darts.
+        let parameters = &Parameters {
+            insertion: Insertion::Uniform,
+            ..*parameters
+        };
+        let mut tape = Tape::new(parameters, budget);
+        let run = varying_recorded(locality, parameters, observer, &mut tape)?;
+        tape.seal();
+        Ok(Self::of(run, tape))
     }
 
     /// Returns the recording of a finished run and its sealed tape.
@@ -415,6 +434,27 @@ impl Recording {
         });
         found.sort_unstable();
         found
+    }
+
+    /// Returns all samples that ever covered a place, by id: those within r, or near it where the radius depends on the place.
+    #[must_use]
+    pub fn ever_covering(&self, place: Point) -> Vec<u32> {
+        let Some(locality) = &self.run.locality else {
+            return self.ever_near(place, R);
+        };
+
+        let mut found = self.ever_near(place, locality.sight(place));
+        let points = &self.run.samples.points;
+        found.retain(|&id| locality.is_near(points[id as usize], place));
+        found
+    }
+
+    /// Returns the first of the samples that cover a place after the events before a cursor.
+    #[must_use]
+    pub fn covering(&self, place: Point, cursor: usize) -> Option<u32> {
+        // Ids of inserted samples follow their arrival, and the list is by id.
+        let mut found = self.ever_covering(place).into_iter();
+        found.find(|&id| self.status(id, cursor).is_valid())
     }
 
     /// Returns the point that an event examines or changes, or `None` if it has none in the domain.

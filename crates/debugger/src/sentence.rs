@@ -2,6 +2,7 @@
 
 mod exact;
 mod gaps;
+mod local;
 mod short;
 
 use tilescope_core::stages::blocks::Axis;
@@ -92,6 +93,10 @@ impl Words<'_> {
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
         // Exact tiling shares events with other runs, but some mean another thing: a sample's turn is its arrival.
         if let Some(text) = self.exact(run_event) {
+            return text;
+        }
+        // Where the radius depends on the place, the sentences of darts name the radii.
+        if let Some(text) = self.local(run_event, index) {
             return text;
         }
 
@@ -329,6 +334,17 @@ impl Words<'_> {
             _ => self.search(run_event),
         }
     }
+}
+
+/// Returns a number with three significant digits, without an exponent.
+#[must_use]
+pub fn significant(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    // The first digit is so many places behind the point, or before it.
+    let decimals = (2.0 - number.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{number:.decimals$}")
 }
 
 /// Returns a length in r, small ones as a fraction, since the sides of cells are halved.

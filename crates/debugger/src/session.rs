@@ -6,15 +6,18 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_core::{
-    MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage, TilingMethod, json,
+    Locality, MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage, TilingMethod, json,
 };
 
 use crate::anchor::Anchor;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
-/// The newest version of sessions that this program reads, and that of exact tilings, which it writes.
-pub const VERSION: u32 = 3;
+/// The newest version of sessions that this program reads, and that of runs in a field or a shape, which it writes.
+pub const VERSION: u32 = 4;
+
+/// The version of sessions of exact tilings, which programs before fields and shapes read.
+pub(crate) const VERSION_OF_EXACT: u32 = 3;
 
 /// The version of sessions of KDRT's runs, which programs before exact tiling read.
 pub(crate) const VERSION_OF_KDRT: u32 = 2;
@@ -123,6 +126,9 @@ pub struct Session {
     /// The file of the run's pattern, if it is not generated from the parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<PatternFile>,
+    /// What its field and its shape are made from, not read here; null if its radius is the same everywhere in a rectangle.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub ground: Value,
 }
 
 /// Returns why a run of a method, by its name on the command line, cannot be visited step by step, if so.
@@ -205,6 +211,14 @@ pub enum SessionError {
         /// The digest of the pattern in the file.
         found: String,
     },
+    /// Its radius depends on the place, or its domain is a shape.
+    #[error(
+        "the session is of a run whose radius depends on the place, or in a shape; it can be opened in the window"
+    )]
+    Ground,
+    /// Its field or its shape cannot be made.
+    #[error("the session's field or shape cannot be made: {0}")]
+    NoGround(String),
     /// The run cannot be computed.
     #[error(transparent)]
     Run(#[from] tilescope_core::SampleError),
@@ -255,6 +269,9 @@ impl Session {
     ) -> Result<Recording, SessionError> {
         self.check()?;
 
+        if !self.ground.is_null() {
+            return Err(SessionError::Ground);
+        }
         let Some(file) = &self.pattern else {
             return Ok(Recording::new(&self.parameters, self.budget, observer)?);
         };
@@ -282,6 +299,18 @@ impl Session {
             self.budget,
             observer,
         )?)
+    }
+
+    /// Computes the run of a session in a field or a shape again, with its events; `locality` is made from [`Self::ground`].
+    pub fn record_in(
+        &self,
+        locality: &Arc<Locality>,
+        observer: &mut dyn Observer,
+    ) -> Result<Recording, SessionError> {
+        self.check()?;
+        let recording =
+            Recording::with_locality(locality, &self.parameters, self.budget, observer)?;
+        Ok(recording)
     }
 
     /// Fails when the session exceeds a limit. Makes no run.

@@ -59,6 +59,14 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
             verdict: Verdict::Covered { by },
             ..
         } if by != NONE => Some(life(by)?.kept),
+        // Where the radius depends on the place, the sample follows from the rule.
+        RunEvent::Dart {
+            point,
+            verdict: Verdict::Covered { .. },
+            ..
+        } if recording.run().locality.is_some() => {
+            Some(life(recording.covering(point, index)?)?.kept)
+        }
         RunEvent::Dart {
             point,
             ranked: true,
@@ -102,8 +110,8 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
 
-    // Each event that changed a sample within r of the point changed whether the point is covered.
-    for sample in recording.ever_near(point, R) {
+    // Each event that changed a sample whose disk has the point changed whether the point is covered.
+    for sample in recording.ever_covering(point) {
         if let Some(life) = recording.life(sample) {
             events.extend([life.born, life.kept, life.lost, life.marked]);
         }

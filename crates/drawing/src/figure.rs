@@ -41,7 +41,7 @@ pub fn figure(layer: Layer, palette: &Palette) -> Option<Vec<SymbolShape>> {
         Layer::CoveredCircles => figure.exposed_arc(),
         Layer::Pattern => figure.clip(),
         Layer::Blocks | Layer::Tree => figure.cuts(layer),
-        Layer::Samples | Layer::Seams => return None,
+        Layer::Samples | Layer::Seams | Layer::Field => return None,
     })
 }
 

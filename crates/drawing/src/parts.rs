@@ -4,6 +4,7 @@
 mod blocks;
 mod darts;
 mod geometry;
+mod ground;
 mod inset;
 mod pairs;
 mod samples;
@@ -23,6 +24,12 @@ use crate::surface::Surface;
 /// A part of a picture. Gaps are not listed: each surface draws them itself, between the domain and all parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
+    /// The radius at each place.
+    Field,
+    /// What lies outside of a shape.
+    Outside,
+    /// The outline of a shape.
+    Outline,
     /// The tints of the blocks.
     Tints,
     /// The band that gluing may change.
@@ -71,7 +78,10 @@ pub enum Part {
 
 impl Part {
     /// Every part, from bottom to top.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 25] = [
+        Self::Field,
+        Self::Outside,
+        Self::Outline,
         Self::Tints,
         Self::Band,
         Self::Delaunay,
@@ -100,6 +110,9 @@ impl Part {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Field => "field",
+            Self::Outside => "outside",
+            Self::Outline => "outline",
             Self::Tints => "blocks",
             Self::Band => "band",
 
@@ -136,6 +149,9 @@ impl Part {
         let is_tiled = scene.stage >= Stage::Tile;
 
         match self {
+            Self::Field => scene.session.ground.is_some() && has(Layer::Field),
+            // The domain of a field alone has no outside.
+            Self::Outside | Self::Outline => scene.session.has_shape(),
             Self::Tints | Self::Borders | Self::Numbers => has(Layer::Blocks),
             Self::Band | Self::Seams => scene.session.combination.is_some() && has(Layer::Seams),
             Self::Delaunay => is_tiled && has(Layer::Delaunay),
@@ -177,6 +193,9 @@ impl Part {
     /// Draws the part on a surface, whether it is on or not.
     pub fn draw(self, scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
         match self {
+            Self::Field => ground::field(scene, surface),
+            Self::Outside => ground::outside(scene, surface),
+            Self::Outline => ground::outline(scene, surface),
             Self::Tints => blocks::tints(scene, surface),
             Self::Band => seams::band(scene, surface),
 

@@ -98,7 +98,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the screen points that symbols of samples are as large as in one r: more where fewer samples of nested levels
-    /// are shown, which have more room.
+    /// are shown, or where radii are larger than r, which leaves more room.
     #[must_use]
     pub fn symbol_scale(&self) -> f32 {
         self.scale() * self.shown.spacing() as f32
@@ -108,7 +108,9 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn count_in_view(&self) -> usize {
         let all = self.session.index.count_in(self.low, self.high);
-        (all as f64 / self.shown.spacing().powi(2)) as usize
+        // Where the radius depends on the place, the index has all samples that are shown.
+        let of_prefix = self.shown.spacing() / self.session.usual_radius();
+        (all as f64 / of_prefix.powi(2)) as usize
     }
 
     /// Returns whether a layer is on.
@@ -196,7 +198,8 @@ impl<'a> Scene<'a> {
     /// Returns whether disks and gaps are large enough to be drawn.
     #[must_use]
     pub fn is_fine(&self) -> bool {
-        self.subject.camera.scale * self.shown.disk_radius() >= crate::MIN_DISK_SCALE
+        let radius = self.shown.disk_radius() * self.session.largest_radius();
+        self.subject.camera.scale * radius >= crate::MIN_DISK_SCALE
     }
 
     /// Draws a text with a background, so that it is readable over anything.

@@ -110,7 +110,7 @@ pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
 pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolShape> {
     match layer {
         // Active cells stand in the place of detectors.
-        Layer::Detectors if kind == SessionKind::Exact => {
+        Layer::Detectors if matches!(kind, SessionKind::Exact | SessionKind::Varying) => {
             let (corners, color) = (rect(10.0, 10.0), palette.detector);
             vec![
                 filled(corners, color.gamma_multiply(0.3)),
@@ -171,6 +171,15 @@ pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolS
             .into(),
         Layer::Circumcircles => circumcircle(palette),
         Layer::CoveredCircles => covered_circle(palette),
+        // From a small radius on the left to a large one.
+        Layer::Field => [0.5, 0.3, 0.12]
+            .into_iter()
+            .zip([-4.0, 0.0, 4.0])
+            .map(|(shade, x)| {
+                let corners = rect(4.0, 10.0).map(|corner| corner + vec2(x, 0.0));
+                filled(corners, palette.accent.gamma_multiply(shade))
+            })
+            .collect(),
         Layer::Inserted => {
             let [x, y] = [vec2(5.5, 0.0), vec2(0.0, 5.5)];
             vec![filled([-y, x, y, -x], palette.inserted)]

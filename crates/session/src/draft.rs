@@ -2,6 +2,7 @@
 //! errors to fields.
 
 mod choice;
+mod ground;
 mod preset;
 mod refusal;
 
@@ -15,11 +16,13 @@ use tilescope_core::{
     WithinLevel, radius_estimate,
 };
 
+use crate::ground::MAX_RECORDED;
 use crate::limits::MAX_STAGED;
 use crate::typed;
 use crate::words::{grouped, sentence};
 
 pub use choice::Choice;
+pub use ground::{GroundDraft, RadiusBy};
 pub use preset::Preset;
 pub use refusal::{DraftRefusal, FormPart};
 
@@ -56,6 +59,8 @@ pub struct Draft {
     pub exactly: String,
     /// The order of the samples within a level.
     pub within: WithinLevel,
+    /// The field and the shape, if the radius depends on the place or the domain is a shape.
+    pub ground: GroundDraft,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
 }
@@ -77,6 +82,7 @@ impl Draft {
             levels: None,
             exactly: String::new(),
             within: WithinLevel::default(),
+            ground: GroundDraft::default(),
             parameters,
         }
     }
@@ -213,6 +219,7 @@ impl Draft {
             }
             Choice::Levels(levels) => self.levels = levels,
             Choice::Within(within) => self.within = within,
+            Choice::RadiusBy(by) => self.choose_radius_by(by),
         }
     }
 
@@ -255,15 +262,19 @@ impl Draft {
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
         // Typed numbers come first, as in each part of the form.
         let chosen = Parameter::all().filter(|parameter| !parameter.options().is_empty());
+        // A parameter that the next run does not use makes no difference.
         let differing = numbers()
             .chain(chosen)
-            .filter(|parameter| self.differs(*parameter, made));
+            .filter(|parameter| self.uses(*parameter) && self.differs(*parameter, made));
         differing.map(|parameter| parameter.row().label).collect()
     }
 
     /// Returns the expected number of samples of a run.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
+        if self.ground.is_asked() {
+            return self.ground_samples();
+        }
         let domain = self.read()?.validate_sequential().ok()?;
         if let Some(count) = self.nesting().and_then(|nesting| nesting.exactly) {
             return Some(count as f64);
@@ -274,9 +285,12 @@ impl Draft {
     /// Returns whether so large a run keeps its result without its steps.
     #[must_use]
     pub fn keeps_result_only(&self) -> bool {
-        let samples = self
-            .expected_samples()
-            .filter(|samples| *samples > MAX_STAGED);
+        let most = if self.ground.is_asked() {
+            MAX_RECORDED
+        } else {
+            MAX_STAGED
+        };
+        let samples = self.expected_samples().filter(|samples| *samples > most);
         let has_steps = self.parameters.variant == Variant::AsPrinted || self.levels.is_some();
         samples.is_some() && !has_steps
     }
@@ -352,6 +366,7 @@ mod tests {
             r#"{"levels":4}"#,
             r#"{"levels":null}"#,
             r#"{"within":"farthest"}"#,
+            r#"{"radius-by":"expression"}"#,
         ] {
             let choice: Choice = serde_json::from_str(text).expect(text);
             assert_eq!(serde_json::to_string(&choice).expect(text), text);
@@ -560,7 +575,12 @@ mod tests {
     fn every_preset_can_be_run() {
         for preset in Preset::all() {
             let draft = Draft::from_parameters(preset.parameters());
-            let draft = draft.with_nesting(preset.nesting());
+            let ground = preset.ground();
+            let varies = matches!(preset, Preset::Ramp | Preset::Star);
+            assert_eq!(ground.is_some(), varies, "{}", preset.name());
+            let draft = draft
+                .with_nesting(preset.nesting())
+                .with_ground(ground.as_ref());
             assert_eq!(draft.refusals(), [], "{}", preset.name());
             let repeats = draft.side_without_repeats().is_some();
             assert_eq!(repeats, preset == Preset::LargeBlocks);

@@ -278,7 +278,8 @@ impl Geometry {
         let (key, count) = (key_of(shown), shown.session.run().samples.len());
         let mut geometry = Self::default();
         // At once: above the limits a picture would take seconds, and goes without.
-        if count <= MAX_CIRCLES {
+        // Nor do disks of one radius say anything about a set in a field.
+        if count <= MAX_CIRCLES && shown.session.run().locality.is_none() {
             let borders = GapBorders::of(shown.session, shown.moment());
             geometry.borders.take(key, Ok(borders));
         }
@@ -387,7 +388,9 @@ impl Geometry {
         self.wake.get_or_insert_with(|| Arc::clone(wake));
 
         self.borders.want(key, || {
-            (count <= MAX_CIRCLES).then(|| task::start(wake, ExposeTask(still())))
+            // Disks of one radius say nothing about a set in a field.
+            let has_circles = count <= MAX_CIRCLES && session.run().locality.is_none();
+            has_circles.then(|| task::start(wake, ExposeTask(still())))
         });
 
         // While a run plays, a pointer over a gap asks at each moment. Only a moment that rests is worth a triangulation.

@@ -11,7 +11,7 @@ use serde_json::Value;
 use tilescope_core::json::{self, without_mark};
 use tilescope_debugger::MAX_BYTES;
 use tilescope_formats::{
-    CERTIFICATE_SUFFIX, CertificateUse, FormatError, Hint, ReadSet, read_bytes,
+    CERTIFICATE_SUFFIX, Certificate, CertificateUse, FormatError, Hint, ReadSet, read_bytes,
 };
 
 use crate::limits::MAX_PATTERN_BYTES;
@@ -109,6 +109,32 @@ impl Incoming {
     pub fn certificate(&self) -> Option<&NamedBytes> {
         let of_this = |other: &&NamedBytes| is_certificate_of(&other.name, &self.name);
         self.beside.iter().find(of_this)
+    }
+
+    /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other files.
+    #[must_use]
+    pub fn varying_set(&self) -> Option<ReadSet> {
+        self.within(MAX_PATTERN_BYTES).ok()?;
+        let file = self.certificate()?;
+        // Certificates of version 1 state one radius in a rectangle. The set is not read for their sake.
+        let stated: Value = serde_json::from_slice(&file.bytes).ok()?;
+        if stated["version"] == 1 {
+            return None;
+        }
+
+        let hint = Hint {
+            certificate: CertificateUse::Checked,
+            varying: true,
+            ..Hint::from_name(last_part(&self.name))
+        };
+        let certificate = Some((file.name.as_str(), file.bytes.as_slice()));
+        let read = read_bytes(&self.bytes, &hint, certificate).ok()?;
+        let states_one = |read: &ReadSet| {
+            read.certificate
+                .as_ref()
+                .is_some_and(Certificate::is_varying)
+        };
+        Some(read).filter(states_one)
     }
 
     /// Returns the point set in it, in domain units if it has a certificate. A certificate that is false or unreadable is

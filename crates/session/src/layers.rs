@@ -16,6 +16,8 @@ pub enum SessionKind {
     Combination,
     /// A set with nested levels.
     Nested,
+    /// A set whose radius depends on the place, or whose domain is a shape.
+    Varying,
 }
 
 impl SessionKind {
@@ -62,11 +64,13 @@ pub enum Layer {
     Seams,
     /// The circles around samples, and the arcs of them that no other disk covers.
     CoveredCircles,
+    /// The radius at each place, as a shade.
+    Field,
 }
 
 impl Layer {
     /// Every layer, in the order of the chips.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Pattern,
         Self::Blocks,
         Self::Tree,
@@ -83,6 +87,7 @@ impl Layer {
         Self::Voronoi,
         Self::Circumcircles,
         Self::CoveredCircles,
+        Self::Field,
     ];
 
     /// The layers that are computed from a moment's triangulation and circles.
@@ -122,16 +127,22 @@ impl Layer {
             Self::Voronoi => "Voronoi",
             Self::Circumcircles => "Empty circles",
             Self::CoveredCircles => "Covered circles",
+            Self::Field => "Field",
         }
     }
 
     /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels have
-    /// samples alone.
+    /// samples alone, and sets of varying radius those whose geometry depends on no radius, and their darts.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {
             (Self::Samples | Self::Disks | Self::Delaunay | Self::Voronoi, _) => true,
             (_, SessionKind::Nested) => false,
+            (Self::Field, _) => matches!(kind, SessionKind::Varying),
+            (_, SessionKind::Varying) => matches!(
+                self,
+                Self::Eliminated | Self::Detectors | Self::Inserted | Self::Gaps
+            ),
             (Self::Seams, _) => matches!(kind, SessionKind::Combination),
             (Self::Tree, _) => kind.is_run(),
             _ => true,
@@ -145,8 +156,9 @@ impl Layer {
         match (self, kind) {
             (Self::Blocks, SessionKind::Combination) => "Pieces",
             (Self::Eliminated, SessionKind::Exact) => "Lost, refused",
-            (Self::Detectors, SessionKind::Exact) => "Active cells",
+            (Self::Detectors, SessionKind::Exact | SessionKind::Varying) => "Active cells",
             (Self::Candidates, SessionKind::Exact) => "Waiting darts",
+            (Self::Eliminated, SessionKind::Varying) => "Darts",
             _ => self.name(),
         }
     }
@@ -160,9 +172,13 @@ impl Layer {
             (Self::Disks, SessionKind::Nested) => return "disk of the last whole level's radius",
             (Self::Pattern, SessionKind::Exact) => return "block laid on the pattern",
             (Self::Eliminated, SessionKind::Exact) => return "lost sample, refused dart",
-            (Self::Detectors, SessionKind::Exact) => return "active cell: darts fall there",
+            (Self::Detectors, SessionKind::Exact | SessionKind::Varying) => {
+                return "active cell: darts fall there";
+            }
             (Self::Candidates, SessionKind::Exact) => return "dart that will arrive",
             (Self::Inserted, SessionKind::Exact) => return "sample here alone",
+            (Self::Disks, SessionKind::Varying) => return "disk of the sample's own radius",
+            (Self::Eliminated, SessionKind::Varying) => return "dart that became no sample",
 
             // All other layers mean the same in every session.
             _ => {}
@@ -185,6 +201,7 @@ impl Layer {
             Self::Voronoi => "border of a Voronoi cell",
             Self::Circumcircles => "empty circle larger than r",
             Self::CoveredCircles => "exposed arc: covered by no disk",
+            Self::Field => "the darker, the smaller the radius",
         }
     }
 
@@ -212,6 +229,9 @@ impl Layer {
             Self::Voronoi => glossary::VORONOI.meaning,
             Self::Circumcircles => glossary::CIRCUMCIRCLE.meaning,
             Self::CoveredCircles => glossary::COVERED_CIRCLE.meaning,
+            Self::Field => {
+                "The radius at each place: the darker, the smaller, and so the denser the samples."
+            }
         }
     }
 }
@@ -230,6 +250,7 @@ impl Default for Layers {
             Layer::Voronoi,
             Layer::Circumcircles,
             Layer::CoveredCircles,
+            Layer::Field,
         ];
         let shown = Layer::ALL.into_iter().filter(|l| !hidden.contains(l));
         Self(shown.fold(0, |bits, layer| bits | 1 << layer as u32))
@@ -297,10 +318,10 @@ impl Layers {
         self.has(Layer::Delaunay) || self.has(Layer::Voronoi) || self.has(Layer::Circumcircles)
     }
 
-    /// Returns those that nested levels have.
+    /// Returns those that a kind of session has.
     #[must_use]
-    pub fn of_nested(self) -> Self {
-        let own = self.iter().filter(|layer| layer.is_of(SessionKind::Nested));
+    pub fn of_kind(self, kind: SessionKind) -> Self {
+        let own = self.iter().filter(|layer| layer.is_of(kind));
         Self(own.fold(0, |bits, layer| bits | 1 << layer as u32))
     }
 
@@ -348,6 +369,8 @@ impl Colouring {
             (Self::Level, SessionKind::Run | SessionKind::Exact | SessionKind::Combination) => {
                 Self::Block
             }
+            // All samples are inserted, and what tells them apart is when.
+            (_, SessionKind::Varying) => Self::Age,
             _ => self,
         }
     }

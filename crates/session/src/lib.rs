@@ -24,6 +24,7 @@ pub mod draft;
 pub mod encoding;
 pub mod geometry;
 pub mod glossary;
+pub mod ground;
 pub mod incoming;
 pub mod index;
 pub mod jobs;

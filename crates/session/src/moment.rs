@@ -99,6 +99,10 @@ impl Moment {
         }
 
         let covering = self.covering(session);
+        // The result of a run in a field or a shape is in the order of arrival, as its ids are.
+        if session.run().locality.is_some() {
+            return covering.into_iter().map(|(_, id)| id).collect();
+        }
         // Ids follow the order of tiling and insertion, results that of places.
         let keyed = covering.iter().map(|(point, id)| (point.canonical(), *id));
         let mut keyed: Vec<(u64, u32)> = keyed.collect();
@@ -199,13 +203,16 @@ impl<'a> ShownMoment<'a> {
         })
     }
 
-    /// Returns by how much farther apart samples are than all samples of the session: 1, but more of nested levels.
+    /// Returns by how much farther apart samples are than those of a maximal set of radius r: 1, but more of nested levels, and
+    /// where the radius depends on the place.
     #[must_use]
     pub fn spacing(&self) -> f64 {
         let all = self.session.summary.count;
         // Distances grow as the root of the area that each sample has.
-        self.prefix
-            .map_or(1.0, |count| (all as f64 / count.max(1) as f64).sqrt())
+        let of_prefix = self
+            .prefix
+            .map_or(1.0, |count| (all as f64 / count.max(1) as f64).sqrt());
+        of_prefix * self.session.usual_radius()
     }
 
     /// Returns whether the moment is the end of a stage.

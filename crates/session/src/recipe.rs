@@ -11,6 +11,7 @@ use tilescope_formats::ReadSet;
 use tilescope_sets::KnownDomain;
 
 use crate::encoding::as_json;
+use crate::ground::GroundRequest;
 use crate::incoming::Incoming;
 
 /// A pattern that was read from a file.
@@ -44,6 +45,8 @@ pub struct Recipe {
     /// The levels, if nested ones are wanted instead of a run.
     #[serde(with = "as_json")]
     pub nested: Option<NestedRequest>,
+    /// The field and the shape, if the radius depends on the place or the domain is a shape.
+    pub ground: Option<Box<GroundRequest>>,
 }
 
 impl From<Parameters> for Recipe {
@@ -52,6 +55,7 @@ impl From<Parameters> for Recipe {
             parameters,
             own: None,
             nested: None,
+            ground: None,
         }
     }
 }

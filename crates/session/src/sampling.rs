@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Parameters, Pattern, PatternSpec, Run, SampleError, Stage};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
+use crate::ground;
 use crate::jobs::Monitor;
 use crate::nesting;
 use crate::recipe::Recipe;
@@ -30,6 +31,9 @@ impl Task for SampleTask {
 
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
+        if let Some(request) = &recipe.ground {
+            return ground::sample(recipe, request, *generation, monitor);
+        }
         Ok(match recipe.nested {
             Some(request) => nesting::sample(recipe, request, *generation, monitor)?,
             None => Session::sample(recipe, *generation, monitor)?,

@@ -11,11 +11,13 @@ use crate::words::{counted, grouped, share, stage_name};
 /// Returns the name of a stage of a session with a capital letter.
 #[must_use]
 pub fn name_in(session: &Session, stage: Stage) -> String {
-    // A combination has pieces in the place of blocks, nested levels end at once, and an exact tiling has levels.
+    // A combination has pieces in the place of blocks, nested levels end at once, an exact tiling has levels, and a set in a
+    // field or a shape has throws.
     match stage {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
         Stage::Finish if session.nested.is_some() => "Levels".to_owned(),
+        Stage::Iterate(k) if session.ground.is_some() => format!("Throw {k}"),
         Stage::Iterate(1) if session.is_exact() => "Levels 0, 1".to_owned(),
         Stage::Iterate(k) if session.is_exact() => format!("Level {k}"),
         stage => stage_name(stage),
@@ -75,7 +77,9 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     // Some stages of combinations and exact tilings differ from those of a run.
-    let other = combination_sentence(session, stage).or_else(|| exact_sentence(session, stage));
+    let other = combination_sentence(session, stage)
+        .or_else(|| ground_sentence(session, stage))
+        .or_else(|| exact_sentence(session, stage));
     if let Some(sentence) = other {
         return sentence;
     }
@@ -189,6 +193,31 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
         // A combination eliminates and iterates as a run does, and has no pattern.
         _ => None,
     }
+}
+
+/// Returns the sentence for a stage of a set in a field or a shape, which has throws of darts alone.
+fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
+    let made = session.ground.as_ref()?;
+    let samples = |count: usize| counted(count, "sample", "samples");
+    Some(match stage {
+        Stage::Iterate(k) => {
+            let iteration = session.iteration(k)?;
+            format!(
+                "Throw {k}: {} darts; {} become samples.",
+                counted(
+                    iteration.cells.len(),
+                    "active cell throws",
+                    "active cells throw"
+                ),
+                grouped(iteration.inserted.len()),
+            )
+        }
+        _ => format!(
+            "Finish: {} by darts, in the order of their arrival ({}).",
+            samples(session.summary.count),
+            made.asked.1.description()
+        ),
+    })
 }
 
 /// Returns the sentence for a stage of an exact tiling, if that differs from the stage of another run.

@@ -19,6 +19,7 @@ use tilescope_gpu::GpuError;
 use tilescope_live::MOMENT_NUMBERS;
 
 use crate::combination::Combination;
+use crate::ground::MadeGround;
 use crate::index::SampleIndex;
 use crate::jobs::Monitor;
 use crate::layers::{Layers, SessionKind};
@@ -74,6 +75,8 @@ pub struct Session {
     pub combination: Option<Combination>,
     /// The levels, if it has nested ones; its samples are then in their order.
     pub nested: Option<NestedLevels>,
+    /// What it was made on, if its radius depends on the place or its domain is a shape.
+    pub ground: Option<MadeGround>,
     /// Why the GPU run failed, if the CPU had to make the session instead; taken when the user is notified.
     #[serde(skip)]
     pub failure: Option<Failure>,
@@ -149,11 +152,20 @@ impl Session {
     /// Returns the recipe it was made from, if [`Self::has_recipe`].
     #[must_use]
     pub fn recipe(&self) -> Recipe {
+        if let Some(ground) = &self.ground {
+            let (parameters, request) = &ground.asked;
+            return Recipe {
+                ground: Some(Box::new(request.clone())),
+                ..Recipe::from(*parameters)
+            };
+        }
+
         let asked = self.nested.as_ref().and_then(|nested| nested.asked);
         Recipe {
             parameters: asked.map_or(self.run().parameters, |(parameters, _)| parameters),
             own: self.own.clone(),
             nested: asked.map(|(_, request)| request),
+            ground: None,
         }
     }
 
@@ -170,6 +182,7 @@ impl Session {
         match (&self.combination, &self.nested) {
             (Some(_), _) => SessionKind::Combination,
             (None, Some(_)) => SessionKind::Nested,
+            (None, None) if self.ground.is_some() => SessionKind::Varying,
             (None, None) if self.is_exact() => SessionKind::Exact,
             (None, None) => SessionKind::Run,
         }
@@ -179,7 +192,7 @@ impl Session {
     #[must_use]
     pub fn drawable(&self, layers: Layers) -> Layers {
         match self.kind() {
-            SessionKind::Nested => layers.of_nested(),
+            kind @ (SessionKind::Nested | SessionKind::Varying) => layers.of_kind(kind),
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => layers,
         }
     }
@@ -334,6 +347,10 @@ impl Session {
 
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
+        // A run in a field or a shape has no pattern, and its first throw is its first stage.
+        if run.locality.is_some() {
+            stages.retain(|&stage| stage != Stage::Pattern);
+        }
         let mut losses = Vec::new();
         if let RunSource::Recorded(recording) = &source {
             // This builds the index for searches, here in the background rather than at the first search.
@@ -381,6 +398,7 @@ impl Session {
             own: None,
             combination: None,
             nested: None,
+            ground: None,
             failure: None,
             digest: OnceLock::new(),
             positions_digest: OnceLock::new(),
@@ -408,6 +426,42 @@ impl Session {
     #[must_use]
     pub fn position(&self, id: u32) -> DVec2 {
         units::position(self.run().samples.points[id as usize])
+    }
+
+    /// Returns whether its domain is a shape.
+    #[must_use]
+    pub fn has_shape(&self) -> bool {
+        let locality = self.run().locality.as_ref();
+        locality.is_some_and(|locality| !locality.shape.is_rectangle())
+    }
+
+    /// Returns the radius of a sample, in r: 1 unless the radius depends on the place.
+    #[must_use]
+    pub fn radius_of(&self, id: u32) -> f64 {
+        let run = self.run();
+        let locality = run.locality.as_ref();
+        locality.map_or(1.0, |locality| {
+            units::radii(locality.radius_at(run.samples.points[id as usize]))
+        })
+    }
+
+    /// Returns the largest radius of a place, in r: 1 unless the radius depends on the place.
+    #[must_use]
+    pub fn largest_radius(&self) -> f64 {
+        let locality = self.run().locality.as_ref();
+        locality.map_or(1.0, |locality| units::radii(locality.field.extremes()[1]))
+    }
+
+    /// Returns a radius between the least and the largest, in r, by which symbols of samples are sized: 1 unless the radius
+    /// depends on the place.
+    #[must_use]
+    pub fn usual_radius(&self) -> f64 {
+        let locality = self.run().locality.as_ref();
+        locality.map_or(1.0, |locality| {
+            // The geometric mean suits small and large ones alike.
+            let [least, greatest] = locality.field.extremes().map(units::radii);
+            (least * greatest).sqrt()
+        })
     }
 
     /// Returns where the nearest image of sample `id` to `position` lies, in r.

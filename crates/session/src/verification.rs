@@ -9,6 +9,7 @@ use tilescope_analysis::{
 
 use tilescope_sets::region;
 
+use crate::ground::MadeGround;
 use crate::jobs::Monitor;
 use crate::session::Session;
 use crate::task::{SessionRef, Task};
@@ -102,6 +103,29 @@ impl Verdict {
         })
     }
 
+    /// Verifies a set in a field or a shape: its subdivision proves square by square, with the radius at each place, that the set is
+    /// valid. It names no closest pair and no largest circle, as these are measured by one radius.
+    ///
+    /// Fails when the field or the shape is refused, or there is no verdict.
+    pub fn on_ground(
+        points: &[[f64; 2]],
+        made: &MadeGround,
+        monitor: &Monitor,
+    ) -> Result<Self, String> {
+        let ground = made.recipe().ground().map_err(|error| error.to_string())?;
+        let control = |progress| monitor.follow(progress);
+        let judged = &ground.varying.judged;
+        let report = judged.verify(points, &VerifyOptions::default(), &control);
+        let report = report.map_err(|error| error.to_string())?;
+
+        Ok(Self {
+            claim: None,
+            closest: report.worst_conflicts.first().copied(),
+            largest: report.worst_gaps.first().copied(),
+            report,
+        })
+    }
+
     /// Returns whether no two samples are closer than they may be.
     #[must_use]
     pub fn conflict_free(&self) -> bool {
@@ -168,6 +192,9 @@ impl Task for VerifyTask {
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let session = &self.session;
         let run = session.run();
+        if let Some(made) = &session.ground {
+            return Verdict::on_ground(&run.positions(), made, monitor);
+        }
         let region = region(&run.domain);
 
         let verdict = match session.nested.as_ref().zip(self.prefix) {

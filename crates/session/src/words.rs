@@ -2,6 +2,7 @@
 
 use tilescope_analysis::Report;
 use tilescope_core::Stage;
+pub use tilescope_debugger::significant;
 
 /// Returns `text` with a capital letter and a full stop. The name of a file at its beginning is left unchanged.
 #[must_use]

@@ -40,7 +40,7 @@ const TOLERANCE: u64 = 100;
 const MAX_TRIES: usize = 12;
 
 /// What a set is made from whose radius varies, or that covers a shape.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VaryingRecipe {
     /// Where the radius comes from; with a count, its scale is free.
     pub radius: RadiusSource,
@@ -181,6 +181,22 @@ impl VaryingRecipe {
     /// [`VaryingError`] when field, shape or domain are refused.
     pub fn ground(&self) -> Result<Ground, VaryingError> {
         self.ground_of(&self.radius)
+    }
+
+    /// Returns what certificates state of the way in which a set on this ground is made, which is that of [`Self::ground`].
+    #[must_use]
+    pub fn stated_on(&self, ground: &Ground) -> Stated {
+        self.stated(&self.radius, ground)
+    }
+
+    /// Returns about how many samples there are, if all of the domain is covered.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when field, shape or domain are refused, as far as this needs them.
+    pub fn expected_samples(&self) -> Result<f64, VaryingError> {
+        self.radius.check()?;
+        self.expected(&self.radius)
     }
 
     /// Returns what certificates state of the way in which the set was made.

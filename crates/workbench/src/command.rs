@@ -124,6 +124,12 @@ pub enum FormCommand {
     Reset,
     /// Returns from a pattern of a file to the pattern that the parameters describe.
     GeneratedPattern,
+    /// Types the radius as a function of x and y.
+    Expression(String),
+    /// Types the radius of white, of an image.
+    White(String),
+    /// Covers the whole domain again, instead of a shape.
+    WholeDomain,
 }
 
 /// A choice of the engine.

@@ -11,7 +11,7 @@ mod warnings;
 mod write;
 
 pub use content::{LinkContent, NamedMoment};
-pub(crate) use content::{allows, normal};
+pub(crate) use content::{allows, carries, normal};
 pub(crate) use parameters::excess;
 pub use parameters::link_key;
 pub use read::COLOURINGS;
@@ -62,3 +62,6 @@ pub const MAX_TEXT: usize = 200;
 
 /// The longest layout of a combination in a link, as characters of the link.
 pub const MAX_COMBINATION: usize = 4_000;
+
+/// The longest radius as a function in a link, and the longest polygon, as characters.
+pub const MAX_GROUND: usize = 3_000;

@@ -170,8 +170,14 @@ impl Live {
     }
 }
 
+/// Why moments of sets in a field or a shape are not measured.
+pub const ONE_RADIUS: &str = "The measures compare distances with one radius in a rectangle, which a set in a field or a shape does not have; its verdict is by subdivision, with the radius at each place.";
+
 /// Returns why a run has no measures that move with it.
 pub(crate) fn refusal(session: &Session) -> Option<String> {
+    if session.ground.is_some() {
+        return Some(ONE_RADIUS.to_owned());
+    }
     if session.recording().is_none() && session.nested.is_none() {
         let why = "This run has no events, so that its moments are measured at rest alone.";
         return Some(why.to_owned());

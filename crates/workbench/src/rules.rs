@@ -179,7 +179,10 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::Choose(_)
         | FormCommand::Preset(_)
         | FormCommand::Reset
-        | FormCommand::GeneratedPattern => Some(UndoPart::Form),
+        | FormCommand::GeneratedPattern
+        | FormCommand::Expression(_)
+        | FormCommand::White(_)
+        | FormCommand::WholeDomain => Some(UndoPart::Form),
     };
 
     Rules {

@@ -26,6 +26,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::live::ONE_RADIUS;
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -149,6 +150,12 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         ui.label(RichText::new(text).color(palette.muted));
         return;
     };
+
+    // All measures of the panel compare distances with one radius.
+    if shown.session.ground.is_some() {
+        lines(ui, RichText::new(ONE_RADIUS).color(palette.muted)).known_as("analysis.status");
+        return;
+    }
 
     // The parts of this panel issue commands of the analysis alone, which become commands of the window at the end.
     let mut own = Vec::new();

@@ -1,6 +1,7 @@
 //! The meanings of the fields of the parameter form, and the options of its lists, each with its name and its meaning.
 
 use tilescope_core::{Parameter, ParameterOption, Parameters, WithinLevel};
+use tilescope_session::draft::RadiusBy;
 use tilescope_session::glossary;
 
 /// An option of a list: its value, name and meaning.
@@ -21,6 +22,36 @@ pub const LEVELS: [Listed<Option<u32>>; 12] = [
     (Some(10), "10", "The radius of the first is 22.6 r."),
     (Some(11), "11", "The radius of the first is 32 r."),
 ];
+
+/// How many of [`RADIUS_BY`] need no image.
+pub const WITHOUT_IMAGE: usize = 2;
+
+/// The ways in which the radius is given; those of an image come last.
+pub const RADIUS_BY: [Listed<RadiusBy>; 4] = [
+    (
+        RadiusBy::Constant,
+        "a number",
+        "The same radius everywhere.",
+    ),
+    (
+        RadiusBy::Expression,
+        "a formula",
+        "A function of the place: the reference sampler throws darts, the denser the smaller the radius.",
+    ),
+    (
+        RadiusBy::Image,
+        "grey of an image",
+        "From the radius of black to that of white.",
+    ),
+    (
+        RadiusBy::Density,
+        "dark of an image",
+        "Samples are as dense as the image is dark.",
+    ),
+];
+
+/// What the formula of the radius may have.
+pub const FORMULA: &str = "The radius as a function of x and y, such as 0.006 + 0.024*x, with + - * / ^ pi abs atan2 cos exp floor hypot log max min pow sin sqrt tanh.";
 
 /// The orders of the samples within a level.
 pub const WITHIN: [Listed<WithinLevel>; 2] = [

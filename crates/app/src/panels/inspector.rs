@@ -9,7 +9,7 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, Recording, why};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
-use tilescope_session::words::{counted, event_number, grouped};
+use tilescope_session::words::{counted, event_number, grouped, significant};
 use tilescope_ui::widgets::{Known, heading, row};
 
 use super::common::divide;
@@ -201,6 +201,11 @@ fn sample(
     }
 
     match run.samples.origins[id as usize] {
+        // A large set in a field or a shape keeps nothing but its samples.
+        Origin::Tiled { .. } if session.ground.is_some() => {
+            let radius = session.radius_of(id) * run.domain.radius();
+            row(ui, "Radius", &significant(radius), palette);
+        }
         Origin::Tiled {
             block,
             pattern,
@@ -220,7 +225,14 @@ fn sample(
             row(ui, "Lies", lies, palette);
         }
         Origin::Inserted { iteration, sites } => {
-            row(ui, "Inserted in iteration", &iteration.to_string(), palette);
+            // In a field or a shape, iterations are the throws of darts, and samples have radii of their own.
+            if session.ground.is_some() {
+                let radius = session.radius_of(id) * run.domain.radius();
+                row(ui, "Radius", &significant(radius), palette);
+                row(ui, "From throw", &iteration.to_string(), palette);
+            } else {
+                row(ui, "Inserted in iteration", &iteration.to_string(), palette);
+            }
             match sites {
                 Sites::Three(ids) => others(ui, "At the circumcentre of", &ids, palette, commands),
                 Sites::Border(ids) => others(ui, "On the border between", &ids, palette, commands),

@@ -7,7 +7,7 @@ use egui::{
 use tilescope_classroom::lesson_labels::lesson_labels;
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
-use tilescope_session::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
@@ -58,9 +58,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             let count = grouped(session.summary.count);
             // The radius of nested levels may follow from their number of samples, and then has many digits.
-            let radius = match &session.nested {
-                Some(_) => format!("{:.6}", parameters.radius),
-                None => parameters.radius.to_string(),
+            let radius = match (&session.nested, &session.ground) {
+                (Some(_), _) => format!("{:.6}", parameters.radius),
+                // The lattice's r is no radius of this set, whose least and largest are named.
+                (None, Some(made)) => local_radii(made.radii),
+                (None, None) => parameters.radius.to_string(),
             };
             // The timeline counts the samples of the moment, and this text those of the whole run, which it calls the result.
             let text = format!("result: {count} samples   r {radius}   {made}");
@@ -90,6 +92,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         });
     });
+}
+
+/// Returns the least and the largest radius of a field, or the one radius.
+fn local_radii(radii: [f64; 2]) -> String {
+    let [least, largest] = radii.map(significant);
+    if least == largest {
+        return least;
+    }
+    format!("{least} to {largest}")
 }
 
 /// Width of the program's name and the space behind it, in screen points.

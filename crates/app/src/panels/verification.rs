@@ -141,12 +141,22 @@ fn explanation(context: &PanelContext<'_>) -> String {
                 "Found by {judges}, which share no code with the sampler. Click to see these samples and their closest pair, or what is wrong.{next}"
             )
         }
+        Verification::Done(verdict) if verdict.valid() && is_local(context) => format!(
+            "No two samples are near each other, and each place is near a sample, with the radius at each place; verified by {}, which shares no code with the sampler.",
+            Judge::joined(&verdict.report.judges)
+        ),
         Verification::Done(verdict) if verdict.valid() => format!(
             "Conflict-free and maximal, to within (1 + 2^-15) r, verified by {}, which share no code with the sampler. Click to see the closest pair.",
             Judge::joined(&verdict.report.judges)
         ),
         Verification::Done(_) => "Click to see the conflict or gap.".to_owned(),
     }
+}
+
+/// Returns whether the radius of the set depends on the place, or its domain is a shape.
+fn is_local(context: &PanelContext<'_>) -> bool {
+    let session = context.run.session.as_ref();
+    session.is_some_and(|session| session.ground.is_some())
 }
 
 /// What the limit of the covering radius is.

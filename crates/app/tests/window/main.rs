@@ -12,6 +12,7 @@ mod embedded;
 mod export_sheet;
 mod fit;
 mod graded;
+mod ground;
 mod hints;
 mod hostile;
 mod instanced;

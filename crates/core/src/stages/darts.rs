@@ -266,12 +266,11 @@ impl<G: DartGround> DartProcess<G> {
         let mut accepted = Vec::new();
         for dart in darts {
             // It lies inside, and nothing covered it when it was thrown; a dart of lower rank may cover it by now.
-            let inside = true;
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
                 ranked: true,
-                verdict: verdict(inside, covered),
+                verdict: verdict(covered),
             });
 
             if !covered {
@@ -318,22 +317,21 @@ impl<G: DartGround> DartProcess<G> {
                     cell_key.draw(Stream::Thin, index as u32)[0]
                 };
 
-                let (inside, covered) = match self.ground.landing(cell, point, coin) {
-                    Landing::Outside => (false, false),
-                    // Only sets of varying radius are thinned, and those are not recorded.
-                    Landing::Thinned => continue,
+                let verdict = match self.ground.landing(cell, point, coin) {
+                    Landing::Outside => Verdict::Outside,
+                    Landing::Thinned => Verdict::Thinned,
                     Landing::Inside(place) => {
                         let covered = self.ground.covers(point, place);
                         if !covered {
                             darts.push(Dart { rank, point, place });
                         }
-                        (true, covered)
+                        verdict(covered)
                     }
                 };
                 recorder.record(RunEvent::Dart {
                     point,
                     ranked: false,
-                    verdict: verdict(inside, covered),
+                    verdict,
                 });
             }
             meter.tick()?;
@@ -381,12 +379,12 @@ impl<G: DartGround> DartProcess<G> {
     }
 }
 
-/// Returns the verdict on a dart; the process keeps no ids.
-const fn verdict(inside: bool, covered: bool) -> Verdict {
-    match (inside, covered) {
-        (false, _) => Verdict::Outside,
-        (true, true) => Verdict::Covered { by: u32::MAX },
-        (true, false) => Verdict::Accepted,
+/// Returns the verdict on a dart in the domain; the process keeps no ids.
+const fn verdict(covered: bool) -> Verdict {
+    if covered {
+        Verdict::Covered { by: u32::MAX }
+    } else {
+        Verdict::Accepted
     }
 }
 

@@ -71,7 +71,7 @@ pub enum FieldError {
 /// The radius at each lattice point of a domain, in units.
 ///
 /// Nodes are 2^b units apart, the first at the domain's corner. Between them the radius is bilinear, rounded down.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct RadiusField {
     domain: Domain,
     /// Cells of four nodes are 2^`bits` units wide. One such cell holds a whole domain of constant radius.
@@ -85,14 +85,14 @@ pub struct RadiusField {
 }
 
 /// The least and the greatest of some radii.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct RadiusRange {
     pub least: i32,
     pub greatest: i32,
 }
 
 /// The ranges of the nodes of blocks of one size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct RadiusBlocks {
     columns: usize,
     ranges: Vec<RadiusRange>,
@@ -259,6 +259,13 @@ impl RadiusField {
         };
         // The sum is at most 2^21 times 2^40.
         ((along(first) * (pitch - up) + along(above) * up) >> (2 * bits)) as i32
+    }
+
+    /// Returns the least and the greatest radius of all nodes, in units; those of all places lie between them.
+    #[must_use]
+    pub fn extremes(&self) -> [i32; 2] {
+        let range = self.whole();
+        [range.least, range.greatest]
     }
 
     /// Returns the range of all radii.

@@ -42,10 +42,10 @@ pub enum ShapeError {
 }
 
 /// Which lattice points of a domain belong to it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Shape(Kind);
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 enum Kind {
     Rectangle,
     Polygon(Polygon),
@@ -53,7 +53,7 @@ enum Kind {
 }
 
 /// Which places of a cell belong to a shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Class {
     Outside,
     /// Perhaps some, perhaps not all.
@@ -102,6 +102,12 @@ impl Shape {
         Ok(Self(Kind::Mask(Mask::new(pitch_bits, columns, pixels))))
     }
 
+    /// Returns whether it has all places of a domain, whatever that is.
+    #[must_use]
+    pub const fn is_rectangle(&self) -> bool {
+        matches!(self.0, Kind::Rectangle)
+    }
+
     /// Returns whether a place of the domain belongs to the shape.
     #[must_use]
     pub fn inside(&self, place: Point) -> bool {
@@ -123,7 +129,7 @@ impl Shape {
 }
 
 /// An edge of a polygon, from its lower end to its upper one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Edge {
     low: [i64; 2],
     high: [i64; 2],
@@ -145,7 +151,7 @@ impl Edge {
 }
 
 /// The edges of all rings, by bands of rows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Polygon {
     /// The rows that the rings have, from the lowest to the highest.
     rows: [i64; 2],
@@ -245,7 +251,7 @@ impl Polygon {
 }
 
 /// The pixels of a mask, and blocks of 2 x 2 of them, of 4 x 4, and so on up to one of all.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Mask {
     /// A pixel is 2^`bits` units wide.
     bits: u32,
@@ -253,7 +259,7 @@ struct Mask {
 }
 
 /// The classes of the blocks of one size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct ClassBlocks {
     columns: usize,
     classes: Vec<Class>,

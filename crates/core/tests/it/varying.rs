@@ -1,10 +1,12 @@
 //! Sets of varying radius against the definition: all darts of the first levels, none left out in advance, taken one after another.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 use tilescope_core::stages::darts::{POISSON, throws};
 use tilescope_core::{
-    Boundary, Domain, Key, Point, R, RadiusField, Shape, Stream, Unobserved, reference_recorded,
-    varying_sample,
+    Boundary, Domain, Key, Locality, Parameters, Point, R, RadiusField, Recorder, RunEvent, Shape,
+    Stream, Unobserved, Verdict, reference_recorded, varying_recorded, varying_sample,
 };
 
 /// A field with all numbers that it is made from, and a shape.
@@ -361,4 +363,73 @@ fn a_mask_of_all_pixels_leaves_nothing_out() {
     assert!(part.len() < whole.len());
     assert!(part.iter().all(|p| (p.x >> 17, p.y >> 17) != (1, 1)));
     assert_eq!(sample(&Shape::mask(17, 4, &[false; 16]).unwrap()), []);
+}
+
+/// Keeps all events.
+#[derive(Default)]
+struct Kept(Vec<RunEvent>);
+
+impl Recorder for Kept {
+    fn record(&mut self, run_event: RunEvent) {
+        self.0.push(run_event);
+    }
+}
+
+/// A field that grows to the right, in a triangle with a notch.
+fn ramp_in_a_triangle() -> Locality {
+    let domain = Domain::from_size([24.0, 20.0], 1.0, Boundary::Bounded).unwrap();
+    let [columns, rows] = RadiusField::node_counts(&domain, 15).unwrap();
+    let node = |index: usize| R + (index % columns) as i32 * (R / 12);
+    let nodes: Vec<i32> = (0..columns * rows).map(node).collect();
+    let corners = [(0, 0), (23, 1), (12, 8), (10, 19)].map(|(x, y)| Point::new(x * R, y * R));
+    Locality {
+        field: RadiusField::from_nodes(domain, 15, &nodes).unwrap(),
+        shape: Shape::polygon(&[corners.to_vec()]).unwrap(),
+    }
+}
+
+#[test]
+fn a_recorded_run_is_the_set_with_a_verdict_on_every_dart() {
+    let locality = Arc::new(ramp_in_a_triangle());
+    let parameters = Parameters {
+        seed: 5,
+        ..Parameters::default()
+    };
+    let mut kept = Kept::default();
+    let run = varying_recorded(&locality, &parameters, &mut Unobserved, &mut kept).unwrap();
+    let Locality { field, shape } = &*locality;
+    let plain = varying_sample(field, shape, 5, &mut Unobserved).unwrap();
+    assert_eq!((&run.samples.points, run.points()), (&plain, plain.clone()));
+
+    // Each verdict is compared with all samples that were there, one by one.
+    let (mut there, mut counts) = (0, [0; 4]);
+    for event in &kept.0 {
+        match *event {
+            RunEvent::Insert { sample, .. } => {
+                assert_eq!(sample as usize, there);
+                there += 1;
+            }
+            RunEvent::Dart { point, verdict, .. } => {
+                let is_covered = |point| {
+                    plain[..there]
+                        .iter()
+                        .any(|&sample| locality.is_near(sample, point))
+                };
+                let inside = field.domain().rect().contains(point) && locality.inside(point);
+                let which = match verdict {
+                    Verdict::Outside => 0,
+                    Verdict::Thinned => 1,
+                    Verdict::Covered { .. } => 2,
+                    Verdict::Accepted => 3,
+                    Verdict::TooFar | Verdict::NotNearest { .. } => unreachable!(),
+                };
+                assert_eq!(inside, which != 0, "{point:?}");
+                assert!(which < 2 || is_covered(point) == (which == 2), "{point:?}");
+                counts[which] += 1;
+            }
+            _ => {}
+        }
+    }
+    assert_eq!(there, plain.len());
+    assert!(counts.iter().all(|&count| count > 0), "{counts:?}");
 }

@@ -197,6 +197,7 @@ const fn verdict_tags(verdict: Verdict) -> (u8, Option<u32>) {
         Verdict::Outside => (2, None),
         Verdict::Covered { by } => (3, Some(by)),
         Verdict::NotNearest { nearer } => (4, Some(nearer)),
+        Verdict::Thinned => (5, None),
     }
 }
 
@@ -206,6 +207,7 @@ const fn verdict(tags: u8, by: u32) -> Verdict {
         1 => Verdict::TooFar,
         2 => Verdict::Outside,
         3 => Verdict::Covered { by },
+        5 => Verdict::Thinned,
         _ => Verdict::NotNearest { nearer: by },
     }
 }

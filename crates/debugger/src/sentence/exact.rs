@@ -100,7 +100,10 @@ impl Words<'_> {
                 "the dart at {at} arrives and is refused: {} came first",
                 self.blocker(point, by)
             )),
-            (_, Verdict::TooFar | Verdict::Outside | Verdict::NotNearest { .. }) => None,
+            (
+                _,
+                Verdict::TooFar | Verdict::Outside | Verdict::Thinned | Verdict::NotNearest { .. },
+            ) => None,
         }
     }
 

@@ -90,6 +90,8 @@ impl Words<'_> {
             Verdict::Accepted => "lies in a gap".to_owned(),
             Verdict::TooFar => "is beyond the reach of detection".to_owned(),
             Verdict::Outside => "lies outside the domain".to_owned(),
+            // No candidate is thinned, only darts are.
+            Verdict::Thinned => "is left out".to_owned(),
             Verdict::Covered { by } => format!("is covered by {}", self.sample(by)),
             Verdict::NotNearest { nearer } => format!("is nearer to {}", self.sample(nearer)),
         };
@@ -159,6 +161,8 @@ impl Words<'_> {
             (_, Verdict::Outside) => {
                 format!("a dart at {at} lands outside the domain and is discarded")
             }
+            // Where the radius is the same everywhere no dart is thinned; `local` has the sentence of others.
+            (_, Verdict::Thinned) => format!("a dart at {at} is left out"),
             // Only candidates have a reach, so that no dart gets these verdicts.
             (_, Verdict::TooFar | Verdict::NotNearest { .. }) => {
                 format!("a dart at {at} is out of reach and is discarded")

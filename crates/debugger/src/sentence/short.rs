@@ -176,6 +176,7 @@ fn outcome(verdict: Verdict) -> String {
         Verdict::Accepted => "open".to_owned(),
         Verdict::TooFar => "too far".to_owned(),
         Verdict::Outside => "outside".to_owned(),
+        Verdict::Thinned => "thinned".to_owned(),
         Verdict::Covered { by: NONE } => "covered".to_owned(),
         Verdict::Covered { by } => format!("covered by {}", number(by)),
         Verdict::NotNearest { nearer } => format!("nearer to {}", number(nearer)),

@@ -3,6 +3,7 @@
 mod divergence;
 mod exact;
 mod finding;
+mod local;
 mod saved;
 mod scenes;
 mod sentences;

@@ -39,12 +39,35 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws the disks of the samples that cover them, and in the copies around a periodic domain those of the copies.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
+    if scene.session.ground.is_some() {
+        return local_disks(scene, looks, surface);
+    }
     let radius = scene.shown.disk_radius();
     let beyond = drawn_around(scene.session) + radius;
     index.visit_around(scene.low, scene.high, radius, beyond, |seen| {
         let look = looks.of(seen.id);
         if look.disk {
             surface.disk(scene.at(seen.position), scene.disk_scale(), look.color);
+        }
+    });
+}
+
+/// The strength of the fill and of the ring of a disk of its own radius.
+const LOCAL_DISK: [f32; 2] = [0.10, 0.65];
+
+/// Draws the disks of samples whose radius depends on the place. A texture would be needed for each radius, so that they are
+/// circles.
+fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
+    let reach = scene.session.largest_radius();
+    let beyond = drawn_around(scene.session) + reach;
+    let index = &scene.session.index;
+    index.visit_around(scene.low, scene.high, reach, beyond, |seen| {
+        let look = looks.of(seen.id);
+        if look.disk {
+            let radius = scene.session.radius_of(seen.id) as f32 * scene.scale();
+            let [fill, ring] = LOCAL_DISK.map(|strength| look.color.gamma_multiply(strength));
+            let at = scene.at(seen.position);
+            surface.circle(at, radius, Some(fill), Some(Stroke::new(0.9, ring)));
         }
     });
 }
@@ -139,6 +162,10 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
+    // Sets in a field or a shape have neither detectors nor candidates, and darts instead.
+    if scene.session.ground.is_some() {
+        return super::ground::darts(scene, surface);
+    }
     // Exact tiling searches by darts.
     if scene.session.is_exact() {
         return super::darts::draw(scene, surface);

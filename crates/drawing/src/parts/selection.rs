@@ -69,7 +69,8 @@ fn selected(
 ) {
     let at = scene.at(position);
     if scene.stage >= Stage::Tile {
-        surface.circle(at, scene.scale(), None, Some(stroke));
+        let radius = scene.session.radius_of(id) as f32 * scene.scale();
+        surface.circle(at, radius, None, Some(stroke));
     }
     for cause in causes(&scene.shown, id) {
         let from = scene.at(scene.session.image_near(cause, position));

@@ -53,9 +53,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
         // The event of a refused dart names its blocker, if one is known.
-        if let Verdict::Covered { by } = verdict
-            && by != NONE
-        {
+        if let Some(by) = named(scene, dart, verdict) {
             blocker(scene, surface, dart, by);
         }
     }
@@ -65,11 +63,27 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let stroke = Stroke::new(2.5, palette.halo);
         surface.circle(at, ring(scene) + 4.0, None, Some(stroke));
         let faint = Stroke::new(1.2, palette.halo.gamma_multiply(0.6));
-        surface.circle(at, scene.scale(), None, Some(faint));
+        let radius = scene.session.radius_of(id) as f32 * scene.scale();
+        surface.circle(at, radius, None, Some(faint));
     }
 
     // The change comes last, so that nothing covers it.
     last_event(scene, surface);
+}
+
+/// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places.
+fn named(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
+    let Verdict::Covered { by } = verdict else {
+        return None;
+    };
+    if by != NONE {
+        return Some(by);
+    }
+    scene.session.run().locality.as_ref()?;
+    let debugger = scene.shown.debugger?;
+    debugger
+        .recording()
+        .covering(dart, debugger.state().cursor())
 }
 
 /// Draws the line from a refused dart to the sample that came first, and that one's disk.
@@ -78,7 +92,8 @@ fn blocker(scene: &Scene<'_>, surface: &mut impl Surface, dart: Point, by: u32) 
     let at = scene.at(scene.session.image_near(by, from));
     let color = scene.palette.conflict;
     surface.dashes([scene.at(from), at], Stroke::new(1.8, color));
-    surface.circle(at, scene.scale(), None, Some(Stroke::new(1.4, color)));
+    let radius = scene.session.radius_of(by) as f32 * scene.scale();
+    surface.circle(at, radius, None, Some(Stroke::new(1.4, color)));
 }
 
 /// Returns the shift that moves a candidate under test, with its surroundings, into the domain: in a periodic domain its
@@ -154,7 +169,8 @@ fn growth(scene: &Scene<'_>, surface: &mut impl Surface, event: RunEvent, color:
         let at = scene.at(scene.session.position(centre));
         let fill = color.gamma_multiply(0.5 * (1.0 - share));
         let stroke = Stroke::new(2.0, color.gamma_multiply(1.0 - share));
-        surface.circle(at, share * scene.scale(), Some(fill), Some(stroke));
+        let radius = scene.session.radius_of(centre) as f32 * scene.scale();
+        surface.circle(at, share * radius, Some(fill), Some(stroke));
     }
 }
 
@@ -196,7 +212,9 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
     match verdict {
         Verdict::Accepted => scene.palette.candidate,
         Verdict::Covered { .. } => scene.palette.muted,
-        Verdict::TooFar | Verdict::Outside | Verdict::NotNearest { .. } => scene.palette.margin,
+        Verdict::TooFar | Verdict::Outside | Verdict::Thinned | Verdict::NotNearest { .. } => {
+            scene.palette.margin
+        }
     }
 }
 
@@ -245,6 +263,7 @@ const fn verdict_text(verdict: Verdict) -> &'static str {
         Verdict::TooFar => "too far",
         Verdict::Outside => "outside",
         Verdict::NotNearest { .. } => "nearer to another",
+        Verdict::Thinned => "thinned",
     }
 }
 

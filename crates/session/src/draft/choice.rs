@@ -7,6 +7,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Value, json};
 use tilescope_core::{Parameter, Parameters, WithinLevel};
 
+use super::RadiusBy;
+
 /// A value that is chosen from a list. In JSON it is a field with its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
@@ -16,6 +18,8 @@ pub enum Choice {
     Levels(Option<u32>),
     /// The order of the samples within a level.
     Within(WithinLevel),
+    /// How the radius is given.
+    RadiusBy(RadiusBy),
 }
 
 impl Serialize for Choice {
@@ -24,6 +28,7 @@ impl Serialize for Choice {
             Self::Parameter(parameter, value) => (parameter.key(), value.clone()),
             Self::Levels(levels) => ("levels", json!(levels)),
             Self::Within(within) => ("within", json!(within)),
+            Self::RadiusBy(by) => ("radius-by", json!(by)),
         };
         BTreeMap::from([(key, value)]).serialize(serializer)
     }
@@ -39,6 +44,7 @@ impl<'de> Deserialize<'de> for Choice {
         let read = match &*key {
             "levels" => serde_json::from_value(value).map(Self::Levels),
             "within" => serde_json::from_value(value).map(Self::Within),
+            "radius-by" => serde_json::from_value(value).map(Self::RadiusBy),
             key => {
                 let parameter = Parameter::all().find(|parameter| parameter.key() == key);
                 let chosen = parameter.filter(|parameter| !parameter.options().is_empty());

@@ -1,8 +1,12 @@
 //! Parameters to begin with, by name.
 
+use std::f64::consts::TAU;
+
 use tilescope_core::{
     Boundary, Insertion, NestedRequest, Parameters, Search, TilingMethod, WithinLevel,
 };
+
+use crate::ground::{GroundRequest, PortableGround};
 
 /// Parameters to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -24,6 +28,10 @@ pub enum Preset {
     Exact,
     /// A set with six nested levels.
     Nested,
+    /// A radius that grows to the right.
+    Ramp,
+    /// A star, with a radius that grows from its middle.
+    Star,
 }
 
 /// What the menu says of a preset.
@@ -34,7 +42,7 @@ struct Row {
 }
 
 /// Every preset, in the order of the menu.
-const ROWS: [Row; 8] = [
+const ROWS: [Row; 10] = [
     Row {
         preset: Preset::First,
         name: "The first session",
@@ -75,7 +83,21 @@ const ROWS: [Row; 8] = [
         name: "Nested levels",
         explanation: "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many.",
     },
+    Row {
+        preset: Preset::Ramp,
+        name: "Growing radius",
+        explanation: "The radius is a function of the place: it grows to the right, and darts show how density follows it.",
+    },
+    Row {
+        preset: Preset::Star,
+        name: "Star",
+        explanation: "The domain is a star with a hole: darts outside do not exist, and the radius grows from the middle.",
+    },
 ];
+
+/// The expressions of the radius of the ramp and of the star.
+const RAMP: &str = "0.008 + 0.032*x";
+const STAR: &str = "0.012 + 0.06*hypot(x - 0.5, y - 0.5)";
 
 impl Preset {
     /// Returns every preset, in the order of the menu.
@@ -102,6 +124,8 @@ impl Preset {
 
         match self {
             Self::First | Self::Nested => {}
+            // A field seldom goes around.
+            Self::Ramp | Self::Star => p.boundary = Boundary::Bounded,
             Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
@@ -122,6 +146,23 @@ impl Preset {
         p
     }
 
+    /// Returns its field and its shape, if it has any.
+    #[must_use]
+    pub fn ground(self) -> Option<GroundRequest> {
+        let (text, rings) = match self {
+            Self::Ramp => (RAMP, Vec::new()),
+            Self::Star => (STAR, star()),
+            _ => return None,
+        };
+        let ground = PortableGround {
+            radius_expression: Some(text.to_owned()),
+            rings,
+            origin: [0.0; 2],
+        };
+        // A test makes each preset, so that these are read.
+        ground.request().ok().flatten()
+    }
+
     /// Returns its nested levels, if it has any.
     #[must_use]
     pub fn nesting(self) -> Option<NestedRequest> {
@@ -131,6 +172,22 @@ impl Preset {
             order_within: WithinLevel::Random,
         })
     }
+}
+
+/// Returns the corners of a star with five points in the unit square, and of the hole in it.
+fn star() -> Vec<Vec<[f64; 2]>> {
+    // Four decimals are as many as a link needs, and keep the corners the same on every machine.
+    let at = |radius: f64, turns: f64| {
+        let angle = TAU * (turns + 0.25);
+        [0.5 + radius * angle.cos(), 0.5 + radius * angle.sin()]
+            .map(|value| (value * 1e4).round() / 1e4)
+    };
+    let corner = |k: u32| {
+        let radius = if k.is_multiple_of(2) { 0.5 } else { 0.23 };
+        at(radius, f64::from(k) / 10.0)
+    };
+    let hole = |k: u32| at(0.09, f64::from(k) / 6.0);
+    vec![(0..10).map(corner).collect(), (0..6).map(hole).collect()]
 }
 
 #[cfg(test)]

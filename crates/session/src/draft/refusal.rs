@@ -2,7 +2,7 @@
 
 use tilescope_core::{Parameter, ParameterError, Parameters, Variant};
 
-use super::{Draft, numbers};
+use super::{Draft, RadiusBy, numbers};
 use crate::limits::{MAX_ON_A_PAGE, MAX_STAGED};
 use crate::words::{capital, grouped, sentence};
 
@@ -15,6 +15,10 @@ pub enum FormPart {
     Samples,
     /// The exact number of samples of nested levels.
     Exactly,
+    /// The radius as a function of x and y.
+    Expression,
+    /// The radius of white, of an image.
+    White,
     /// Choices that exclude each other.
     Choices,
 }
@@ -27,6 +31,8 @@ impl FormPart {
             Self::Field(parameter) => Some(capital(parameter.row().label)),
             Self::Samples => Some("Samples".to_owned()),
             Self::Exactly => Some("Exactly".to_owned()),
+            Self::Expression => Some("Formula".to_owned()),
+            Self::White => Some("Of white".to_owned()),
             Self::Choices => None,
         }
     }
@@ -61,7 +67,16 @@ impl Draft {
             let (part, reason) = (FormPart::Field(field), self.unreadable(field)?);
             Some(DraftRefusal { part, reason })
         };
-        let mut refusals: Vec<DraftRefusal> = numbers().filter_map(unreadable).collect();
+        // In a field or a shape only some of the parameters are used, and others refuse nothing.
+        let used = |field: &Parameter| self.uses(*field);
+        let mut refusals: Vec<DraftRefusal> =
+            numbers().filter(used).filter_map(unreadable).collect();
+        if self.ground.is_asked() {
+            refusals.extend(self.ground_refusal().filter(|_| refusals.is_empty()));
+            let too_many = too_many(self.expected_samples(), MAX_ON_A_PAGE);
+            refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+            return refusals;
+        }
 
         // If the number of samples cannot be read, the radius is still that of an earlier number, and not the one that is asked for.
         let part = FormPart::Samples;
@@ -89,6 +104,17 @@ impl Draft {
         refusals
     }
 
+    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling.
+    #[must_use]
+    pub fn uses(&self, parameter: Parameter) -> bool {
+        let has_number = self.ground.by != RadiusBy::Expression;
+        match parameter {
+            Parameter::Width | Parameter::Height | Parameter::Boundary | Parameter::Seed => true,
+            Parameter::Radius => has_number,
+            _ => !self.ground.is_asked(),
+        }
+    }
+
     /// Returns why the nested levels cannot be made with these parameters, if some are asked for.
     fn nesting_refusal(&self) -> Option<DraftRefusal> {
         let request = self.nesting()?;
@@ -108,7 +134,7 @@ impl Draft {
     }
 }
 
-fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
+pub(super) fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
     FormPart::Field(match error {
         // The limits of sides are in r: if the side suits the default radius, the radius is at fault.
         ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }

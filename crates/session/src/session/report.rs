@@ -18,6 +18,9 @@ pub enum MakeError {
     /// The combination failed, or was cancelled.
     #[error(transparent)]
     Combination(#[from] CombinationError),
+    /// Its field of radii or its shape is refused; the reason in words.
+    #[error("{0}")]
+    Ground(String),
     /// It failed, or was cancelled, in a worker; the error arrives as text.
     #[error("{message}")]
     InWorker {
@@ -84,7 +87,7 @@ impl MakeError {
     pub fn cancelled(&self) -> Option<Stage> {
         match self {
             Self::Sample(SampleError::Cancelled { stage }) => Some(*stage),
-            Self::Sample(_) => None,
+            Self::Sample(_) | Self::Ground(_) => None,
             Self::Combination(error) => error.cancelled(),
             Self::InWorker { cancelled, .. } => *cancelled,
         }

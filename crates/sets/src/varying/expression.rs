@@ -22,6 +22,13 @@ pub struct Expression {
     steps: Vec<Step>,
 }
 
+/// Expressions are equal if their texts are, by which they are kept.
+impl PartialEq for Expression {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Number(f64),

@@ -20,6 +20,9 @@ use crate::domain::region;
 /// The nodes along the longer side of an expression's domain: a radius that changes on a thousandth of it is followed.
 const EXPRESSION_NODES: usize = 1024;
 
+/// The nodes along the longer side at which an expression is looked at before it is run.
+const GLANCE_NODES: usize = 64;
+
 /// The largest radius is at most so many times the least.
 const MAX_CONTRAST: f64 = 64.0;
 
@@ -131,6 +134,61 @@ impl VaryingRecipe {
             bits,
             limit: nodes.limit,
         })
+    }
+
+    /// Returns about how many samples there are, from few nodes of an expression or few pixels of an image: cheap enough to be
+    /// asked for in each frame of a window.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] for domains and for radii that are refused, as far as these nodes show it.
+    pub fn glance(&self) -> Result<f64, VaryingError> {
+        self.radius.check()?;
+        let frame = self.frame(&self.radius)?;
+        let Some((squares, pitch)) = frame.squares else {
+            // One radius in a rectangle or a polygon.
+            let radius = self.radius.constant().unwrap_or(1.0);
+            Domain::from_size(frame.size, radius, self.boundary)?;
+            return Ok(samples_in(frame.size[0] * frame.size[1], radius));
+        };
+
+        let radii: Vec<f64> = match &self.radius {
+            RadiusSource::Image { image, radii } => {
+                let few = image.few().map(u32::from);
+                few.map(|grey| radius_of_grey(*radii, grey, 1)).collect()
+            }
+            RadiusSource::Density { image, black } => {
+                let few = image.few().map(u32::from);
+                few.map(|grey| radius_of_darkness(*black, grey, 1))
+                    .collect()
+            }
+            RadiusSource::Constant(_)
+            | RadiusSource::Expression { .. }
+            | RadiusSource::Grid { .. } => {
+                // The nodes of the field are so many times as dense.
+                let part = squares[0].max(squares[1]).div_ceil(GLANCE_NODES).max(1);
+                let few = squares.map(|count| count.div_ceil(part));
+                self.requests(&self.radius, &frame, few, pitch * part as f64)?
+            }
+        };
+        let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = radii.iter().copied().fold(0.0, f64::max);
+
+        if greatest > MAX_CONTRAST * least && !self.radius.is_capped() {
+            return Err(VaryingError::Contrast {
+                least,
+                greatest,
+                limit: MAX_CONTRAST,
+            });
+        }
+        if least < pitch * f64::from(R) / f64::from(1_u32 << MAX_PITCH_BITS) {
+            return Err(VaryingError::Fine { least, pitch });
+        }
+        // The domain is checked with the radius that stands for r.
+        Domain::from_size(frame.size, least, self.boundary)?;
+        // Nodes beyond the border of a bounded domain stand for no area, which a rough number may ignore.
+        let mean = radii.iter().map(|radius| radius.powi(-2)).sum::<f64>() / radii.len() as f64;
+        Ok(samples_in(frame.size[0] * frame.size[1] * mean, 1.0))
     }
 
     /// Returns about how many samples there are with these radii, if all of the domain is covered.

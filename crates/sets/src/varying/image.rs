@@ -18,6 +18,9 @@ pub use tone::Tone;
 /// The most pixels of an image, 8192 x 8192: the field, the judge's copy and their tables then take about 2 GB.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
+/// About so many grey values are looked at before an image is used.
+const FEW: usize = 4096;
+
 /// White, in 16 bits.
 pub(super) const WHITE: u32 = 65_535;
 
@@ -38,6 +41,14 @@ pub struct GrayImage {
     pixels: Arc<Pixels>,
 }
 
+/// Images are equal if they are of files with the same bytes, in the same tone and the same blocks.
+impl PartialEq for GrayImage {
+    fn eq(&self, other: &Self) -> bool {
+        let content = |image: &Self| (image.columns, image.tone, image.block);
+        self.digest == other.digest && content(self) == content(other)
+    }
+}
+
 /// The pixels of a file, row by row from the highest row down.
 #[derive(Debug, Serialize, Deserialize)]
 struct Pixels {
@@ -49,6 +60,19 @@ struct Pixels {
 }
 
 impl GrayImage {
+    /// Returns few of the grey values, from all parts of the image.
+    pub(super) fn few(&self) -> impl Iterator<Item = u16> {
+        // An odd step, as one that divides a row would see few columns alone.
+        let step = (self.grey.len() / FEW) | 1;
+        self.grey.iter().copied().step_by(step)
+    }
+
+    /// Returns whether a file of these bytes is one that [`Self::read`] reads, or an image of another kind that it names.
+    #[must_use]
+    pub fn is_image(bytes: &[u8]) -> bool {
+        bytes.starts_with(png_file::SIGNATURE) || bytes.starts_with(jpeg_file::SIGNATURE)
+    }
+
     /// Reads a PNG image of any colour type and depth, or a JPEG image. Colours of PNG become grey by their luminance (Rec.
     /// 709), without a change of gamma; the grey of JPEG is its luma, as it is stored. Transparent pixels lie before white. A
     /// JPEG image is turned upright, if it says how.
@@ -157,7 +181,8 @@ impl GrayImage {
     }
 
     /// Returns the name of the image for messages.
-    pub(super) fn name(&self) -> &str {
+    #[must_use]
+    pub fn name(&self) -> &str {
         if self.name.is_empty() {
             "the array"
         } else {

@@ -49,6 +49,24 @@ impl PlanarPolygon {
         Ok(polygon)
     }
 
+    /// Returns the polygon of rings in the coordinates of a plane.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::from_geojson`], with `name` for the polygon, but for degrees.
+    pub fn from_rings(name: &str, rings: Vec<Vec<[f64; 2]>>) -> Result<Self, VaryingError> {
+        let polygon = Self { rings, file: None };
+        let planar = true;
+        polygon.check(name, planar)?;
+        Ok(polygon)
+    }
+
+    /// Returns the corners of each ring, the last of which is joined to the first.
+    #[must_use]
+    pub fn rings(&self) -> &[Vec<[f64; 2]>] {
+        &self.rings
+    }
+
     /// Returns the polygon without the name of its file: certificates then state its corners alone.
     #[must_use]
     pub fn unnamed(self) -> Self {
@@ -111,7 +129,8 @@ impl PlanarPolygon {
     }
 
     /// Returns the least and the greatest coordinates.
-    pub(super) fn bounds(&self) -> [[f64; 2]; 2] {
+    #[must_use]
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
         let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for corner in self.rings.iter().flatten() {
             for axis in 0..2 {

@@ -22,7 +22,7 @@ const RADIUS_GRID: &str = "radius-grid";
 const DENSITY_GRID: &str = "density-grid";
 
 /// Where the radius at each place comes from.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RadiusSource {
     /// It is the same everywhere.
     Constant(f64),
@@ -255,7 +255,7 @@ pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
 const WHITE_KEY: &str = "white";
 
 /// The area to cover, in a form that is no rectangle.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ShapeSource {
     /// The inside of polygons.
     Polygon(PlanarPolygon),

@@ -464,3 +464,35 @@ fn periodic_fields_of_sides_in_whole_ratios_go_around() {
         );
     }
 }
+
+#[test]
+fn a_glance_at_an_expression_refuses_what_the_field_would() {
+    let at = |text: &str| recipe(expression(text)).glance();
+    let expected = recipe(expression("0.006 + 0.024*x")).expected_samples();
+    let (glanced, expected) = (at("0.006 + 0.024*x").unwrap(), expected.unwrap());
+    assert!(
+        (glanced / expected - 1.0).abs() < 0.05,
+        "{glanced} {expected}"
+    );
+    for (text, part) in [
+        ("x - 0.5", "above 0 everywhere"),
+        ("0.001 + x", "times as much"),
+        ("0.00001", "the least radius is"),
+        ("0.3", "wide"),
+    ] {
+        let refusal = at(text).unwrap_err().to_string();
+        assert!(refusal.contains(part), "{text}: {refusal}");
+        assert!(recipe(expression(text)).ground().is_err(), "{text}");
+    }
+}
+
+#[test]
+fn rings_are_checked_as_those_of_a_file() {
+    let square = vec![[2.0, 1.0], [4.0, 1.0], [4.0, 3.0], [2.0, 3.0]];
+    let polygon = PlanarPolygon::from_rings("a ring", vec![square.clone()]).unwrap();
+    assert_eq!(polygon.bounds(), [[2.0, 1.0], [4.0, 3.0]]);
+    assert_eq!(polygon.rings(), std::slice::from_ref(&square));
+    let crossed = vec![square[0], square[2], square[1], square[3]];
+    let refusal = PlanarPolygon::from_rings("a ring", vec![crossed]).unwrap_err();
+    assert!(refusal.to_string().contains("cross"), "{refusal}");
+}

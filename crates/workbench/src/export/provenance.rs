@@ -12,6 +12,7 @@ pub fn method(session: &Session) -> &str {
     match (&session.combination, &session.nested) {
         (Some(_), _) => "combined",
         (None, Some(nested)) => &nested.method,
+        (None, None) if session.ground.is_some() => "reference",
         (None, None) if session.is_exact() => "exact",
         (None, None) => "kdrt",
     }
@@ -26,6 +27,13 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 
     if let Some(nested) = &session.nested {
         return nested.stated.clone();
+    }
+
+    if let Some(made) = &session.ground {
+        let recipe = made.recipe();
+        // The set was made on this ground, so that it is not refused here.
+        let ground = recipe.ground().map(|ground| recipe.stated_on(&ground));
+        return ground.unwrap_or_default();
     }
 
     let run = session.run();

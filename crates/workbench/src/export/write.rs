@@ -90,6 +90,9 @@ pub enum WriteError {
     /// The user cancelled the export.
     #[error("the export was cancelled")]
     Cancelled,
+    /// The field or the shape of the set could not be made again.
+    #[error("{0}")]
+    Ground(String),
     /// Samples could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -240,6 +243,13 @@ fn samples(
     let mut context = ExportContext::new(region(&run.domain), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
+    if let Some(made) = &session.ground {
+        // The certificate states the field and the shape, in which the set is judged.
+        let ground = made.recipe().ground();
+        let ground = ground.map_err(|error| WriteError::Ground(error.to_string()))?;
+        context.radius = ground.varying.judged.radius();
+        (context.origin, context.varying) = (ground.origin, Some(ground.varying));
+    }
 
     let mut moment = None;
     if let ExportContent::Samples {

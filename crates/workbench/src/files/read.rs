@@ -13,12 +13,15 @@ use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
+use tilescope_session::ground::{self, PortableGround};
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::nesting;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
 use tilescope_session::task::{SessionRef, Task};
+use tilescope_session::words::last_part;
+use tilescope_sets::{GrayImage, PlanarPolygon};
 
 use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
 use crate::analysis::reference_file::{self, ReferenceFile};
@@ -73,10 +76,14 @@ pub enum Done {
     Download(NamedBytes),
     /// A session or a combination was read.
     Opened(Box<Opened>),
-    /// A set of nested levels was read.
+    /// A set of nested levels, or one in a field or a shape, was read.
     Levels(Box<Session>),
     /// A pattern was read.
     Pattern(OwnPattern),
+    /// An image was read, for the radius or the density of a set.
+    Image(Box<GrayImage>),
+    /// A polygon was read, in which a set is to lie.
+    Shape(Box<PlanarPolygon>),
     /// A point set was read and measured.
     Against {
         /// The set that was measured.
@@ -154,6 +161,22 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         Err(why) => return FileOutcome::of(Err(why)),
     };
 
+    // An image or a polygon asks for a set in it, whichever way it comes, but where another kind of file is asked for.
+    let asking = match purpose {
+        None | Some(Purpose::Open) => ground_file(&incoming),
+        Some(Purpose::Combination | Purpose::Pattern | Purpose::Against | Purpose::Save) => None,
+    };
+    if let Some(done) = asking {
+        return FileOutcome { done, left };
+    }
+    // A set of a field or a shape is neither a pattern nor to be compared, as those have one radius.
+    if let (None | Some(Purpose::Open), Some(session)) =
+        (purpose, ground::of_file(&incoming, generation))
+    {
+        let done = session.map(|session| Done::Levels(Box::new(session)));
+        return FileOutcome { done, left };
+    }
+
     let done = match purpose {
         None => dropped(&incoming, generation, run, monitor),
         Some(Purpose::Open) => open(&incoming, generation, monitor),
@@ -177,6 +200,39 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
         gather(unpacked(&archive)?).ok_or_else(|| format!("{} is empty", archive.name))?;
     left.extend(others);
     Ok((inner, left))
+}
+
+/// Reads an image or a polygon; `None` for other files.
+fn ground_file(incoming: &Incoming) -> Option<Made> {
+    let (name, bytes) = (last_part(&incoming.name), &incoming.bytes);
+    if GrayImage::is_image(bytes) {
+        let image = GrayImage::read(name, bytes).map_err(|error| error.to_string());
+        return Some(image.map(|image| Done::Image(Box::new(image))));
+    }
+
+    let value: Value = serde_json::from_slice(bytes).ok()?;
+    holds_polygon(&value).then(|| {
+        // Corners that may be degrees are refused, with what to do about it.
+        let planar = false;
+        let polygon = PlanarPolygon::from_geojson(name, bytes, planar);
+        let polygon = polygon.map_err(|error| error.to_string())?;
+        Ok(Done::Shape(Box::new(polygon)))
+    })
+}
+
+/// Returns whether a document is `GeoJSON` with a polygon. One of points alone is a point set.
+fn holds_polygon(value: &Value) -> bool {
+    let any = |list: &Value| {
+        let mut parts = list.as_array().into_iter().flatten();
+        parts.any(holds_polygon)
+    };
+    match value["type"].as_str() {
+        Some("Polygon" | "MultiPolygon") => true,
+        Some("FeatureCollection") => any(&value["features"]),
+        Some("GeometryCollection") => any(&value["geometries"]),
+        Some("Feature") => holds_polygon(&value["geometry"]),
+        _ => false,
+    }
 }
 
 /// Reads a session and computes its run again, or reads a combination, from a session or a layout, and makes
@@ -255,6 +311,10 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         Ok(Pattern::clone(&pattern.pattern))
     };
 
+    if !saved.ground.is_null() {
+        return session_on_ground(incoming, saved, generation, monitor);
+    }
+
     let mut observer = Reporter { monitor };
     let recording = match saved.record(&mut loader, &mut observer) {
         Ok(recording) => Arc::new(recording),
@@ -273,6 +333,50 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         ..Recipe::from(parameters)
     };
     let session = Session::from_recording(recording, generation).with(&recipe);
+
+    Ok(Done::Opened(Box::new(Opened {
+        path: incoming.name.clone(),
+        saved: SavedContent::Run(Box::new(saved)),
+        session,
+    })))
+}
+
+/// Makes the run of a saved session in a field or a shape again.
+fn session_on_ground(
+    incoming: &Incoming,
+    saved: Saved,
+    generation: u64,
+    monitor: &Monitor,
+) -> Made {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
+    let refused = |why: String| named(&SessionError::NoGround(why));
+
+    let portable: Option<PortableGround> =
+        serde_json::from_value(saved.ground.clone()).map_err(|error| refused(error.to_string()))?;
+    let request = portable.unwrap_or_default().request();
+    let request = request.map_err(|error| refused(error.to_string()))?;
+    let request = request.ok_or_else(|| refused("it asks for neither".to_owned()))?;
+
+    let recipe = Recipe {
+        ground: Some(Box::new(request.clone())),
+        ..Recipe::from(saved.parameters)
+    };
+    let locality = ground::locality(&request.recipe(&saved.parameters));
+    let locality = locality.map_err(|error| refused(error.to_string()))?;
+
+    let mut observer = Reporter { monitor };
+    let recording = match saved.record_in(&locality, &mut observer) {
+        Ok(recording) => recording,
+        Err(SessionError::Run(tilescope_core::SampleError::Cancelled { .. })) => {
+            return Err("cancelled: the session was not opened".to_owned());
+        }
+        Err(error) => return Err(named(&error)),
+    };
+    let session = ground::prepared(recording, &recipe, &request, generation, &mut observer);
+    let session = session.map_err(|error| named(&error))?;
+    if let Some(recording) = session.recording() {
+        Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;
+    }
 
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),

@@ -4,9 +4,11 @@ use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_core::{NestedRequest, Parameters, radius_estimate};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
+use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::recipe::Recipe;
 
-use super::MAX_SAMPLES;
+use super::text::rings_text;
+use super::{MAX_GROUND, MAX_SAMPLES};
 use crate::view::SavedView;
 
 /// How a link names a moment of a run.
@@ -28,6 +30,8 @@ pub struct LinkContent {
     pub parameters: Parameters,
     /// The levels, if nested ones are shown instead of a run.
     pub nested: Option<NestedRequest>,
+    /// The field and the shape, if the radius depends on the place or the domain is a shape.
+    pub ground: Option<GroundRequest>,
     /// The layout of the combination, if one is shown instead of a run.
     pub combination: Option<Combination>,
     /// The moment that is shown.
@@ -54,6 +58,7 @@ impl LinkContent {
             parameters: self.parameters,
             own: None,
             nested: self.nested,
+            ground: self.ground.clone().map(Box::new),
         }
     }
 }
@@ -63,6 +68,14 @@ pub(crate) fn allows(nested: &NestedRequest) -> bool {
     nested
         .exactly
         .is_none_or(|count| count as f64 <= MAX_SAMPLES)
+}
+
+/// Returns whether a link may hold a field and a shape: without images, and not too long.
+pub(crate) fn carries(ground: &GroundRequest) -> bool {
+    PortableGround::of(ground).is_some_and(|portable| {
+        let expression = portable.radius_expression.map_or(0, |text| text.len());
+        expression + rings_text(&portable.rings).len() <= MAX_GROUND
+    })
 }
 
 /// Returns the recipe as a link has it: if the number of samples is given, with a radius that suits it. The radius is not used

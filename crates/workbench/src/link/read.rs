@@ -12,6 +12,7 @@ use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, Wi
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
+use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::language;
 use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
@@ -20,10 +21,10 @@ use tilescope_session::words::{grouped, quoted};
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, in_links, link_key};
-use super::text::{from_base64, items, named, numbers, pairs};
+use super::text::{from_base64, items, named, numbers, pairs, rings_of};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::LinkWarnings;
-use super::write::{LINKS, NESTED, NINE_SETS};
+use super::write::{GROUND, LINKS, NESTED, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::curve::ShownCurve;
@@ -31,11 +32,11 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within radius-expression shape origin combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
-const FREE_TEXTS: [&str; 4] = ["break", "watch", "mark", "mark-view"];
+const FREE_TEXTS: [&str; 5] = ["break", "watch", "mark", "mark-view", "radius-expression"];
 
 /// Every colouring, in the sequence of their numbers in links.
 pub const COLOURINGS: [Colouring; 4] = [
@@ -184,6 +185,12 @@ impl LinkReader {
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
             content.nested = self.nested(&content.parameters);
+            content.ground = self.ground(&content.parameters);
+            if content.ground.is_some() && content.nested.take().is_some() {
+                let text =
+                    "The link's nested levels were left out: they have one radius in a rectangle.";
+                self.warnings.add(text.to_owned());
+            }
         }
 
         let at = self.take("at", |text| text.parse().ok());
@@ -234,6 +241,45 @@ impl LinkReader {
                 .add(format!("The link's nested levels were left out: {why}."));
         }
         refusal.is_none().then_some(request)
+    }
+
+    /// Returns the field and the shape, if the link has some that can be made with `parameters`.
+    fn ground(&mut self, parameters: &Parameters) -> Option<GroundRequest> {
+        let [expression_key, shape_key, origin_key] = GROUND;
+        // Every character of a formula counts, also a parenthesis at its end.
+        let radius_expression = self.pairs.get(expression_key).cloned();
+        let rings = self.take(shape_key, rings_of);
+        let origin = self.take(origin_key, numbers);
+        if radius_expression.is_none() && rings.is_none() {
+            return None;
+        }
+
+        let portable = PortableGround {
+            radius_expression,
+            rings: rings.unwrap_or_default(),
+            origin: origin.unwrap_or_default(),
+        };
+        let checked = portable.request().and_then(|request| {
+            let samples = match &request {
+                Some(request) => request.recipe(parameters).glance()?,
+                None => 0.0,
+            };
+            Ok((request, samples))
+        });
+
+        let most = MAX_SAMPLES;
+        let why = match checked {
+            Ok((request, samples)) if samples <= most => return request,
+            Ok((_, samples)) => format!(
+                "it has about {} samples, and a link may ask for {}",
+                grouped(samples as usize),
+                grouped(most as usize)
+            ),
+            Err(error) => error.to_string(),
+        };
+        self.warnings
+            .add(format!("The link's field or shape was left out: {why}."));
+        None
     }
 
     fn combination(&mut self) -> Option<Combination> {

@@ -101,6 +101,19 @@ pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     numbers?.try_into().ok()
 }
 
+/// Returns rings of corners: `x,y` for each corner, with `_` between corners and `~` between rings.
+pub fn rings_text(rings: &[Vec<[f64; 2]>]) -> String {
+    let corner = |corner: &[f64; 2]| corner.map(exact).join(",");
+    let ring = |ring: &Vec<[f64; 2]>| ring.iter().map(corner).collect::<Vec<_>>().join("_");
+    rings.iter().map(ring).collect::<Vec<_>>().join("~")
+}
+
+/// Returns the rings that [`rings_text`] wrote; `None` if the text is not one.
+pub fn rings_of(text: &str) -> Option<Vec<Vec<[f64; 2]>>> {
+    let ring = |ring: &str| ring.split('_').map(numbers::<2>).collect();
+    text.split('~').map(ring).collect()
+}
+
 /// Returns the name of a choice in links.
 pub fn name<T: Serialize>(choice: &T) -> String {
     match serde_json::to_value(choice) {

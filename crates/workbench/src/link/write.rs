@@ -8,11 +8,12 @@ use tilescope_core::{NestedRequest, Parameters, WithinLevel};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
+use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::words::counted;
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
-use super::text::{base64, escaped, item, name, rounded};
+use super::text::{base64, escaped, exact, item, name, rings_text, rounded};
 use super::view::{layers_text, scene_view_text, selection_text};
 use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
@@ -28,6 +29,9 @@ pub struct Link {
 
 /// The keys of nested levels: how many, their number of samples, and their order within a level.
 pub(super) const NESTED: [&str; 3] = ["levels", "exactly", "order-within"];
+
+/// The keys of a field and a shape: the radius as a function, the corners of a polygon, and the lower corner of the domain.
+pub(super) const GROUND: [&str; 3] = ["radius-expression", "shape", "origin"];
 
 /// The name that stands for the paper's combination of nine sets; others are written by their layout.
 pub(super) const NINE_SETS: &str = "nine";
@@ -106,6 +110,9 @@ impl Writer {
         if let Some(nested) = &content.nested {
             self.nested(nested);
         }
+        if let Some(ground) = &content.ground {
+            self.ground(ground);
+        }
         match &content.moment {
             NamedMoment::End => {}
             NamedMoment::Event(cursor) => self.put("at", cursor.to_string()),
@@ -127,6 +134,24 @@ impl Writer {
         }
         if request.order_within != WithinLevel::default() {
             self.put(order_within, name(&request.order_within));
+        }
+    }
+
+    fn ground(&mut self, request: &GroundRequest) {
+        let [expression, shape, origin] = GROUND;
+        // A request with an image was left out before.
+        let Some(portable) = PortableGround::of(request) else {
+            return;
+        };
+
+        if let Some(text) = &portable.radius_expression {
+            self.put(expression, escaped(text));
+        }
+        if !portable.rings.is_empty() {
+            self.put(shape, rings_text(&portable.rings));
+        }
+        if portable.origin.iter().any(|&at| at != 0.0) {
+            self.put(origin, portable.origin.map(exact).join(","));
         }
     }
 

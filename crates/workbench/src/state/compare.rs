@@ -68,6 +68,10 @@ impl Runs {
         match session.kind() {
             SessionKind::Run | SessionKind::Exact => {}
             SessionKind::Combination => return Some(super::engine::NO_PARAMETERS.to_owned()),
+            SessionKind::Varying => {
+                let text = "A set in a field or a shape has no variants like those of a run; the parameters as typed can be compared.";
+                return Some(text.to_owned());
+            }
             SessionKind::Nested => {
                 let text = "Nested levels have no variants like those of a run; the parameters as typed can be compared.";
                 return Some(text.to_owned());
@@ -147,8 +151,9 @@ impl Runs {
             _ => Recipe {
                 parameters: preset.parameters(&session.run().parameters, &form.draft.parameters),
                 own: session.own.clone(),
-                // Nested levels were refused above.
+                // Nested levels, fields and shapes were refused above.
                 nested: None,
+                ground: None,
             },
         };
 
@@ -169,7 +174,8 @@ impl Runs {
     ) {
         let (side, _) = self.second.get_or_insert_default();
         // A link can name the run only by its parameters.
-        let can_be_linked = recipe.own.is_none() && recipe.nested.is_none();
+        let can_be_linked =
+            recipe.own.is_none() && recipe.nested.is_none() && recipe.ground.is_none();
         side.asked = can_be_linked.then_some(recipe.parameters);
         context.ask(Effect::Sample(Which::Second, Box::new(recipe), engine));
     }
@@ -226,7 +232,9 @@ impl Runs {
         {
             let recipe = session.recipe();
             context.ask(Effect::Form(Box::new(Form {
-                draft: Draft::from_parameters(recipe.parameters).with_nesting(recipe.nested),
+                draft: Draft::from_parameters(recipe.parameters)
+                    .with_nesting(recipe.nested)
+                    .with_ground(recipe.ground.as_deref()),
                 own_pattern: session.own.clone(),
                 // The effect leaves unchanged whether runs start at once.
                 live: false,

@@ -12,6 +12,7 @@ use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::recipe::{OwnPattern, Recipe};
 use tilescope_session::session::Session;
+use tilescope_sets::{GrayImage, PlanarPolygon, ShapeSource};
 
 use super::borrowed::Borrowed;
 use super::parts::JobContext;
@@ -81,6 +82,10 @@ pub(crate) enum Effect {
     Against(Arc<ReferenceFile>),
     /// Clip the next run from a pattern.
     Pattern(Box<OwnPattern>),
+    /// Make a set as dense as an image is dark.
+    Image(Box<GrayImage>),
+    /// Make a set in a polygon.
+    Cover(Box<PlanarPolygon>),
     /// Start a run by an engine.
     Sample(Which, Box<Recipe>, EngineChoice),
     /// Make a run or a combination; the current session stays until it is ready.
@@ -225,6 +230,14 @@ impl State {
 
                 // Other runs.
                 Effect::Form(form) => self.form.take(*form),
+                Effect::Image(image) => {
+                    self.form.draft.set_image(*image);
+                    self.run();
+                }
+                Effect::Cover(polygon) => {
+                    self.form.draft.set_shape(ShapeSource::Polygon(*polygon));
+                    self.run();
+                }
                 Effect::Pattern(own) => {
                     let before = Memento::of(self);
                     self.form.own_pattern = Some(*own);

@@ -8,8 +8,10 @@ use tilescope_classroom::lessons::LessonCommand;
 use tilescope_classroom::room::NewFile;
 use tilescope_debugger::Stops;
 use tilescope_session::combining::SavedCombination;
+use tilescope_session::ground::PortableGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::session::Session;
 use tilescope_session::task;
 use tilescope_session::words::{last_part, sentence};
 use tilescope_sets::region;
@@ -52,6 +54,12 @@ impl SaveTask {
                     view.insert("talk".to_owned(), json!(record));
                 }
                 saved.pattern = session.own.as_ref().map(|own| own.file.clone());
+                if let Some(made) = &session.ground {
+                    // The parameters as asked for, from which the field is made again.
+                    let (parameters, request) = &made.asked;
+                    saved.parameters = *parameters;
+                    saved.ground = json!(PortableGround::of(request));
+                }
                 saved
             }),
         }
@@ -538,6 +546,12 @@ fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
     }
 }
 
+/// Returns whether a session's field or shape is from an image, or has more corners than a session holds.
+fn has_image(session: &Session) -> bool {
+    let request = session.ground.as_ref().map(|made| &made.asked.1);
+    request.is_some_and(|request| PortableGround::of(request).is_none())
+}
+
 impl RunView {
     /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
@@ -547,9 +561,11 @@ impl RunView {
         };
         let events = "Only a session with events can be saved; a larger run is reproduced by its parameters.";
         let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
+        let image = "A run from an image is not saved as a session, which would not contain the image; an export of the set names it.";
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
         match &session.combination {
             None if session.nested.is_some() => Some(levels),
+            None if has_image(session) => Some(image),
             Some(combination) => (combination.files > 0).then_some(files),
             None => self.debugger.is_none().then_some(events),
         }

@@ -1,5 +1,6 @@
 //! The input of the next run.
 
+use tilescope_session::ground::GroundRequest;
 use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::{OwnPattern, Recipe};
 
@@ -29,10 +30,13 @@ impl Form {
     /// Returns the recipe of the next run.
     #[must_use]
     pub fn recipe(&self) -> Recipe {
+        let ground = self.draft.ground_request();
         Recipe {
             parameters: self.draft.parameters,
-            own: self.own_pattern.clone(),
+            // In a field or a shape there is no tiling, and so no pattern.
+            own: self.own_pattern.clone().filter(|_| ground.is_none()),
             nested: self.draft.nesting(),
+            ground: ground.map(Box::new),
         }
     }
 
@@ -61,9 +65,10 @@ impl Form {
             // Only combinations and nested levels of a file have no recipe.
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
-                SessionKind::Run | SessionKind::Exact | SessionKind::Nested => {
-                    "Nested levels of a file are"
-                }
+                SessionKind::Run
+                | SessionKind::Exact
+                | SessionKind::Nested
+                | SessionKind::Varying => "Nested levels of a file are",
             };
             return Some(format!("{what} shown, not a run of these parameters."));
         }
@@ -73,7 +78,20 @@ impl Form {
         if self.draft.nesting() != made.nested {
             names.push("nested levels");
         }
-        if self.own_pattern != session.own {
+        let ground = self.draft.ground_request();
+        let radius = |ground: &Option<GroundRequest>| ground.as_ref().map(|it| it.radius.clone());
+        let shape = |ground: &Option<GroundRequest>| {
+            ground.as_ref().and_then(|ground| ground.shape.clone())
+        };
+        // Of a request without a field the radius is that of the parameters, which are named above.
+        let of_made = made.ground.map(|ground| *ground);
+        if radius(&ground).flatten() != radius(&of_made).flatten() {
+            names.push("radius as a function");
+        }
+        if shape(&ground) != shape(&of_made) {
+            names.push("shape");
+        }
+        if ground.is_none() && self.own_pattern != session.own {
             names.push("pattern file");
         }
         if gpu.differs(run, &self.draft) {
@@ -92,12 +110,18 @@ impl Form {
             FormCommand::Exactly(text) => self.draft.exactly = text,
             FormCommand::Preset(preset) => {
                 let draft = Draft::from_parameters(preset.parameters());
-                self.draft = draft.with_nesting(preset.nesting());
+                let ground = preset.ground();
+                self.draft = draft
+                    .with_nesting(preset.nesting())
+                    .with_ground(ground.as_ref());
                 // A preset describes its pattern.
                 self.own_pattern = None;
             }
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
+            FormCommand::Expression(text) => self.draft.ground.expression = text,
+            FormCommand::White(text) => self.draft.ground.white = text,
+            FormCommand::WholeDomain => self.draft.remove_shape(),
             FormCommand::Reset => {
                 self.take(Self::default());
                 // The engine is shown among the parameters.

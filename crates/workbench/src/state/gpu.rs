@@ -171,7 +171,7 @@ impl GpuState {
             return false;
         };
         let has_choice = session.kind() == SessionKind::Run && session.has_recipe();
-        if !has_choice || draft.levels.is_some() {
+        if !has_choice || draft.levels.is_some() || draft.ground.is_asked() {
             return false;
         }
         let next = self.for_run(&draft.parameters, self.engine);
@@ -188,6 +188,10 @@ impl GpuState {
         if session.combination.is_some() {
             let text =
                 "This is a combination of sets, made on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
+        }
+        if session.ground.is_some() {
+            let text = "This set was made by darts on the CPU; the passes are those of a run.";
             return Some(text.to_owned());
         }
         if session.nested.is_some() {

@@ -142,6 +142,7 @@ impl LinkSource<'_> {
         // Without a session, the link has the parameters as typed.
         content.parameters = self.form.draft.parameters;
         content.nested = self.form.draft.nesting();
+        content.ground = self.form.draft.ground_request();
 
         let Some(session) = &self.runs.first.session else {
             return;
@@ -152,6 +153,14 @@ impl LinkSource<'_> {
                 let recipe = link::normal(session.recipe());
                 content.parameters = recipe.parameters;
                 content.nested = recipe.nested.filter(link::allows);
+                let made = recipe.ground.as_deref().cloned();
+                content.ground = made.filter(link::carries);
+                if recipe.ground.is_some() && content.ground.is_none() {
+                    let what =
+                        "the field or the shape, which has an image or is too long for a link";
+                    left_out.push(what.to_owned());
+                    content.moment = NamedMoment::End;
+                }
                 left_out.extend(link::excess(&recipe.parameters));
                 if session.nested.is_some() && content.nested.is_none() {
                     let why = match recipe.nested {
@@ -170,6 +179,7 @@ impl LinkSource<'_> {
                 // The typed parameters are not those of the combination. The default ones stand for them, and those of run B are given by
                 // their differences from the default ones.
                 (content.parameters, content.nested) = (Parameters::default(), None);
+                content.ground = None;
                 content.combination = Some(combination.layout.clone());
             }
         }
@@ -202,7 +212,7 @@ impl LinkSource<'_> {
         let second = made.or(side.asked.filter(|_| side.session.is_none()));
         if second.is_none() {
             left_out.push(
-                "run B, which takes part of a file, is a combination or has nested levels"
+                "run B, which takes part of a file, is a combination, has nested levels or lies in a field or a shape"
                     .to_owned(),
             );
         }

@@ -318,7 +318,8 @@ impl State {
 
         match &saved {
             SavedContent::Run(saved) => {
-                self.form.draft = Draft::from_parameters(saved.parameters);
+                let ground = session.ground.as_ref().map(|made| &made.asked.1);
+                self.form.draft = Draft::from_parameters(saved.parameters).with_ground(ground);
                 self.form.own_pattern.clone_from(&session.own);
             }
             // Opening a layout can be undone. After a session is opened, the steps are dropped below.
@@ -418,7 +419,9 @@ impl State {
             Made::Combination(layout)
         } else {
             let draft = Draft::from_parameters(content.parameters);
-            self.form.draft = draft.with_nesting(content.nested);
+            self.form.draft = draft
+                .with_nesting(content.nested)
+                .with_ground(content.ground.as_ref());
             Made::Run(content.recipe())
         };
 

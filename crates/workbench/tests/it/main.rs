@@ -12,6 +12,7 @@ mod exporting;
 mod files_in_memory;
 mod files_refused;
 mod gate;
+mod ground;
 mod indices;
 mod link;
 mod live;

@@ -7,14 +7,16 @@ use tilescope_core::{
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
-use tilescope_session::words::{capital, grouped};
+use tilescope_session::words::{capital, counted, grouped};
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
-use super::super::choices::{LEVELS, Listed, WITHIN, meaning, options};
+use super::super::choices::{
+    FORMULA, LEVELS, Listed, RADIUS_BY, WITHIN, WITHOUT_IMAGE, meaning, options,
+};
 use super::super::engine;
 use super::{FormContext, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, FormCommand};
-use tilescope_workbench::draft::{self, Choice, DraftRefusal, FormPart, Preset};
+use tilescope_workbench::draft::{self, Choice, DraftRefusal, FormPart, Preset, RadiusBy};
 use tilescope_workbench::link::link_key;
 
 /// Shows the fields of all parameters.
@@ -27,6 +29,18 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     };
     presets(ui, context, fields.commands);
     fields.group(ui, "Domain", ParameterGroup::Domain);
+    fields.shape(ui);
+    // A set in a field or a shape is not tiled, so that these have no meaning.
+    if context.form.draft.ground.is_asked() {
+        let text = "Darts of the reference sampler make this set, without tiling.";
+        ui.label(RichText::new(text).color(context.palette.muted))
+            .known_as("no-tiling");
+        fields.error(ui, FormPart::Choices, "refusal-0");
+        if context.form.draft.levels.is_some() {
+            fields.nested(ui);
+        }
+        return;
+    }
     fields.group(ui, "Tiling", ParameterGroup::Tiling);
     fields.group(ui, "Elimination and insertion", ParameterGroup::Algorithm);
     fields.error(ui, FormPart::Choices, "refusal-0");
@@ -51,10 +65,7 @@ impl Fields<'_> {
                 // The sides share a line.
                 Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
                 Parameter::Height => {}
-                Parameter::Radius => {
-                    self.number(ui, parameter);
-                    self.samples(ui);
-                }
+                Parameter::Radius => self.radius(ui),
                 _ => self.number(ui, parameter),
             }
         }
@@ -66,6 +77,133 @@ impl Fields<'_> {
                 own_pattern(ui, self.context, self.commands);
             }
         }
+    }
+
+    /// Shows how the radius is given, and its number, its formula or its image.
+    fn radius(&mut self, ui: &mut Ui) {
+        let ground = &self.context.form.draft.ground;
+        // Images come from files, and only with one are its choices offered.
+        let offered = if ground.image.is_some() {
+            &RADIUS_BY[..]
+        } else {
+            &RADIUS_BY[..WITHOUT_IMAGE]
+        };
+        self.choice(
+            ui,
+            ("radius-by", "Radius by"),
+            "Whether the radius is one number, or depends on the place. An image that is dropped on the window can give it, too.",
+            (ground.by, offered),
+            Choice::RadiusBy,
+        );
+
+        match ground.by {
+            RadiusBy::Constant => {
+                self.number(ui, Parameter::Radius);
+                return self.samples(ui);
+            }
+            RadiusBy::Expression => self.expression(ui),
+            RadiusBy::Image => {
+                self.image_name(ui);
+                self.number(ui, Parameter::Radius);
+                self.white(ui);
+            }
+            RadiusBy::Density => {
+                self.image_name(ui);
+                self.number(ui, Parameter::Radius);
+            }
+        }
+        self.expected(ui);
+    }
+
+    /// Shows the radius as a function of x and y.
+    fn expression(&mut self, ui: &mut Ui) {
+        let mut text = self.context.form.draft.ground.expression.clone();
+        let command = FormCommand::Expression;
+        let name = ("Formula", FORMULA);
+        self.free_text(
+            ui,
+            name,
+            &mut text,
+            (FormPart::Expression, "radius-expression"),
+            command,
+        );
+    }
+
+    /// Shows the radius of white.
+    fn white(&mut self, ui: &mut Ui) {
+        let mut text = self.context.form.draft.ground.white.clone();
+        let name = (
+            "Of white",
+            "The radius where the image is white; the one above is that of black.",
+        );
+        self.free_text(
+            ui,
+            name,
+            &mut text,
+            (FormPart::White, "white"),
+            FormCommand::White,
+        );
+    }
+
+    /// Shows a field for a text, and its error below.
+    fn free_text(
+        &mut self,
+        ui: &mut Ui,
+        (name, meaning): (&str, &str),
+        text: &mut String,
+        (part, id): (FormPart, &str),
+        command: impl FnOnce(String) -> FormCommand,
+    ) {
+        let is_wrong = self.refusal(part).is_some();
+        labelled(ui, (name, meaning), self.palette, |ui, _| {
+            let width = field_width(ui);
+            let field = self.text_field(ui, text, (name, meaning), width, is_wrong);
+            field.known_as(id);
+            if field.changed() {
+                self.issue(command(text.clone()));
+            }
+            self.run_on_enter(ui, &field);
+        });
+        self.error(ui, part, &format!("refusal-{id}"));
+    }
+
+    /// Shows the name of the image.
+    fn image_name(&self, ui: &mut Ui) {
+        if let Some(image) = &self.context.form.draft.ground.image {
+            let [columns, rows] = image.pixels();
+            let text = format!("{}, {columns} \u{d7} {rows} pixels", image.name());
+            ui.label(RichText::new(text).color(self.palette.muted))
+                .known_as("radius-image");
+        }
+    }
+
+    /// Shows about how many samples a field asks for, and what so many cost.
+    fn expected(&self, ui: &mut Ui) {
+        let draft = &self.context.form.draft;
+        if let Some(samples) = draft.expected_samples() {
+            let text = format!("About {} samples.", grouped(samples.round() as usize));
+            ui.label(RichText::new(text).color(self.palette.muted))
+                .known_as("expected-samples");
+        }
+        self.costs(ui);
+    }
+
+    /// Shows the area to cover, if it is not the whole domain.
+    fn shape(&mut self, ui: &mut Ui) {
+        let ground = &self.context.form.draft.ground;
+        if ground.shape.is_none() {
+            return;
+        }
+        let request = self.context.form.draft.ground_request();
+        let rings = request.as_ref().map_or(&[][..], |request| request.rings());
+        let corners = counted(rings.iter().map(Vec::len).sum(), "corner", "corners");
+        let count = counted(rings.len(), "ring", "rings");
+        let text = format!("Covers a polygon of {count}, {corners} in all.");
+        ui.label(RichText::new(text).color(self.palette.muted))
+            .known_as("shape");
+        let command = Command::Form(FormCommand::WholeDomain);
+        ui.link("Cover the whole domain")
+            .issues("whole-domain", command, self.commands);
     }
 
     /// Shows a parameter that is chosen.
@@ -154,7 +292,12 @@ impl Fields<'_> {
         });
         self.error(ui, FormPart::Samples, "count.refusal");
 
-        // Both remarks tell beforehand the price of a large run.
+        self.costs(ui);
+    }
+
+    /// Shows the price of a large run, which two remarks tell beforehand.
+    fn costs(&self, ui: &mut Ui) {
+        let draft = &self.context.form.draft;
         if draft.keeps_result_only() {
             let text =
                 "So large a run keeps its result only: there will be no steps to go through.";

@@ -148,6 +148,18 @@ impl FileState {
                 context.ask(Effect::Show(session));
             }
 
+            // A lesson gives back the window first, so that the step to undo has the user's own run.
+            Done::Image(image) => {
+                context.ask(Effect::GiveBack);
+                context.ask(Effect::Image(image));
+                context.ask(Effect::OpenPanel(Panel::Parameters));
+            }
+            Done::Shape(polygon) => {
+                context.ask(Effect::GiveBack);
+                context.ask(Effect::Cover(polygon));
+                context.ask(Effect::OpenPanel(Panel::Parameters));
+            }
+
             Done::Pattern(own) => {
                 let samples = counted(own.pattern.samples().len(), "sample", "samples");
                 let text = format!(

@@ -1,0 +1,137 @@
+//! Sets in a field of radii and in shapes in the window: the form, the canvas, the sentences and the panels.
+
+use egui_kittest::Harness;
+use tilescope_app::App;
+use tilescope_core::{RunEvent, Verdict};
+use tilescope_session::layers::Layer;
+use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::draft::{Choice, Preset, RadiusBy};
+use tilescope_workbench::layout::Panel;
+
+use crate::canvas::{apply, drawn};
+use crate::support::{debugger, find, is_disabled, node, session, text};
+
+/// A window with the set of a preset.
+fn made(preset: Preset) -> Harness<'static, App> {
+    let mut harness = drawn([1_400.0, 900.0], false);
+    for command in [Command::Form(FormCommand::Preset(preset)), Command::Run] {
+        apply(&mut harness, command);
+    }
+    harness
+}
+
+/// Writes the window as a picture, if a folder for pictures is given.
+fn keep(harness: &mut Harness<'_, App>, name: &str) {
+    harness.step();
+    if let Some(folder) = std::env::var_os("TILESCOPE_PICTURES") {
+        let image = harness.render().expect("a picture");
+        let path = std::path::Path::new(&folder).join(format!("{name}.png"));
+        image.save(path).expect("a folder");
+    }
+}
+
+/// Returns the index of the first event that is a dart with such a verdict.
+fn first_dart(harness: &Harness<'_, App>, is_wanted: impl Fn(Verdict) -> bool) -> usize {
+    let recording = debugger(harness).recording();
+    let mut events = recording.tape().iter();
+    let found = events.position(|event| match event.run_event() {
+        Some(RunEvent::Dart { verdict, .. }) => is_wanted(verdict),
+        _ => false,
+    });
+    found.expect("such a dart")
+}
+
+#[test]
+fn the_form_takes_a_formula_and_tells_its_error_at_the_field() {
+    let mut harness = drawn([1_400.0, 900.0], false);
+    assert!(find(&harness, "radius").is_some() && find(&harness, "radius-expression").is_none());
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Expression));
+    apply(&mut harness, Command::Form(by));
+    assert!(find(&harness, "radius").is_none() && find(&harness, "leaf").is_none());
+    assert!(text(&harness, "expected-samples").contains("samples"));
+    assert!(!is_disabled(&harness, "run"));
+
+    node(&harness, "radius-expression").click();
+    harness.run();
+    harness.event(egui::Event::Text("(".to_owned()));
+    harness.run();
+    let refusal = text(&harness, "refusal-radius-expression");
+    assert!(refusal.contains("cannot be read at character"), "{refusal}");
+    assert!(is_disabled(&harness, "run"));
+    keep(&mut harness, "form");
+}
+
+#[test]
+fn darts_are_explained_with_the_radii_at_their_places() {
+    let mut harness = made(Preset::Ramp);
+    keep(&mut harness, "ramp-end");
+    let covered = first_dart(&harness, |verdict| {
+        matches!(verdict, Verdict::Covered { .. })
+    });
+    apply(&mut harness, Command::Time(TimeCommand::Jump(covered + 1)));
+    let said = text(&harness, "status");
+    assert!(said.contains("harmonic mean"), "{said}");
+    let thinned = first_dart(&harness, |verdict| verdict == Verdict::Thinned);
+    apply(&mut harness, Command::Time(TimeCommand::Jump(thinned + 1)));
+    let said = text(&harness, "status");
+    assert!(said.contains("left out by its coin"), "{said}");
+
+    let inspect = Command::Window(WindowCommand::OpenPanel(Panel::Inspector));
+    apply(&mut harness, Command::Time(TimeCommand::LastStage));
+    let pick = ViewCommand::Pick(Selection::Sample(20));
+    apply(&mut harness, Command::View(Which::First, pick));
+    apply(&mut harness, inspect);
+    keep(&mut harness, "ramp-inspector");
+    let verdict = text(&harness, "verdict");
+    assert_eq!(verdict, "Verdict: verified");
+}
+
+#[test]
+fn the_canvas_shows_disks_of_their_own_radii_the_outline_and_the_outside() {
+    let mut harness = made(Preset::Star);
+    assert!(session(&harness).has_shape());
+    let toggle = |layer| Command::Appearance(AppearanceCommand::ToggleLayer(layer));
+    apply(&mut harness, toggle(Layer::Disks));
+    keep(&mut harness, "star-disks");
+
+    // A corner of the domain is outside of the star, and its middle is in the hole: both have the colour of the outside.
+    let run = &harness.state().state.runs().first;
+    let size = run.session.as_ref().expect("a session").size_radii();
+    let at = |share: [f64; 2]| {
+        let place = size * glam::DVec2::from(share);
+        run.camera.screen_from_domain(run.viewport, place)
+    };
+    let places = [[0.03, 0.03], [0.5, 0.5], [0.97, 0.97]].map(at);
+    let beyond = at([-0.02, 0.5]);
+    let image = harness.render().expect("a picture");
+    let color = |at: egui::Pos2| image.get_pixel(at.x as u32, at.y as u32).0;
+    for place in places {
+        assert_eq!(color(place), color(beyond), "{place:?}");
+    }
+
+    apply(&mut harness, toggle(Layer::Field));
+    keep(&mut harness, "star-field");
+    let half = session(&harness).stage_end(2).expect("events");
+    apply(&mut harness, Command::Time(TimeCommand::Jump(half - 40)));
+    let place = session(&harness).position(30);
+    let fly = ViewCommand::FlyTo(place, 30.0);
+    apply(&mut harness, Command::View(Which::First, fly));
+    keep(&mut harness, "star-darts");
+}
+
+#[test]
+fn panels_of_one_radius_say_why_they_are_empty() {
+    let mut harness = made(Preset::Ramp);
+    let open = |panel| Command::Window(WindowCommand::OpenPanel(panel));
+    apply(&mut harness, open(Panel::Analysis));
+    let said = text(&harness, "analysis.status");
+    assert!(said.contains("one radius"), "{said}");
+    keep(&mut harness, "ramp-analysis");
+    apply(&mut harness, open(Panel::Legend));
+    assert!(find(&harness, "layer.field").is_some() && find(&harness, "layer.blocks").is_none());
+    keep(&mut harness, "ramp-legend");
+}

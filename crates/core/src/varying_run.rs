@@ -1,0 +1,51 @@
+//! Sets in a field of radii or a shape as runs, whose darts are recorded.
+
+use std::sync::Arc;
+
+use crate::error::SampleError;
+use crate::parameters::{Insertion, Parameters};
+use crate::progress::Observer;
+use crate::record::{Recorder, RunEvent};
+use crate::reference::throw;
+use crate::run::{Iteration, Run};
+use crate::stage::Stage;
+use crate::varying::Locality;
+
+/// Makes the set of [`crate::varying_sample`] as a run, and reports events to `recorder`. The run's result and its ids are in
+/// the order of arrival, its iterations are the throws, and it has neither pattern nor blocks.
+///
+/// Of the parameters, only the seed decides what is made. Those of the run have the radius of one lattice unit's r, and insert
+/// by darts. Fails only when `observer` stops it.
+pub fn varying_recorded<T: Recorder>(
+    locality: &Arc<Locality>,
+    parameters: &Parameters,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Run, SampleError> {
+    let mut process = locality.process(parameters.seed);
+
+    let (mut points, mut iterations) = (Vec::new(), Vec::new());
+    while !process.is_finished() {
+        let cells = process.active_cells().collect();
+        let first = points.len() as u32;
+        let number = iterations.len() as u32 + 1;
+        throw(&mut process, number, &mut points, observer, recorder)?;
+        iterations.push(Iteration {
+            cells,
+            inserted: first..points.len() as u32,
+            ..Iteration::default()
+        });
+    }
+
+    recorder.record(RunEvent::Begin(Stage::Finish));
+    recorder.record(RunEvent::Finish {
+        count: points.len() as u32,
+    });
+
+    let parameters = Parameters {
+        radius: locality.field.domain().radius(),
+        insertion: Insertion::Uniform,
+        ..*parameters
+    };
+    Ok(Run::of_darts(parameters, locality, points, iterations))
+}

@@ -1,0 +1,136 @@
+//! Sentences of runs in which the radius depends on the place: they name the radii, and give lengths in the units of the domain,
+//! as r is no radius of any sample there.
+
+use tilescope_core::{Locality, Point, RunEvent, Verdict};
+
+use super::{Words, count, grouped, significant};
+
+impl Words<'_> {
+    /// Returns the sentence of an event of darts in a run whose radius depends on the place; `None` for all others.
+    pub(super) fn local(&self, run_event: RunEvent, index: usize) -> Option<String> {
+        let locality = self.0.run().locality.as_deref()?;
+
+        Some(match run_event {
+            RunEvent::Dart {
+                point,
+                ranked,
+                verdict,
+            } => self.local_dart(locality, point, ranked, verdict, index)?,
+
+            RunEvent::Insert { sample, iteration } => {
+                let place = self.0.point(sample)?;
+                format!(
+                    "sample {} is placed where a dart landed, at {}, in throw {}; its radius is {}",
+                    grouped(sample.into()),
+                    self.place(place),
+                    grouped(iteration.into()),
+                    self.radius(locality, place)
+                )
+            }
+
+            RunEvent::Iteration { number, detectors } => format!(
+                "throw {} begins with {}",
+                grouped(number.into()),
+                count(detectors.into(), "active cell")
+            ),
+            RunEvent::IterationEnd { number, inserted } => format!(
+                "throw {} ends: {} became samples",
+                grouped(number.into()),
+                count(inserted.into(), "dart")
+            ),
+
+            RunEvent::Cut { cell, side, kept } => {
+                let kept = match kept {
+                    0 => "each quarter is near one sample as a whole, or outside".to_owned(),
+                    1 => "one quarter may be open".to_owned(),
+                    more => format!("{more} quarters may be open"),
+                };
+                let (at, side) = (self.place(cell), self.length(side.into()));
+                format!("the active cell at {at}, {side} wide, is cut in four: {kept}")
+            }
+
+            // All other events are those of any run.
+            _ => return None,
+        })
+    }
+
+    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
+    fn local_dart(
+        &self,
+        locality: &Locality,
+        point: Point,
+        ranked: bool,
+        verdict: Verdict,
+        index: usize,
+    ) -> Option<String> {
+        let at = self.place(point);
+        // A dart outside has no radius. It may even lie where the field has no nodes.
+        let radius = || self.radius(locality, point);
+
+        Some(match (ranked, verdict) {
+            (false, Verdict::Accepted) => {
+                format!(
+                    "a dart lands at {at} in the open; the radius there is {}",
+                    radius()
+                )
+            }
+            (true, Verdict::Accepted) => {
+                format!(
+                    "the dart at {at}, of radius {}, is still uncovered when its turn comes",
+                    radius()
+                )
+            }
+
+            (_, Verdict::Covered { .. }) => {
+                let what = if ranked {
+                    "the dart at"
+                } else {
+                    "a dart lands at"
+                };
+                let own = radius();
+                // The process keeps no ids, so that the earliest sample near the place is looked up.
+                let Some(by) = self.0.covering(point, index) else {
+                    return Some(format!("{what} {at}, which is covered, and is discarded"));
+                };
+                let other = self.0.point(by)?;
+                let squared = self.0.domain().distance_squared(point, other) as f64;
+                let (apart, theirs) = (self.length(squared.sqrt()), self.radius(locality, other));
+                let mean = self.length(locality.reach(point, other).into());
+                let verb = if ranked {
+                    "is discarded"
+                } else {
+                    "and is discarded"
+                };
+                format!(
+                    "{what} {at} {verb}: sample {} is {apart} away; the radius here is {own}, there {theirs}, and their harmonic mean, {mean}, is not less than that",
+                    grouped(by.into())
+                )
+            }
+
+            (_, Verdict::Outside) => format!("a dart at {at} falls outside and is discarded"),
+            (_, Verdict::Thinned) => format!(
+                "a dart at {at} is left out by its coin: its cell throws as many as suit the cell's side, and the radius here, {}, is larger",
+                radius()
+            ),
+            (_, Verdict::TooFar | Verdict::NotNearest { .. }) => return None,
+        })
+    }
+
+    /// Returns a length in the units of the domain, with three digits.
+    fn length(&self, units: f64) -> String {
+        significant(units * self.0.domain().unit().min_element())
+    }
+
+    fn radius(&self, locality: &Locality, place: Point) -> String {
+        self.length(locality.radius_at(place).into())
+    }
+
+    /// Returns a place in the units of the domain, with as many decimals as its lengths need.
+    fn place(&self, place: Point) -> String {
+        let unit = self.0.domain().unit();
+        let (x, y) = (f64::from(place.x) * unit.x, f64::from(place.y) * unit.y);
+        // Digits down to a thousandth of r, by which no two samples can be taken for each other.
+        let decimals = (3.0 - self.0.domain().radius().log10().floor()).clamp(0.0, 9.0) as usize;
+        format!("({x:.decimals$}, {y:.decimals$})")
+    }
+}

@@ -1,0 +1,236 @@
+//! Sets in a field of radii or in a shape: the radius at each place as a shade, what lies outside, the outline of a polygon, and
+//! the darts of the throw that is shown.
+
+use ecolor::Color32;
+use emath::{Rect, Vec2, pos2, vec2};
+use glam::DVec2;
+use tilescope_core::{Point, R, RunEvent, Stage, Verdict};
+use tilescope_session::layers::Layer;
+use tilescope_session::units::{position, radii};
+
+use crate::scene::Scene;
+use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
+
+/// The side of the squares that show what lies outside, in screen points: small enough to follow an outline.
+const OUTSIDE_SIDE: f32 = 2.0;
+
+/// The side of the squares that show the field, in screen points. A shade changes slowly, and larger ones are fewer.
+const FIELD_SIDE: f32 = 4.0;
+
+/// The shades of the field, from the least radius to the greatest.
+const SHADES: f64 = 24.0;
+
+/// Below so many screen points to an r, darts and lines to their samples would be a tangle.
+const MIN_SCALE_OF_DARTS: f32 = 4.0;
+const MIN_SCALE_OF_LINES: f32 = 14.0;
+
+/// The most darts that are drawn of a throw; more would hide each other.
+const MAX_DARTS: usize = 20_000;
+
+/// Half the side of the smallest square that shows a cell, in screen points: the last cells hold one lattice point.
+const LEAST_HALF: f32 = 1.5;
+
+/// Returns the place of the domain at a position in r; `None` outside of it.
+fn place(scene: &Scene<'_>, at: DVec2) -> Option<Point> {
+    let units = (at * f64::from(R)).floor();
+    let place = Point::new(units.x as i32, units.y as i32);
+    let is_inside = scene.session.run().domain.rect().contains(place);
+    is_inside.then_some(place)
+}
+
+/// Draws what `shade` returns of places, in squares of this side; neighbours in a row of the same shade are one rectangle.
+fn squares<T: PartialEq + Copy>(
+    scene: &Scene<'_>,
+    side: f32,
+    shade: impl Fn(Point) -> Option<T>,
+    mut draw: impl FnMut(Rect, T),
+) {
+    let seen = scene.domain().intersect(scene.rect);
+    if !seen.is_positive() {
+        return;
+    }
+    let camera = &scene.subject.camera;
+    let count = |length: f32| (length / side).ceil() as usize;
+    let size = vec2(side, side);
+
+    for row in 0..count(seen.height()) {
+        let corner = |column: usize| seen.min + vec2(column as f32, row as f32) * side;
+        let mut begun: Option<(usize, T)> = None;
+        let mut end = |begun: Option<(usize, T)>, column: usize| {
+            if let Some((first, shade)) = begun {
+                let far = corner(column) + vec2(0.0, side);
+                draw(
+                    Rect::from_min_max(corner(first), far).intersect(seen),
+                    shade,
+                );
+            }
+        };
+
+        let columns = count(seen.width());
+        for column in 0..columns {
+            let middle = (corner(column) + size / 2.0).min(pos2(seen.max.x, seen.max.y));
+            let at = camera.domain_from_screen(scene.rect, middle);
+            let now = place(scene, at).and_then(&shade);
+            if begun.map(|(_, before)| before) != now {
+                end(begun, column);
+                begun = now.map(|shade| (column, shade));
+            }
+        }
+        end(begun, columns);
+    }
+}
+
+/// Draws the radius at each place, the darker the smaller.
+pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(locality) = scene.session.run().locality.as_deref() else {
+        return;
+    };
+    let [least, greatest] = locality.field.extremes().map(f64::from);
+    // A field of one radius has one shade.
+    let range = (greatest / least).ln().max(f64::MIN_POSITIVE);
+
+    let shade = |place: Point| {
+        let radius = f64::from(locality.radius_at(place));
+        let share = ((radius / least).ln() / range).clamp(0.0, 1.0);
+        locality
+            .inside(place)
+            .then_some((SHADES * (1.0 - share)).round() as u32)
+    };
+    let color = scene.palette.accent;
+    squares(scene, FIELD_SIDE, shade, |rect, shade| {
+        let strength = 0.04 + 0.5 * shade as f32 / SHADES as f32;
+        surface.rect(rect, Some(color.gamma_multiply(strength)), None);
+    });
+}
+
+/// Draws the part of the domain that lies outside of the shape.
+pub fn outside(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(locality) = scene.session.run().locality.as_deref() else {
+        return;
+    };
+    let shade = |place: Point| (!locality.inside(place)).then_some(());
+    let color = scene.palette.outside;
+    squares(scene, OUTSIDE_SIDE, shade, |rect, ()| {
+        surface.rect(rect, Some(color), None);
+    });
+}
+
+/// Draws the outline of a polygon.
+pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(made) = &scene.session.ground else {
+        return;
+    };
+    let (_, request) = &made.asked;
+    let (origin, radius) = (
+        DVec2::from(request.origin),
+        scene.session.run().domain.radius(),
+    );
+    let stroke = Stroke::new(1.4, scene.palette.border);
+    for ring in request.rings() {
+        let corners = ring
+            .iter()
+            .map(|&corner| (DVec2::from(corner) - origin) / radius);
+        let corners: Vec<_> = corners.map(|corner| scene.at(corner)).collect();
+        surface.outline(&corners, stroke);
+    }
+}
+
+/// Draws the cells that throw darts, and the darts of the throw that became no samples, each with its verdict.
+pub fn darts(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Stage::Iterate(number) = scene.stage else {
+        return;
+    };
+    if scene.has(Layer::Detectors) {
+        cells(scene, surface, number);
+    }
+
+    let is_legible = scene.scale() * scene.session.usual_radius() as f32 >= MIN_SCALE_OF_DARTS;
+    if is_legible && scene.has(Layer::Eliminated) {
+        thrown(scene, surface);
+    }
+}
+
+/// Draws the cells that throw darts in a throw.
+fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
+    let Some(iteration) = scene.session.iteration(number) else {
+        return;
+    };
+    let color = scene.palette.detector;
+    let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
+    let end = scene.session.size_radii();
+
+    for cell in &iteration.cells {
+        let low = position(cell.min);
+        let corners = [low, (low + radii(cell.side)).min(end)].map(|at| scene.at(at));
+        let square = Rect::from_two_pos(corners[0], corners[1]);
+        let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
+        let shown = square.union(least);
+        if shown.intersects(scene.rect) {
+            surface.rect(shown, Some(fill), Some(stroke));
+        }
+    }
+}
+
+/// Draws the darts of the throw that is shown, so far as they have landed and became no samples.
+fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
+    // Darts are read from recorded events.
+    let Some(debugger) = scene.shown.debugger else {
+        return;
+    };
+    let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+    let before = scene.session.stage_index(scene.stage).checked_sub(1);
+    let start = before.and_then(|before| scene.session.stage_end(before));
+    let start = start.unwrap_or(0);
+
+    let view = scene.rect.expand(12.0);
+    let size = (0.1 * scene.scale()).clamp(1.5, 4.0);
+    let has_lines = scene.scale() >= MIN_SCALE_OF_LINES;
+    let mut drawn = 0;
+
+    let events = recording
+        .tape()
+        .from(start)
+        .take(cursor.saturating_sub(start));
+    for (index, event) in events {
+        let Some(RunEvent::Dart { point, verdict, .. }) = event.run_event() else {
+            continue;
+        };
+        let at = scene.point(point);
+        if !view.contains(at) || drawn >= MAX_DARTS {
+            continue;
+        }
+        drawn += 1;
+
+        let color = dart_color(scene, verdict);
+        match verdict {
+            // It has become a sample, or waits for its turn.
+            Verdict::Accepted => surface.mark(Mark::Triangle, at, [size, NO_GROWTH], color),
+            Verdict::Covered { .. } => {
+                surface.mark(Mark::Cross, at, [size, NO_GROWTH], color);
+                let by = has_lines
+                    .then(|| recording.covering(point, index))
+                    .flatten();
+                if let Some(by) = by {
+                    let sample = scene.session.image_near(by, position(point));
+                    let stroke = Stroke::new(0.8, color.gamma_multiply(0.7));
+                    surface.line([at, scene.at(sample)], stroke);
+                }
+            }
+            Verdict::Thinned => {
+                surface.circle(at, size, None, Some(Stroke::new(1.0, color)));
+            }
+            Verdict::Outside => surface.circle(at, 0.6 * size, Some(color), None),
+            Verdict::TooFar | Verdict::NotNearest { .. } => {}
+        }
+    }
+}
+
+/// Returns the colour of a dart by its verdict.
+fn dart_color(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
+    match verdict {
+        Verdict::Accepted => scene.palette.candidate,
+        Verdict::Covered { .. } => scene.palette.eliminated,
+        Verdict::Thinned => scene.palette.detector,
+        Verdict::Outside | Verdict::TooFar | Verdict::NotNearest { .. } => scene.palette.muted,
+    }
+}

@@ -1,0 +1,353 @@
+//! The field and the shape in the form: how the radius is given, the expression as typed, and the area to cover.
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Boundary, Parameter, Parameters};
+use tilescope_sets::{Expression, GrayImage, RadiusSource, ShapeSource, VaryingError};
+
+use super::refusal::part_of;
+use super::{Draft, DraftRefusal, FormPart};
+use crate::ground::GroundRequest;
+use crate::typed;
+use crate::words::sentence;
+
+/// The expression that the field begins with: from a fifth of the largest radius on the left to all of it on the right.
+const FIRST_EXPRESSION: &str = "0.006 + 0.024*x";
+
+/// How many samples an image begins with, about.
+const SAMPLES_OF_IMAGE: f64 = 6_000.0;
+
+/// How many samples a shape begins with, about, if the radius of the form does not suit it.
+const SAMPLES_OF_SHAPE: f64 = 3_000.0;
+
+/// How the radius is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RadiusBy {
+    /// A number.
+    #[default]
+    Constant,
+    /// A function of x and y.
+    Expression,
+    /// The grey of an image: from the radius of black to that of white.
+    Image,
+    /// The darkness of an image, as the density; the radius is that of black.
+    Density,
+}
+
+/// The field and the shape as they are edited.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroundDraft {
+    /// How the radius is given.
+    pub by: RadiusBy,
+    /// The radius as a function, as typed.
+    pub expression: String,
+    /// The image, if one was opened.
+    pub image: Option<GrayImage>,
+    /// The radius of white, as typed.
+    pub white: String,
+    /// The area to cover, if it is not the whole domain.
+    pub shape: Option<ShapeSource>,
+    /// Where the lower corner of the domain lies.
+    pub origin: [f64; 2],
+}
+
+impl Default for GroundDraft {
+    fn default() -> Self {
+        Self {
+            by: RadiusBy::Constant,
+            expression: FIRST_EXPRESSION.to_owned(),
+            image: None,
+            white: String::new(),
+            shape: None,
+            origin: [0.0; 2],
+        }
+    }
+}
+
+impl GroundDraft {
+    /// Returns whether a field or a shape is asked for.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        self.by != RadiusBy::Constant || self.shape.is_some()
+    }
+
+    /// Returns the request, if one is asked for and can be read; `black` is the radius of the form.
+    fn request(&self, black: f64) -> Option<Result<GroundRequest, VaryingError>> {
+        if !self.is_asked() {
+            return None;
+        }
+        let radius = match (self.by, self.image.clone()) {
+            (RadiusBy::Expression, _) => match Expression::parse(&self.expression) {
+                Ok(expression) => Some(RadiusSource::Expression {
+                    expression,
+                    scale: 1.0,
+                }),
+                Err(error) => return Some(Err(error)),
+            },
+            (RadiusBy::Image, Some(image)) => {
+                // A text that is no number is among the refusals.
+                let radii = [black, typed::number(&self.white).unwrap_or(black)];
+                Some(RadiusSource::Image { image, radii })
+            }
+            (RadiusBy::Density, Some(image)) => Some(RadiusSource::Density { image, black }),
+            (RadiusBy::Constant, _) | (RadiusBy::Image | RadiusBy::Density, None) => None,
+        };
+        Some(Ok(GroundRequest {
+            radius,
+            shape: self.shape.clone(),
+            origin: self.origin,
+        }))
+    }
+}
+
+impl From<Option<&GroundRequest>> for GroundDraft {
+    fn from(request: Option<&GroundRequest>) -> Self {
+        let mut draft = Self::default();
+        let Some(request) = request else {
+            return draft;
+        };
+
+        match &request.radius {
+            Some(RadiusSource::Expression { expression, .. }) => {
+                draft.by = RadiusBy::Expression;
+                expression.text().clone_into(&mut draft.expression);
+            }
+            Some(RadiusSource::Image { image, radii }) => {
+                (draft.by, draft.image) = (RadiusBy::Image, Some(image.clone()));
+                draft.white = radii[1].to_string();
+            }
+            Some(RadiusSource::Density { image, .. }) => {
+                (draft.by, draft.image) = (RadiusBy::Density, Some(image.clone()));
+            }
+            // The form asks for no grid, and has its one radius among the parameters.
+            None | Some(RadiusSource::Constant(_) | RadiusSource::Grid { .. }) => {}
+        }
+        draft.shape.clone_from(&request.shape);
+        draft.origin = request.origin;
+        draft
+    }
+}
+
+impl Draft {
+    /// Returns the draft with this field and shape, if any.
+    #[must_use]
+    pub fn with_ground(self, request: Option<&GroundRequest>) -> Self {
+        let ground = GroundDraft::from(request);
+        Self { ground, ..self }
+    }
+
+    /// Returns the field and the shape that are asked for, if any. An expression that cannot be read is left out; it is among
+    /// the refusals.
+    #[must_use]
+    pub fn ground_request(&self) -> Option<GroundRequest> {
+        self.ground.request(self.parameters.radius)?.ok()
+    }
+
+    /// Chooses how the radius is given. A field seldom goes around, so that the domain becomes bounded, as on the command line.
+    pub(super) fn choose_radius_by(&mut self, by: RadiusBy) {
+        // Without an image there is nothing to read the radius from.
+        let is_of_image = matches!(by, RadiusBy::Image | RadiusBy::Density);
+        if is_of_image && self.ground.image.is_none() {
+            return;
+        }
+        if by != RadiusBy::Constant && self.ground.by == RadiusBy::Constant {
+            self.parameters.boundary = Boundary::Bounded;
+        }
+        self.ground.by = by;
+    }
+
+    /// Covers a shape. The domain becomes the rectangle around a polygon, and bounded; a radius that does not suit it becomes one
+    /// that does.
+    pub fn set_shape(&mut self, shape: ShapeSource) {
+        self.parameters.boundary = Boundary::Bounded;
+        if let ShapeSource::Polygon(polygon) = &shape {
+            let [low, high] = polygon.bounds();
+            let sides = [0, 1].map(|axis| high[axis] - low[axis]);
+            self.ground.origin = low;
+            for (parameter, side) in [Parameter::Width, Parameter::Height].into_iter().zip(sides) {
+                self.set_text(parameter, side.to_string());
+            }
+
+            let suits = self.parameters.validate_sequential().is_ok();
+            let is_default =
+                self.text(Parameter::Radius) == Parameter::Radius.text(&Parameters::default());
+            if !suits || is_default {
+                let area = sides[0] * sides[1];
+                let radius = (tilescope_core::MAXIMAL_DENSITY * area / SAMPLES_OF_SHAPE).sqrt();
+                self.set_text(Parameter::Radius, short(radius));
+            }
+        }
+        self.ground.shape = Some(shape);
+    }
+
+    /// Takes the density from an image, whose pixels fill the domain: a side follows from the other, and the radius of black is
+    /// such that there are some thousand samples.
+    pub fn set_image(&mut self, image: GrayImage) {
+        let [columns, rows] = image.pixels();
+        let height = self.parameters.width * rows as f64 / columns as f64;
+        self.set_text(Parameter::Height, height.to_string());
+        self.parameters.boundary = Boundary::Bounded;
+        (self.ground.by, self.ground.image) = (RadiusBy::Density, Some(image));
+        // A mask of other pixels would not fit.
+        self.remove_shape();
+
+        // With a black of radius 1 there are so many, and their number goes with the square of the radius.
+        let request = self.ground.request(1.0);
+        let at_one = request.and_then(Result::ok).and_then(|request| {
+            let recipe = request.recipe(&self.parameters);
+            recipe.expected_samples().ok()
+        });
+        if let Some(samples) = at_one {
+            let radius = (samples / SAMPLES_OF_IMAGE).sqrt();
+            self.set_text(Parameter::Radius, short(radius));
+            self.ground.white = short(4.0 * radius);
+        }
+    }
+
+    /// Covers the whole domain again.
+    pub fn remove_shape(&mut self) {
+        (self.ground.shape, self.ground.origin) = (None, [0.0; 2]);
+    }
+
+    /// Returns about how many samples a field and a shape ask for; `None` without such, or if they are refused.
+    pub(super) fn ground_samples(&self) -> Option<f64> {
+        let request = self.ground_request()?;
+        let samples = request.recipe(&self.parameters).glance().ok()?;
+        Some(samples * share_of_shape(&request, &self.parameters))
+    }
+
+    /// Returns why the field and the shape that are asked for cannot be made, as far as a short look shows.
+    pub(super) fn ground_refusal(&self) -> Option<DraftRefusal> {
+        let refused = |part, error: &VaryingError| {
+            let reason = sentence(&error.to_string());
+            Some(DraftRefusal { part, reason })
+        };
+        let request = match self.ground.request(self.parameters.radius)? {
+            Ok(request) => request,
+            Err(error) => return refused(FormPart::Expression, &error),
+        };
+
+        let white = &self.ground.white;
+        if self.ground.by == RadiusBy::Image && typed::number(white).is_none() {
+            let (part, reason) = (FormPart::White, format!("\"{white}\" is not a number."));
+            return Some(DraftRefusal { part, reason });
+        }
+
+        if self.levels.is_some() {
+            let what = "Nested levels have one radius in a rectangle: choose none, or a constant radius without a shape.";
+            let (part, reason) = (FormPart::Choices, what.to_owned());
+            return Some(DraftRefusal { part, reason });
+        }
+
+        let error = request.recipe(&self.parameters).glance().err()?;
+        let part = match (&error, self.ground.by) {
+            (VaryingError::Domain(error), RadiusBy::Constant) => part_of(error, &self.parameters),
+            (VaryingError::Ratio { .. } | VaryingError::Aspect { .. }, _) => {
+                FormPart::Field(Parameter::Width)
+            }
+            (_, RadiusBy::Expression) => FormPart::Expression,
+            (VaryingError::Reversed { .. } | VaryingError::Contrast { .. }, RadiusBy::Image) => {
+                FormPart::White
+            }
+            (_, RadiusBy::Constant | RadiusBy::Image | RadiusBy::Density) => {
+                FormPart::Field(Parameter::Radius)
+            }
+        };
+        refused(part, &error)
+    }
+}
+
+/// Returns the share of the domain that a polygon covers; 1 for other shapes, whose pixels are not counted here.
+fn share_of_shape(request: &GroundRequest, parameters: &Parameters) -> f64 {
+    let doubled = |ring: &Vec<[f64; 2]>| {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter()
+            .zip(next)
+            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+            .sum::<f64>()
+            .abs()
+    };
+    let mut areas: Vec<f64> = request.rings().iter().map(doubled).collect();
+    if areas.is_empty() {
+        return 1.0;
+    }
+
+    // The largest ring is taken for the outer one, and all others for holes. A rough number may ignore islands.
+    areas.sort_by(f64::total_cmp);
+    let outer = areas.pop().unwrap_or_default();
+    let holes: f64 = areas.iter().sum();
+    let share = (outer - holes) / 2.0 / (parameters.width * parameters.height);
+    share.clamp(0.01, 1.0)
+}
+
+/// Returns a number with three significant digits.
+fn short(number: f64) -> String {
+    let rounded = format!("{number:.2e}").parse::<f64>();
+    rounded.unwrap_or(number).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use tilescope_sets::PlanarPolygon;
+
+    use super::*;
+    use crate::draft::Choice;
+
+    fn by_expression(text: &str) -> Draft {
+        let mut draft = Draft::default();
+        draft.choose(Choice::RadiusBy(RadiusBy::Expression));
+        text.clone_into(&mut draft.ground.expression);
+        draft
+    }
+
+    #[test]
+    fn a_wrong_expression_refuses_the_run_at_its_field() {
+        assert_eq!(by_expression(FIRST_EXPRESSION).refusals(), []);
+        for (text, part) in [
+            ("0.006 + ", "cannot be read"),
+            ("x - 0.5", "above 0 everywhere"),
+            ("0.001 + x", "times as much"),
+        ] {
+            let refusals = by_expression(text).refusals();
+            assert_eq!(refusals.len(), 1, "{text}: {refusals:?}");
+            assert_eq!(refusals[0].part, FormPart::Expression);
+            assert!(refusals[0].reason.contains(part), "{}", refusals[0].reason);
+            assert!(refusals[0].with_name().starts_with("Formula: "));
+        }
+
+        // The constant radius is not used, so that a wrong one refuses nothing. Of a constant radius it does.
+        let mut draft = by_expression("0.02");
+        draft.set_text(Parameter::Radius, "one".to_owned());
+        assert_eq!(draft.refusals(), []);
+        draft.choose(Choice::RadiusBy(RadiusBy::Constant));
+        assert_eq!(draft.refusals().len(), 1);
+    }
+
+    #[test]
+    fn a_polygon_brings_its_rectangle_and_a_radius_that_suits_it() {
+        let rings = vec![vec![[100.0, 50.0], [160.0, 50.0], [130.0, 90.0]]];
+        let polygon = PlanarPolygon::from_rings("a park", rings).unwrap();
+        let mut draft = Draft::default();
+        draft.set_shape(ShapeSource::Polygon(polygon));
+        let p = draft.parameters;
+        assert_eq!((p.width, p.height), (60.0, 40.0));
+        assert_eq!(draft.refusals(), []);
+        let samples = draft.expected_samples().unwrap();
+        assert!((1_300.0..1_700.0).contains(&samples), "{samples}");
+
+        let request = draft.ground_request().unwrap();
+        let [left, bottom] = request.origin;
+        assert_eq!((left, bottom), (100.0, 50.0));
+        let again = Draft::from_parameters(p).with_ground(Some(&request));
+        assert_eq!(again.ground_request(), Some(request));
+        draft.remove_shape();
+        assert_eq!(draft.ground_request(), None);
+    }
+
+    #[test]
+    fn levels_and_fields_exclude_each_other() {
+        let mut draft = by_expression(FIRST_EXPRESSION);
+        draft.choose(Choice::Levels(Some(3)));
+        assert_eq!(draft.refusals()[0].part, FormPart::Choices);
+    }
+}

@@ -1,0 +1,360 @@
+//! Sets in a field of radii and in shapes: made, visited, verified, linked, saved, undone and opened.
+
+use std::sync::Arc;
+
+use serde_json::json;
+use tilescope_core::{RunEvent, Unobserved, Verdict as DartVerdict};
+use tilescope_formats::{Overrides, check};
+use tilescope_session::ground::MadeGround;
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::layers::{Layer, SessionKind};
+use tilescope_session::session::Session;
+use tilescope_workbench::command::{FormCommand, TimeCommand};
+use tilescope_workbench::compare::ComparePreset;
+use tilescope_workbench::draft::{Choice, FormPart, Preset, RadiusBy};
+use tilescope_workbench::export::ExportKind;
+use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::live::ONE_RADIUS;
+use tilescope_workbench::{Command, State, link};
+
+use crate::exporting::{notice_text, write};
+
+/// A formula of some 700 samples.
+const FORMULA: &str = "0.02 + 0.06*hypot(x - 0.5, y - 0.5)";
+
+/// A park of 60 x 40 with a pond, at map coordinates.
+const PARK: &str = r#"{"type": "Polygon", "coordinates": [
+    [[100, 250], [160, 250], [160, 290], [130, 280], [100, 290]],
+    [[120, 260], [140, 260], [130, 270]]]}"#;
+
+fn state() -> State {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state
+}
+
+fn form(state: &mut State, command: FormCommand) {
+    state.apply(Command::Form(command));
+}
+
+fn run(state: &mut State) {
+    state.apply(Command::Run);
+    state.settle();
+}
+
+fn session(state: &State) -> &Arc<Session> {
+    state.runs().first.session.as_ref().unwrap()
+}
+
+/// A window with a set of a formula.
+fn made() -> State {
+    let mut state = state();
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Expression));
+    form(&mut state, by);
+    form(&mut state, FormCommand::Expression(FORMULA.to_owned()));
+    let run_view = &state.runs().first;
+    let remark = state.form().remark(run_view, state.gpu()).unwrap();
+    assert!(remark.contains("radius as a function"), "{remark}");
+    run(&mut state);
+    state
+}
+
+fn drop_bytes(state: &mut State, name: &str, bytes: &[u8]) {
+    let files = vec![NamedBytes::new(name, bytes)];
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    state.apply(Command::File(dropped));
+    state.settle();
+    state.settle();
+}
+
+fn is_valid(state: &State) -> bool {
+    let verdict = state.runs().first.verdict();
+    verdict.expect("a verdict").valid()
+}
+
+#[test]
+fn a_formula_makes_a_run_whose_darts_can_be_visited() {
+    let mut state = made();
+    let shown = session(&state);
+    assert_eq!(shown.kind(), SessionKind::Varying);
+    assert!(is_valid(&state));
+    assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
+
+    // The points are those that the command line makes.
+    let recipe = shown.ground.as_ref().unwrap().recipe();
+    let made = recipe.make(&mut Unobserved).unwrap();
+    assert_eq!(made.set.points, shown.run().positions());
+
+    // At each moment as many samples are there as have been inserted.
+    let recording = Arc::clone(shown.recording().expect("events"));
+    assert_eq!(shown.ends().len(), shown.stages.len());
+    let half = recording.len() / 2;
+    state.apply(Command::Time(TimeCommand::Jump(half)));
+    let inserted = recording.tape().iter().take(half);
+    let is_insertion = |event: &&tilescope_debugger::Event| {
+        matches!(event.run_event(), Some(RunEvent::Insert { .. }))
+    };
+    let inserted = inserted.filter(is_insertion).count();
+    let shown = state.runs().first.shown().unwrap();
+    let covering = shown.moment().covering(shown.session).len();
+    assert_eq!(covering, inserted);
+    assert!(inserted > 0 && inserted < shown.session.summary.count);
+
+    let told = recording
+        .tape()
+        .iter()
+        .filter_map(tilescope_debugger::Event::run_event);
+    let thinned = told.filter(|event| {
+        let verdict = DartVerdict::Thinned;
+        matches!(event, RunEvent::Dart { verdict: of, .. } if *of == verdict)
+    });
+    assert!(thinned.count() > 0);
+}
+
+#[test]
+fn the_verdict_knows_a_set_of_another_field() {
+    let state = made();
+    let shown = session(&state);
+    let mut ground = shown.ground.clone().unwrap();
+    let positions = shown.run().positions();
+    let monitor = tilescope_session::jobs::Monitor::reporting(|_, _| {});
+    let judge = |ground: &MadeGround| {
+        tilescope_session::verification::Verdict::on_ground(&positions, ground, &monitor)
+    };
+    assert!(judge(&ground).unwrap().valid());
+
+    // With radii that are smaller everywhere the same set has gaps.
+    let radius = ground.asked.1.radius.take().unwrap();
+    ground.asked.1.radius = Some(radius.scaled(0.8));
+    let verdict = judge(&ground).unwrap();
+    assert!(!verdict.maximal() && verdict.conflict_free());
+    ground.asked.1.radius = Some(radius.scaled(1.2));
+    assert!(!judge(&ground).unwrap().conflict_free());
+}
+
+#[test]
+fn wrong_formulas_are_told_at_their_field_and_run_nothing() {
+    let mut state = made();
+    let before = session(&state).generation;
+    for (text, part) in [("0.02 +", "cannot be read"), ("x - 2", "above 0")] {
+        form(&mut state, FormCommand::Expression(text.to_owned()));
+        let refusal = &state.form().draft.refusals()[0];
+        assert_eq!(refusal.part, FormPart::Expression);
+        assert!(refusal.reason.contains(part), "{}", refusal.reason);
+        let why = state.form().refusal(state.gpu()).unwrap();
+        assert!(why.starts_with("Formula: "), "{why}");
+        run(&mut state);
+        assert_eq!(session(&state).generation, before);
+    }
+}
+
+#[test]
+fn undo_brings_the_run_before_back_and_redo_the_field() {
+    let mut state = made();
+    let field = session(&state).recipe();
+    state.apply(Command::Undo);
+    state.settle();
+    assert_eq!(session(&state).kind(), SessionKind::Run);
+    state.apply(Command::Redo);
+    state.settle();
+    assert_eq!(session(&state).recipe(), field);
+}
+
+#[test]
+fn a_link_makes_the_field_and_the_polygon_again() {
+    for preset in [Preset::Ramp, Preset::Star] {
+        let mut state = state();
+        form(&mut state, FormCommand::Preset(preset));
+        run(&mut state);
+        state.apply(Command::Time(TimeCommand::Jump(1_000)));
+        let link = state.link();
+        assert_eq!(link.left_out, Vec::<String>::new());
+        assert!(
+            link.fragment.contains("radius-expression="),
+            "{}",
+            link.fragment
+        );
+        assert_eq!(link.fragment.contains("&shape="), preset == Preset::Star);
+
+        let (content, warnings) = link::read(&link.fragment);
+        assert_eq!(warnings.text(), "");
+        assert_eq!(content.recipe(), session(&state).recipe());
+        let mut other = self::state();
+        other.open_link(&link.fragment);
+        other.settle();
+        assert_eq!(session(&other).digest(), session(&state).digest());
+        assert_eq!(other.runs().first.cursor().unwrap().0, 1_000);
+    }
+}
+
+#[test]
+fn links_with_a_wrong_field_or_shape_say_so() {
+    for (text, part) in [
+        ("radius-expression=0.02%20%2B", "cannot be read"),
+        ("radius-expression=0.0001", "samples"),
+        ("shape=0,0_1,1_1,0_0,1", "cross"),
+        ("shape=0,0_1", "invalid"),
+        ("radius-expression=0.02&levels=3", "one radius"),
+    ] {
+        let (_, warnings) = link::read(text);
+        assert!(
+            warnings.text().contains(part),
+            "{text}: {}",
+            warnings.text()
+        );
+    }
+    let (content, warnings) = link::read("radius-expression=0.02%2B(x*0.01)");
+    assert_eq!(warnings.text(), "", "a parenthesis at the end stays");
+    assert!(content.ground.is_some());
+}
+
+#[test]
+fn a_session_is_saved_and_opened_at_its_moment() {
+    let mut state = state();
+    form(&mut state, FormCommand::Preset(Preset::Star));
+    run(&mut state);
+    state.apply(Command::Time(TimeCommand::Jump(2_000)));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("star.json");
+    let text = path.to_string_lossy().into_owned();
+    for command in [
+        FileCommand::Sheet(tilescope_workbench::files::Purpose::Save),
+        FileCommand::Path(text),
+        FileCommand::Go,
+    ] {
+        state.apply(Command::File(command));
+        state.settle();
+    }
+    let saved = std::fs::read(&path).unwrap();
+    let value: serde_json::Value = serde_json::from_slice(&saved).unwrap();
+    assert_eq!(value["version"], 4);
+    assert!(value["ground"]["radius-expression"].is_string());
+
+    let mut other = self::state();
+    drop_bytes(&mut other, "star.json", &saved);
+    assert_eq!(session(&other).digest(), session(&state).digest());
+    assert_eq!(other.runs().first.cursor().unwrap().0, 2_000);
+    assert_eq!(other.form().recipe(), session(&other).recipe());
+
+    // Another formula is another run, which the digest shows.
+    let mut changed = value;
+    changed["ground"]["radius-expression"] = json!("0.05");
+    drop_bytes(&mut other, "star.json", changed.to_string().as_bytes());
+    assert!(
+        notice_text(&other).contains("not the same run"),
+        "{}",
+        notice_text(&other)
+    );
+}
+
+#[test]
+fn a_dropped_polygon_is_covered_and_its_export_is_judged() {
+    let mut state = state();
+    drop_bytes(&mut state, "park.geojson", PARK.as_bytes());
+    let shown = session(&state);
+    assert_eq!(
+        shown.kind(),
+        SessionKind::Varying,
+        "{}",
+        notice_text(&state)
+    );
+    assert!(is_valid(&state) && shown.has_shape());
+    let [width, height] = shown.run().domain.size();
+    assert_eq!((width, height), (60.0, 40.0));
+    let locality = shown.run().locality.as_ref().unwrap();
+    assert!(
+        shown
+            .run()
+            .points()
+            .iter()
+            .all(|&point| locality.inside(point))
+    );
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("park.csv");
+    write(&mut state, ExportKind::Result, &path, &[]);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let first = text.lines().nth(1).unwrap();
+    let x: f64 = first.split(',').next().unwrap().parse().unwrap();
+    assert!((100.0..=160.0).contains(&x), "{first}");
+    let go_on = |_| std::ops::ControlFlow::Continue(());
+    let checked = check(&path, &Overrides::default(), &go_on);
+    assert!(checked.is_err(), "its field and its shape are needed");
+
+    let degrees = PARK
+        .replace("290", "59")
+        .replace("280", "58")
+        .replace("250", "50");
+    let degrees = degrees.replace("260", "52").replace("270", "54");
+    drop_bytes(&mut state, "park.geojson", degrees.as_bytes());
+    assert!(
+        notice_text(&state).contains("longitudes"),
+        "{}",
+        notice_text(&state)
+    );
+}
+
+#[test]
+fn measures_of_one_radius_and_other_things_say_why_they_are_missing() {
+    let mut state = made();
+    let refused = |state: &State, preset| {
+        let runs = state.runs();
+        runs.preset_refusal(preset, state.form(), state.gpu())
+    };
+    assert!(
+        refused(&state, ComparePreset::NextSeed)
+            .unwrap()
+            .contains("field")
+    );
+    assert_eq!(refused(&state, ComparePreset::Typed), None);
+
+    let shown = Arc::clone(session(&state));
+    for (layer, is_shown) in [
+        (Layer::Disks, true),
+        (Layer::Field, true),
+        (Layer::Gaps, true),
+        (Layer::Blocks, false),
+        (Layer::CoveredCircles, false),
+    ] {
+        assert_eq!(layer.is_of(shown.kind()), is_shown, "{layer:?}");
+    }
+    assert!(!Layer::Field.is_of(SessionKind::Run));
+
+    let curve = tilescope_workbench::curve::CurveNumber::all().next();
+    let command = tilescope_workbench::command::AppearanceCommand::Curve(curve);
+    state.apply(Command::Appearance(command));
+    state.settle();
+    assert_eq!(state.runs().first.curve.failure(), Some(ONE_RADIUS));
+}
+
+#[test]
+fn an_exported_set_is_opened_with_its_radii_and_judged() {
+    let mut state = state();
+    form(&mut state, FormCommand::Preset(Preset::Star));
+    run(&mut state);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("star.csv");
+    write(&mut state, ExportKind::Result, &path, &[]);
+
+    let beside = tilescope_formats::certificate_path(&path);
+    let named = |path: &std::path::Path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        NamedBytes::new(name, std::fs::read(path).unwrap())
+    };
+    let mut other = self::state();
+    let files = vec![named(&path), named(&beside)];
+    other.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+    other.settle();
+    other.settle();
+    let (shown, made) = (session(&other), session(&state));
+    assert_eq!(
+        shown.kind(),
+        SessionKind::Varying,
+        "{}",
+        notice_text(&other)
+    );
+    assert_eq!(shown.run().positions(), made.run().positions());
+    assert!(shown.recording().is_none() && is_valid(&other));
+    let radii = |session: &Session| [0, 7, 99].map(|id| session.radius_of(id).to_bits());
+    assert_eq!(radii(shown), radii(made));
+}
