@@ -4,10 +4,12 @@
 use glam::DVec2;
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use tilescope_core::{Point, R};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::palette::Palette;
 
 use tilescope_drawing::subject::Subject;
+use tilescope_session::words::significant;
 use tilescope_ui::language::Worded;
 
 /// On a lower canvas remarks would cover the picture and are not shown.
@@ -42,7 +44,7 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
         return;
     }
 
-    let (radii, length) = bar(subject);
+    let (shown_length, length) = bar(subject);
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
     let to = from + vec2(length, 0.0);
     let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));
@@ -55,15 +57,49 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
     }
 
     let middle = pos2(f32::midpoint(from.x, to.x), from.y - 6.0);
-    let text = painter.ctx().words(format!("{radii} r"));
+    let suffix = if own_unit(subject).is_some() {
+        ""
+    } else {
+        " r"
+    };
+    let text = painter.ctx().words(format!("{shown_length}{suffix}"));
     let font = FontId::monospace(12.0);
     painter.text(middle, Align2::CENTER_BOTTOM, text, font, palette.text);
 }
 
-/// Returns the length of the scale bar, in r and in screen points.
+/// Returns the length of r in the unit of the domain where lengths are shown in that unit: in a field or a shape, where r is no
+/// radius of the set.
+fn own_unit(subject: &Subject<'_>) -> Option<f64> {
+    let session = subject.shown.session;
+    session.ground.as_ref()?;
+    Some(session.run().domain.radius())
+}
+
+/// Returns the length of the scale bar, in r or in the unit of the domain, and in screen points.
 fn bar(subject: &Subject<'_>) -> (f64, f32) {
-    let radii = round_length(110.0 / subject.camera.scale);
-    (radii, (radii * subject.camera.scale) as f32)
+    // Screen points in what is shown as 1.
+    let scale = subject.camera.scale / own_unit(subject).unwrap_or(1.0);
+    let shown_length = round_length(110.0 / scale);
+    (shown_length, (shown_length * scale) as f32)
+}
+
+/// Returns the coordinates of a position and the radius there, where the radius depends on the place.
+fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
+    let unit = own_unit(subject)?;
+    let session = subject.shown.session;
+    let origin = session.ground.as_ref()?.asked.1.origin;
+    let DVec2 { x, y } = position * unit + DVec2::from(origin);
+    let text = format!("x {x:>9.5}  y {y:>9.5}");
+
+    let locality = session.run().locality.as_ref()?;
+    let lattice = (position * f64::from(R)).floor();
+    let place = Point::new(lattice.x as i32, lattice.y as i32);
+    let is_there = session.run().domain.rect().contains(place) && locality.inside(place);
+    if !is_there {
+        return Some(text);
+    }
+    let radius = f64::from(locality.radius_at(place)) / f64::from(R);
+    Some(format!("{text}  radius {}", significant(radius * unit)))
 }
 
 /// Returns 1, 2 or 5 times the power of ten that is nearest below `radii`.
@@ -95,7 +131,11 @@ pub fn cursor(
     // Without a pointer over the picture there are no coordinates, and the scale is shown alone.
     let position = pointer
         .map(|pos| subject.camera.domain_from_screen(rect, pos))
-        .map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
+        .map(|position| {
+            let DVec2 { x, y } = position;
+            let in_radii = || format!("x {x:>8.3} r  y {y:>8.3} r");
+            local_position(subject, position).unwrap_or_else(in_radii)
+        });
     let both = position
         .as_ref()
         .map(|position| format!("{position}  {zoom}"));

@@ -17,7 +17,7 @@ pub struct Ages {
     tiled: Result<u32, u32>,
     /// The number of iterations that inserted samples.
     pub iterations: u32,
-    /// The number of samples of nested levels, which are in their order.
+    /// The number of samples of nested levels, and of a set in a field or a shape, which are in their order.
     ordered: Option<usize>,
 }
 
@@ -36,12 +36,18 @@ impl Ages {
             } else {
                 Err(run.blocks.leaves.len() as u32)
             },
-            iterations: session.summary.inserted.len() as u32,
-            ordered: session.nested.as_ref().map(|_| session.summary.count),
+            // Throws of darts are no iterations behind a tiling.
+            iterations: if session.ground.is_some() {
+                0
+            } else {
+                session.summary.inserted.len() as u32
+            },
+            ordered: (session.nested.is_some() || session.ground.is_some())
+                .then_some(session.summary.count),
         }
     }
 
-    /// Returns the age of the last tiled sample: 1 of nested levels, which have no others.
+    /// Returns the age of the last tiled sample: 1 of sets in an order of their own, which have no others.
     #[must_use]
     pub fn last_tiled(&self) -> f32 {
         self.ordered.map_or(LAST_TILED, |_| 1.0)

@@ -76,6 +76,7 @@ impl GroundRequest {
             Some(RadiusSource::Grid { .. }) => "radius by a grid".to_owned(),
         };
 
+        // The shape follows behind a comma, if there is one.
         match &self.shape {
             None => radius,
             Some(ShapeSource::Polygon(_)) => {
@@ -115,6 +116,7 @@ impl PortableGround {
             Some(_) => return None,
         };
 
+        // A mask has no corners, and is an image.
         let rings = request.rings();
         let is_mask = request.shape.is_some() && rings.is_empty();
         let corners: usize = rings.iter().map(Vec::len).sum();
@@ -137,6 +139,7 @@ impl PortableGround {
             }),
         };
 
+        // Corners are checked as those of a file: edges may not cross.
         let shape = if self.rings.is_empty() {
             None
         } else {
@@ -144,6 +147,7 @@ impl PortableGround {
             Some(ShapeSource::Polygon(polygon))
         };
 
+        // A corner of the domain alone asks for nothing.
         let is_asked = radius.is_some() || shape.is_some();
         Ok(is_asked.then_some(GroundRequest {
             radius,
@@ -187,16 +191,19 @@ pub fn sample(
     monitor: &Monitor,
 ) -> Result<Session, MakeError> {
     let wanted = request.recipe(&recipe.parameters);
+    // Both may be refused here; after that only the user stops the work.
     let expected = wanted.expected_samples().map_err(of_ground)?;
     let locality = locality(&wanted)?;
     let observer = &mut Reporter { monitor };
 
+    // Few enough samples are recorded dart by dart.
     let parameters = &recipe.parameters;
     if expected <= MAX_RECORDED {
         let made = Recording::with_locality(&locality, parameters, DEFAULT_BUDGET, observer);
         return prepared(made?, recipe, request, generation, observer);
     }
 
+    // A run that is too large for events keeps its samples alone, in the order of their arrival.
     let Locality { field, shape } = &*locality;
     let points = varying_sample(field, shape, parameters.seed, observer)?;
     let domain = *field.domain();
@@ -271,6 +278,7 @@ fn certified(
         shape: None,
     };
 
+    // The file states no lattice: the field gives it, as it did when the set was made.
     let recipe = VaryingRecipe::of_certificate(stated, given)?;
     let Ground { field, shape, .. } = recipe.ground()?;
     let domain = *field.domain();
@@ -296,6 +304,7 @@ fn certified(
             .unwrap_or(0),
         ..Parameters::default()
     };
+    // A run's own parameters have the radius that is r in its lattice.
     let own = Parameters {
         radius: domain.radius(),
         ..asked
@@ -305,6 +314,7 @@ fn certified(
         ..Run::of_points(own, domain, lattice.collect())
     };
 
+    // One radius is among the parameters, as in the form.
     let is_constant = matches!(recipe.radius, RadiusSource::Constant(_));
     let request = GroundRequest {
         radius: (!is_constant).then_some(recipe.radius),
@@ -317,6 +327,7 @@ fn certified(
 
 fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
     let run = session.run();
+    // Radii of the field are in units of the lattice, and are shown in the unit of the domain.
     let unit = run.domain.radius() / f64::from(tilescope_core::R);
     let extremes = run
         .locality

@@ -229,6 +229,8 @@ impl Layer {
             Self::Voronoi => glossary::VORONOI.meaning,
             Self::Circumcircles => glossary::CIRCUMCIRCLE.meaning,
             Self::CoveredCircles => glossary::COVERED_CIRCLE.meaning,
+
+            // It is of sets in a field or a shape alone, whose words the glossary lacks.
             Self::Field => {
                 "The radius at each place: the darker, the smaller, and so the denser the samples."
             }

@@ -200,6 +200,7 @@ fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
     let made = session.ground.as_ref()?;
     let samples = |count: usize| counted(count, "sample", "samples");
     Some(match stage {
+        // Each throw is a stage, in the order of the radii's local time.
         Stage::Iterate(k) => {
             let iteration = session.iteration(k)?;
             format!(

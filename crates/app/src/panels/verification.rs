@@ -11,7 +11,7 @@ use tilescope_analysis::{COVERING_TOLERANCE, Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
 use tilescope_session::verification::{Verdict, Witness};
-use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_session::words::{conflicts_in, counted, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
@@ -180,6 +180,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         None => properties(ui, report, palette),
     }
 
+    if is_local(context) {
+        return local_numbers(ui, context, commands);
+    }
     numbers(ui, context, unit);
 
     // A prefix of nested levels is judged by the covering that was promised, which `guarantee` shows above.
@@ -220,6 +223,38 @@ fn meaning(key: &str) -> &'static str {
     debug_assert!(found.is_some(), "the catalogue has no number {key}");
     found.map_or("", |number| number.meaning)
 }
+
+/// Shows what is measured of a set in a field or a shape, in the unit of its domain; all other measures need one radius.
+fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let verdict = context.run.verdict();
+    let report = verdict.map(|verdict| &verdict.report);
+    let none = || "\u{2013}".to_owned();
+
+    let least = report.map_or_else(none, |report| significant(report.min_distance));
+    let count = report.map_or_else(none, |report| grouped(report.count));
+    let judges = report.map_or_else(none, |report| short(&report.judges));
+    for (name, value) in [
+        ("Smallest distance", &least),
+        ("Samples", &count),
+        ("Verified by", &judges),
+    ] {
+        row(ui, name, value, palette);
+    }
+
+    ui.add_space(4.0);
+    witnesses(ui, verdict, commands);
+    if let Verification::Failed(reason) = &context.run.verification {
+        ui.label(RichText::new(ui.words(reason)).color(palette.conflict));
+    }
+    ui.label(RichText::new(ui.words(LOCAL)).color(palette.muted))
+        .known_as("local-measures");
+    divide(ui, palette);
+}
+
+/// Why a set in a field or a shape has few numbers.
+const LOCAL: &str =
+    "Covering radius and density compare with one radius, which this set does not have.";
 
 /// Shows the measures of the set, each with its meaning.
 fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {

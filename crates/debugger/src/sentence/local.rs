@@ -33,6 +33,7 @@ impl Words<'_> {
                 grouped(number.into()),
                 count(detectors.into(), "active cell")
             ),
+            // Every sample of such a run was a dart.
             RunEvent::IterationEnd { number, inserted } => format!(
                 "throw {} ends: {} became samples",
                 grouped(number.into()),
@@ -40,6 +41,7 @@ impl Words<'_> {
             ),
 
             RunEvent::Cut { cell, side, kept } => {
+                // A quarter without a place of the shape is left out like one that a sample is near as a whole.
                 let kept = match kept {
                     0 => "each quarter is near one sample as a whole, or outside".to_owned(),
                     1 => "one quarter may be open".to_owned(),
@@ -92,6 +94,7 @@ impl Words<'_> {
                 let Some(by) = self.0.covering(point, index) else {
                     return Some(format!("{what} {at}, which is covered, and is discarded"));
                 };
+                // The sentence shows the rule at work: the distance against the mean of both radii.
                 let other = self.0.point(by)?;
                 let squared = self.0.domain().distance_squared(point, other) as f64;
                 let (apart, theirs) = (self.length(squared.sqrt()), self.radius(locality, other));

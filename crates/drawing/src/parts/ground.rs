@@ -45,6 +45,7 @@ fn squares<T: PartialEq + Copy>(
     shade: impl Fn(Point) -> Option<T>,
     mut draw: impl FnMut(Rect, T),
 ) {
+    // The part of the domain in view: nothing else has a shade.
     let seen = scene.domain().intersect(scene.rect);
     if !seen.is_positive() {
         return;
@@ -55,6 +56,7 @@ fn squares<T: PartialEq + Copy>(
 
     for row in 0..count(seen.height()) {
         let corner = |column: usize| seen.min + vec2(column as f32, row as f32) * side;
+        // Where the rectangle at work began, and its shade.
         let mut begun: Option<(usize, T)> = None;
         let mut end = |begun: Option<(usize, T)>, column: usize| {
             if let Some((first, shade)) = begun {
@@ -68,6 +70,7 @@ fn squares<T: PartialEq + Copy>(
 
         let columns = count(seen.width());
         for column in 0..columns {
+            // The last square may reach beyond the view, and its middle must not.
             let middle = (corner(column) + size / 2.0).min(pos2(seen.max.x, seen.max.y));
             let at = camera.domain_from_screen(scene.rect, middle);
             let now = place(scene, at).and_then(&shade);
@@ -89,6 +92,7 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     // A field of one radius has one shade.
     let range = (greatest / least).ln().max(f64::MIN_POSITIVE);
 
+    // Radii are compared by their ratios: a place of twice the radius is as much lighter everywhere.
     let shade = |place: Point| {
         let radius = f64::from(locality.radius_at(place));
         let share = ((radius / least).ln() / range).clamp(0.0, 1.0);
@@ -121,6 +125,7 @@ pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
         return;
     };
     let (_, request) = &made.asked;
+    // Corners are in the coordinates of their file, and the picture begins at the lower corner of the domain.
     let (origin, radius) = (
         DVec2::from(request.origin),
         scene.session.run().domain.radius(),
@@ -160,9 +165,11 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let end = scene.session.size_radii();
 
     for cell in &iteration.cells {
+        // What of a cell lies beyond the border holds no places.
         let low = position(cell.min);
         let corners = [low, (low + radii(cell.side)).min(end)].map(|at| scene.at(at));
         let square = Rect::from_two_pos(corners[0], corners[1]);
+        // The last cells hold one lattice point, which is far smaller than a pixel.
         let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
         let shown = square.union(least);
         if shown.intersects(scene.rect) {
@@ -178,6 +185,7 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
         return;
     };
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+    // Darts of earlier throws are not drawn: the throw that is shown begins where the one before it ends.
     let before = scene.session.stage_index(scene.stage).checked_sub(1);
     let start = before.and_then(|before| scene.session.stage_end(before));
     let start = start.unwrap_or(0);
@@ -207,6 +215,7 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
             Verdict::Accepted => surface.mark(Mark::Triangle, at, [size, NO_GROWTH], color),
             Verdict::Covered { .. } => {
                 surface.mark(Mark::Cross, at, [size, NO_GROWTH], color);
+                // The line shows by which sample: the first that is near the dart.
                 let by = has_lines
                     .then(|| recording.covering(point, index))
                     .flatten();
@@ -216,6 +225,7 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
                     surface.line([at, scene.at(sample)], stroke);
                 }
             }
+            // Neither kind of dart has a sample to point to.
             Verdict::Thinned => {
                 surface.circle(at, size, None, Some(Stroke::new(1.0, color)));
             }

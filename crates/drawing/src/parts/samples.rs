@@ -63,6 +63,7 @@ fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface)
     let index = &scene.session.index;
     index.visit_around(scene.low, scene.high, reach, beyond, |seen| {
         let look = looks.of(seen.id);
+        // A sample that has not arrived yet has no disk.
         if look.disk {
             let radius = scene.session.radius_of(seen.id) as f32 * scene.scale();
             let [fill, ring] = LOCAL_DISK.map(|strength| look.color.gamma_multiply(strength));

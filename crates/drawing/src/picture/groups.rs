@@ -124,6 +124,10 @@ fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
 
 /// Returns whether the gaps of the moment are drawn.
 fn draws_gaps(scene: &Scene<'_>) -> bool {
+    // Where the radius depends on the place, what a sample covers is no disk; a picture of a file has no pixels to find it by.
+    if scene.session.ground.is_some() {
+        return false;
+    }
     scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate
 }
 

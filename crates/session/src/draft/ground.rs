@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Boundary, Parameter, Parameters};
-use tilescope_sets::{Expression, GrayImage, RadiusSource, ShapeSource, VaryingError};
+use tilescope_sets::{
+    Expression, GrayImage, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+};
 
 use super::refusal::part_of;
 use super::{Draft, DraftRefusal, FormPart};
@@ -76,6 +78,7 @@ impl GroundDraft {
         if !self.is_asked() {
             return None;
         }
+
         let radius = match (self.by, self.image.clone()) {
             (RadiusBy::Expression, _) => match Expression::parse(&self.expression) {
                 Ok(expression) => Some(RadiusSource::Expression {
@@ -89,9 +92,12 @@ impl GroundDraft {
                 let radii = [black, typed::number(&self.white).unwrap_or(black)];
                 Some(RadiusSource::Image { image, radii })
             }
+            // Darkness says how dense samples are, and the radius of the form is that of black.
             (RadiusBy::Density, Some(image)) => Some(RadiusSource::Density { image, black }),
+            // Without a field the radius is that of the parameters.
             (RadiusBy::Constant, _) | (RadiusBy::Image | RadiusBy::Density, None) => None,
         };
+
         Some(Ok(GroundRequest {
             radius,
             shape: self.shape.clone(),
@@ -122,6 +128,7 @@ impl From<Option<&GroundRequest>> for GroundDraft {
             // The form asks for no grid, and has its one radius among the parameters.
             None | Some(RadiusSource::Constant(_) | RadiusSource::Grid { .. }) => {}
         }
+        // A shape may come with any radius.
         draft.shape.clone_from(&request.shape);
         draft.origin = request.origin;
         draft
@@ -160,14 +167,17 @@ impl Draft {
     /// that does.
     pub fn set_shape(&mut self, shape: ShapeSource) {
         self.parameters.boundary = Boundary::Bounded;
+        // A mask fills the domain as it is.
         if let ShapeSource::Polygon(polygon) = &shape {
             let [low, high] = polygon.bounds();
             let sides = [0, 1].map(|axis| high[axis] - low[axis]);
+            // The lower corner of the rectangle around it is that of the domain.
             self.ground.origin = low;
             for (parameter, side) in [Parameter::Width, Parameter::Height].into_iter().zip(sides) {
                 self.set_text(parameter, side.to_string());
             }
 
+            // The usual radius is that of the unit square.
             let suits = self.parameters.validate_sequential().is_ok();
             let is_default =
                 self.text(Parameter::Radius) == Parameter::Radius.text(&Parameters::default());
@@ -212,8 +222,9 @@ impl Draft {
     /// Returns about how many samples a field and a shape ask for; `None` without such, or if they are refused.
     pub(super) fn ground_samples(&self) -> Option<f64> {
         let request = self.ground_request()?;
-        let samples = request.recipe(&self.parameters).glance().ok()?;
-        Some(samples * share_of_shape(&request, &self.parameters))
+        let recipe = request.recipe(&self.parameters);
+        let samples = recipe.glance().ok()?;
+        Some(samples_in_polygon(&recipe, request.rings()).unwrap_or(samples))
     }
 
     /// Returns why the field and the shape that are asked for cannot be made, as far as a short look shows.
@@ -233,12 +244,14 @@ impl Draft {
             return Some(DraftRefusal { part, reason });
         }
 
+        // Each level has one radius, and fills a rectangle.
         if self.levels.is_some() {
             let what = "Nested levels have one radius in a rectangle: choose none, or a constant radius without a shape.";
             let (part, reason) = (FormPart::Choices, what.to_owned());
             return Some(DraftRefusal { part, reason });
         }
 
+        // Each error stands at the field that mends it.
         let error = request.recipe(&self.parameters).glance().err()?;
         let part = match (&error, self.ground.by) {
             (VaryingError::Domain(error), RadiusBy::Constant) => part_of(error, &self.parameters),
@@ -257,27 +270,59 @@ impl Draft {
     }
 }
 
-/// Returns the share of the domain that a polygon covers; 1 for other shapes, whose pixels are not counted here.
-fn share_of_shape(request: &GroundRequest, parameters: &Parameters) -> f64 {
-    let doubled = |ring: &Vec<[f64; 2]>| {
-        let next = ring.iter().cycle().skip(1);
-        ring.iter()
-            .zip(next)
-            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
-            .sum::<f64>()
-            .abs()
-    };
-    let mut areas: Vec<f64> = request.rings().iter().map(doubled).collect();
-    if areas.is_empty() {
-        return 1.0;
-    }
+/// The columns and the rows of places at which a polygon is looked at.
+const LOOKS: usize = 48;
 
-    // The largest ring is taken for the outer one, and all others for holes. A rough number may ignore islands.
-    areas.sort_by(f64::total_cmp);
-    let outer = areas.pop().unwrap_or_default();
-    let holes: f64 = areas.iter().sum();
-    let share = (outer - holes) / 2.0 / (parameters.width * parameters.height);
-    share.clamp(0.01, 1.0)
+/// The most corners of a polygon that is looked at in each frame; of longer ones the rectangle around them is taken.
+const MAX_LOOKED_AT: usize = 500;
+
+/// Returns about how many samples there are in a polygon, from the radii at some places in it; `None` for other shapes, long
+/// polygons and images.
+fn samples_in_polygon(recipe: &VaryingRecipe, rings: &[Vec<[f64; 2]>]) -> Option<f64> {
+    let corners: usize = rings.iter().map(Vec::len).sum();
+    if !(1..=MAX_LOOKED_AT).contains(&corners) {
+        return None;
+    }
+    let radius_at = |x: f64, y: f64| match &recipe.radius {
+        RadiusSource::Constant(radius) => Some(*radius),
+        RadiusSource::Expression { expression, scale } => Some(scale * expression.at(x, y)),
+        RadiusSource::Image { .. } | RadiusSource::Density { .. } | RadiusSource::Grid { .. } => {
+            None
+        }
+    };
+
+    let ([Some(width), Some(height)], [left, bottom]) = (recipe.size, recipe.origin?) else {
+        return None;
+    };
+    // A place stands for the rectangle around it.
+    let step = [width, height].map(|side| side / LOOKS as f64);
+    let mut sum = 0.0;
+    for row in 0..LOOKS {
+        for column in 0..LOOKS {
+            let x = left + (column as f64 + 0.5) * step[0];
+            let y = bottom + (row as f64 + 0.5) * step[1];
+            // Holes and what lies beyond the outline ask for no samples.
+            if is_inside(rings, [x, y]) {
+                sum += radius_at(x, y)?.powi(-2);
+            }
+        }
+    }
+    Some(tilescope_core::MAXIMAL_DENSITY * sum * step[0] * step[1])
+}
+
+/// Returns whether rings wind around a place an odd number of times.
+fn is_inside(rings: &[Vec<[f64; 2]>], [x, y]: [f64; 2]) -> bool {
+    let mut is_odd = false;
+    for ring in rings {
+        for (from, to) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+            // An edge without its upper end, so that a corner counts once.
+            if (from[1] <= y) != (to[1] <= y) {
+                let share = (y - from[1]) / (to[1] - from[1]);
+                is_odd ^= x < from[0] + share * (to[0] - from[0]);
+            }
+        }
+    }
+    is_odd
 }
 
 /// Returns a number with three significant digits.

@@ -181,11 +181,12 @@ impl VaryingRecipe {
                 limit: MAX_CONTRAST,
             });
         }
-        if least < pitch * f64::from(R) / f64::from(1_u32 << MAX_PITCH_BITS) {
-            return Err(VaryingError::Fine { least, pitch });
-        }
-        // The domain is checked with the radius that stands for r.
-        Domain::from_size(frame.size, least, self.boundary)?;
+        // The lattice of the field, and the domain with the radius that stands for r in it.
+        let in_units = |bits: u32| least / pitch * f64::from(1_u32 << bits);
+        let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits) >= f64::from(R));
+        let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
+        let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
+        Domain::from_size(frame.size, unit_radius, self.boundary)?;
         // Nodes beyond the border of a bounded domain stand for no area, which a rough number may ignore.
         let mean = radii.iter().map(|radius| radius.powi(-2)).sum::<f64>() / radii.len() as f64;
         Ok(samples_in(frame.size[0] * frame.size[1] * mean, 1.0))

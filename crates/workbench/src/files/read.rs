@@ -351,6 +351,7 @@ fn session_on_ground(
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let refused = |why: String| named(&SessionError::NoGround(why));
 
+    // The file may come from anywhere: its formula and its corners are checked like those of the form.
     let portable: Option<PortableGround> =
         serde_json::from_value(saved.ground.clone()).map_err(|error| refused(error.to_string()))?;
     let request = portable.unwrap_or_default().request();
@@ -364,6 +365,7 @@ fn session_on_ground(
     let locality = ground::locality(&request.recipe(&saved.parameters));
     let locality = locality.map_err(|error| refused(error.to_string()))?;
 
+    // The same darts as before, as the digest below proves.
     let mut observer = Reporter { monitor };
     let recording = match saved.record_in(&locality, &mut observer) {
         Ok(recording) => recording,
@@ -372,6 +374,7 @@ fn session_on_ground(
         }
         Err(error) => return Err(named(&error)),
     };
+    // The saved moment may be beyond the end of another run.
     let session = ground::prepared(recording, &recipe, &request, generation, &mut observer);
     let session = session.map_err(|error| named(&error))?;
     if let Some(recording) = session.recording() {

@@ -85,7 +85,7 @@ pub(crate) fn normal(recipe: Recipe) -> Recipe {
     let suited = exactly.and_then(|count| radius_estimate(&recipe.parameters, count as u64).ok());
     // Four digits, as it is shown.
     let rounded = suited.and_then(|radius| format!("{radius:.3e}").parse().ok());
-    let radius = rounded.unwrap_or(recipe.parameters.radius);
+    let radius = rounded.unwrap_or_else(|| linked_radius(&recipe));
     Recipe {
         parameters: Parameters {
             radius,
@@ -93,4 +93,24 @@ pub(crate) fn normal(recipe: Recipe) -> Recipe {
         },
         ..recipe
     }
+}
+
+/// Returns the radius of a recipe as a link has it. That of a formula is not used, and becomes one that a link may ask for.
+fn linked_radius(recipe: &Recipe) -> f64 {
+    let Parameters {
+        width,
+        height,
+        radius,
+        ..
+    } = recipe.parameters;
+    let of_ground = recipe.ground.as_ref().and_then(|it| it.radius.as_ref());
+    let is_used = of_ground.is_none();
+    // From 50 radii to the shorter side up to about 70,000 samples, every link may ask for it.
+    let suits = width.min(height) >= 50.0 * radius && width * height <= 1e5 * radius * radius;
+    if is_used || suits {
+        return radius;
+    }
+    // A hundred radii to the shorter side, with four digits.
+    let suited = format!("{:.3e}", width.min(height) / 100.0).parse();
+    suited.unwrap_or(radius)
 }

@@ -250,6 +250,7 @@ impl LinkReader {
         let radius_expression = self.pairs.get(expression_key).cloned();
         let rings = self.take(shape_key, rings_of);
         let origin = self.take(origin_key, numbers);
+        // A corner of the domain alone asks for nothing.
         if radius_expression.is_none() && rings.is_none() {
             return None;
         }
@@ -259,6 +260,7 @@ impl LinkReader {
             rings: rings.unwrap_or_default(),
             origin: origin.unwrap_or_default(),
         };
+        // A short look at the formula finds what is refused, and how many samples there would be.
         let checked = portable.request().and_then(|request| {
             let samples = match &request {
                 Some(request) => request.recipe(parameters).glance()?,
@@ -267,6 +269,7 @@ impl LinkReader {
             Ok((request, samples))
         });
 
+        // The limit of links is that of any run.
         let most = MAX_SAMPLES;
         let why = match checked {
             Ok((request, samples)) if samples <= most => return request,

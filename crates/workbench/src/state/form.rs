@@ -78,6 +78,7 @@ impl Form {
         if self.draft.nesting() != made.nested {
             names.push("nested levels");
         }
+        // The field and the shape are named apart, as one may be typed and the other come from a file.
         let ground = self.draft.ground_request();
         let radius = |ground: &Option<GroundRequest>| ground.as_ref().map(|it| it.radius.clone());
         let shape = |ground: &Option<GroundRequest>| {
@@ -117,6 +118,8 @@ impl Form {
                 // A preset describes its pattern.
                 self.own_pattern = None;
             }
+
+            // These change what the radius comes from and where samples are.
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
             FormCommand::Expression(text) => self.draft.ground.expression = text,

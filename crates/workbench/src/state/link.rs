@@ -153,6 +153,7 @@ impl LinkSource<'_> {
                 let recipe = link::normal(session.recipe());
                 content.parameters = recipe.parameters;
                 content.nested = recipe.nested.filter(link::allows);
+                // An image stays on the visitor's machine, and a long polygon would make no link.
                 let made = recipe.ground.as_deref().cloned();
                 content.ground = made.filter(link::carries);
                 if recipe.ground.is_some() && content.ground.is_none() {

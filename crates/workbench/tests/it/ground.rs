@@ -358,3 +358,84 @@ fn an_exported_set_is_opened_with_its_radii_and_judged() {
     let radii = |session: &Session| [0, 7, 99].map(|id| session.radius_of(id).to_bits());
     assert_eq!(radii(shown), radii(made));
 }
+
+#[test]
+fn a_link_to_a_formula_in_a_large_domain_needs_no_correction() {
+    let mut state = state();
+    drop_bytes(&mut state, "park.geojson", PARK.as_bytes());
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Expression));
+    form(&mut state, by);
+    let formula = "1.5 + 0.02*(x - 100)".to_owned();
+    form(&mut state, FormCommand::Expression(formula));
+    let tiny = FormCommand::Type(tilescope_core::Parameter::Radius, "0.0001".to_owned());
+    form(&mut state, tiny);
+    run(&mut state);
+    assert!(is_valid(&state));
+
+    let link = state.link();
+    let (_, warnings) = link::read(&link.fragment);
+    assert_eq!((warnings.text(), link.left_out), (String::new(), vec![]));
+    let mut other = self::state();
+    other.open_link(&link.fragment);
+    other.settle();
+    assert_eq!(session(&other).digest(), session(&state).digest());
+}
+
+/// An image that grows lighter to the right.
+fn gradient(columns: u32, rows: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    let row = (0..columns).map(|column| (200 * column / columns) as u8);
+    let pixels: Vec<u8> = row.cycle().take((columns * rows) as usize).collect();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&pixels).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn a_dropped_image_is_the_density_and_can_be_the_radius() {
+    let mut state = state();
+    drop_bytes(&mut state, "grey.png", &gradient(48, 24));
+    let shown = Arc::clone(session(&state));
+    assert_eq!(
+        shown.kind(),
+        SessionKind::Varying,
+        "{}",
+        notice_text(&state)
+    );
+    assert!(is_valid(&state));
+    let [width, height] = shown.run().domain.size();
+    assert_eq!((width, height), (1.0, 0.5));
+
+    // The left half, which is darker, has more samples.
+    let positions = shown.run().positions();
+    let left = positions.iter().filter(|at| at[0] < 0.5).count();
+    assert!(
+        left > positions.len() * 3 / 5,
+        "{left} of {}",
+        positions.len()
+    );
+    let said = state.runs().first.save_refusal().unwrap();
+    assert!(said.contains("image"), "{said}");
+    assert!(state.link().left_out.concat().contains("image"));
+
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Image));
+    form(&mut state, by);
+    form(&mut state, FormCommand::White("0".to_owned()));
+    let refusal = &state.form().draft.refusals()[0];
+    assert_eq!(refusal.part, FormPart::White, "{}", refusal.reason);
+    form(&mut state, FormCommand::White("0.05".to_owned()));
+    assert_eq!(state.form().draft.refusals(), []);
+    run(&mut state);
+    assert!(is_valid(&state));
+
+    drop_bytes(&mut state, "no.png", &gradient(48, 24)[..60]);
+    assert!(
+        notice_text(&state).contains("no.png"),
+        "{}",
+        notice_text(&state)
+    );
+}

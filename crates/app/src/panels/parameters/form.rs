@@ -27,20 +27,25 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
         refusals: context.form.draft.refusals(),
         commands,
     };
+
     presets(ui, context, fields.commands);
     fields.group(ui, "Domain", ParameterGroup::Domain);
     fields.shape(ui);
-    // A set in a field or a shape is not tiled, so that these have no meaning.
+
+    // A set in a field or a shape is not tiled, so that of these only the seed has a meaning.
     if context.form.draft.ground.is_asked() {
+        fields.number(ui, Parameter::Seed);
         let text = "Darts of the reference sampler make this set, without tiling.";
         ui.label(RichText::new(text).color(context.palette.muted))
             .known_as("no-tiling");
         fields.error(ui, FormPart::Choices, "refusal-0");
+        // Nested levels exclude a field, and their choice is where they are taken back.
         if context.form.draft.levels.is_some() {
             fields.nested(ui);
         }
         return;
     }
+
     fields.group(ui, "Tiling", ParameterGroup::Tiling);
     fields.group(ui, "Elimination and insertion", ParameterGroup::Algorithm);
     fields.error(ui, FormPart::Choices, "refusal-0");
