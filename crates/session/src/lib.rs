@@ -43,6 +43,7 @@ pub mod session;
 pub mod task;
 pub mod typed;
 pub mod units;
+pub mod varying;
 pub mod verification;
 pub mod words;
 

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Parameters, Pattern, PatternSpec, Run, SampleError, Stage};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
-use crate::ground;
 use crate::jobs::Monitor;
 use crate::nesting;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
 use crate::task::{self, SessionRef, Task};
+use crate::varying;
 
 /// The result of making a session.
 pub type Made = Result<Session, MakeError>;
@@ -32,7 +32,7 @@ impl Task for SampleTask {
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
         if let Some(request) = &recipe.ground {
-            return ground::sample(recipe, request, *generation, monitor);
+            return varying::sample(recipe, request, *generation, monitor);
         }
         Ok(match recipe.nested {
             Some(request) => nesting::sample(recipe, request, *generation, monitor)?,

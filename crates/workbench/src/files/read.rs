@@ -13,13 +13,14 @@ use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
-use tilescope_session::ground::{self, PortableGround};
+use tilescope_session::ground::PortableGround;
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::nesting;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
 use tilescope_session::task::{SessionRef, Task};
+use tilescope_session::varying;
 use tilescope_session::words::last_part;
 use tilescope_sets::{GrayImage, PlanarPolygon};
 
@@ -171,7 +172,7 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
     }
     // A set of a field or a shape is neither a pattern nor to be compared, as those have one radius.
     if let (None | Some(Purpose::Open), Some(session)) =
-        (purpose, ground::of_file(&incoming, generation))
+        (purpose, varying::of_file(&incoming, generation))
     {
         let done = session.map(|session| Done::Levels(Box::new(session)));
         return FileOutcome { done, left };
@@ -362,7 +363,7 @@ fn session_on_ground(
         ground: Some(Box::new(request.clone())),
         ..Recipe::from(saved.parameters)
     };
-    let locality = ground::locality(&request.recipe(&saved.parameters));
+    let locality = varying::locality(&request.recipe(&saved.parameters));
     let locality = locality.map_err(|error| refused(error.to_string()))?;
 
     // The same darts as before, as the digest below proves.
@@ -375,7 +376,7 @@ fn session_on_ground(
         Err(error) => return Err(named(&error)),
     };
     // The saved moment may be beyond the end of another run.
-    let session = ground::prepared(recording, &recipe, &request, generation, &mut observer);
+    let session = varying::prepared(recording, &recipe, &request, generation, &mut observer);
     let session = session.map_err(|error| named(&error))?;
     if let Some(recording) = session.recording() {
         Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;

@@ -1,0 +1,188 @@
+//! Makes sets in a field of radii or in a shape, with their darts as the reference sampler throws them, or takes them from a file that
+//! was exported. Begin with [`sample`] and [`of_file`].
+
+use std::sync::Arc;
+
+use serde_json::Value;
+use tilescope_core::{Locality, Parameters, Run, varying_sample};
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+use tilescope_formats::Certificate;
+use tilescope_sets::{
+    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, VaryingError, VaryingRecipe,
+};
+
+use crate::ground::{GroundRequest, MAX_RECORDED, MadeGround};
+use crate::incoming::Incoming;
+use crate::jobs::Monitor;
+use crate::recipe::Recipe;
+use crate::session::{MakeError, Reporter, Session};
+
+/// Makes the set that a recipe asks for, on the CPU: with its events, unless it has more than [`MAX_RECORDED`] samples.
+///
+/// Fails as [`VaryingRecipe::make`] does, and when `monitor` is cancelled.
+pub fn sample(
+    recipe: &Recipe,
+    request: &GroundRequest,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, MakeError> {
+    let wanted = request.recipe(&recipe.parameters);
+    // Both may be refused here; after that only the user stops the work.
+    let expected = wanted.expected_samples().map_err(of_ground)?;
+    let locality = locality(&wanted)?;
+    let observer = &mut Reporter { monitor };
+
+    // Few enough samples are recorded dart by dart.
+    let parameters = &recipe.parameters;
+    if expected <= MAX_RECORDED {
+        let made = Recording::with_locality(&locality, parameters, DEFAULT_BUDGET, observer);
+        return prepared(made?, recipe, request, generation, observer);
+    }
+
+    // A run that is too large for events keeps its samples alone, in the order of their arrival.
+    let Locality { field, shape } = &*locality;
+    let points = varying_sample(field, shape, parameters.seed, observer)?;
+    let domain = *field.domain();
+    let own = Parameters {
+        radius: domain.radius(),
+        ..*parameters
+    };
+    let run = Run {
+        locality: Some(Arc::clone(&locality)),
+        ..Run::of_points(own, domain, points)
+    };
+    let made = observer.prepare(|| Session::from_run(run, generation));
+    Ok(with_ground(made?, recipe, request))
+}
+
+/// Returns the session of a recording of a set in this field and shape.
+///
+/// Fails when the set is empty, and when the observer is stopped.
+pub fn prepared(
+    recording: Recording,
+    recipe: &Recipe,
+    request: &GroundRequest,
+    generation: u64,
+    observer: &mut Reporter<'_>,
+) -> Result<Session, MakeError> {
+    // Every place of the shape is covered, so that only an empty shape has no sample.
+    if recording.run().result.is_empty() {
+        return Err(of_ground(VaryingError::Nothing));
+    }
+    let made = observer.prepare(|| Session::from_recording(Arc::new(recording), generation));
+    Ok(with_ground(made?, recipe, request))
+}
+
+/// Returns the field and the shape of a recipe, for the sampler.
+///
+/// Fails when they are refused.
+pub fn locality(recipe: &VaryingRecipe) -> Result<Arc<Locality>, MakeError> {
+    let Ground { field, shape, .. } = recipe.ground().map_err(of_ground)?;
+    Ok(Arc::new(Locality { field, shape }))
+}
+
+/// Returns the session of a set that was exported from a field or a shape, without events; `None` for other files. The form can make
+/// its run again.
+///
+/// Fails when the certificate's field or shape cannot be made, as when its image did not come with the file.
+#[must_use]
+pub fn of_file(incoming: &Incoming, generation: u64) -> Option<Result<Session, String>> {
+    let read = incoming.varying_set()?;
+    let stated = read.certificate.as_ref()?;
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
+    let session = certified(&read.set.points, stated, incoming, generation);
+    Some(session.map_err(|error| named(&error)))
+}
+
+/// Returns the session of positions in the field and the shape of a certificate.
+fn certified(
+    points: &[[f64; 2]],
+    stated: &Certificate,
+    incoming: &Incoming,
+    generation: u64,
+) -> Result<Session, VaryingError> {
+    // An image is none of the certificate, and is looked for among the files that came with the set.
+    let image = ["radius-image", "density-image"]
+        .into_iter()
+        .find_map(|name| {
+            let file = stated.parameters.get(name)?["file"].as_str()?;
+            let found = incoming.companion(file)?;
+            GrayImage::read(&found.name, &found.bytes).ok()
+        });
+    let given = GivenGround {
+        radius: image.map_or(GivenRadius::Nothing, GivenRadius::Image),
+        shape: None,
+    };
+
+    // The file states no lattice: the field gives it, as it did when the set was made.
+    let recipe = VaryingRecipe::of_certificate(stated, given)?;
+    let Ground { field, shape, .. } = recipe.ground()?;
+    let domain = *field.domain();
+    let lattice = points.iter().map(|&at| domain.lattice_from_user(at));
+
+    // The radius of the form: that of black, of an image, and otherwise the one radius or the least.
+    let radius = match &recipe.radius {
+        RadiusSource::Image { radii, .. } => radii[0],
+        RadiusSource::Density { black, .. } => *black,
+        RadiusSource::Constant(_) | RadiusSource::Expression { .. } | RadiusSource::Grid { .. } => {
+            stated.radius.least()
+        }
+    };
+    let asked = Parameters {
+        width: stated.region.width,
+        height: stated.region.height,
+        radius,
+        boundary: recipe.boundary,
+        seed: stated
+            .parameters
+            .get("seed")
+            .and_then(Value::as_u64)
+            .unwrap_or(0),
+        ..Parameters::default()
+    };
+    // A run's own parameters have the radius that is r in its lattice.
+    let own = Parameters {
+        radius: domain.radius(),
+        ..asked
+    };
+    let run = Run {
+        locality: Some(Arc::new(Locality { field, shape })),
+        ..Run::of_points(own, domain, lattice.collect())
+    };
+
+    // One radius is among the parameters, as in the form.
+    let is_constant = matches!(recipe.radius, RadiusSource::Constant(_));
+    let request = GroundRequest {
+        radius: (!is_constant).then_some(recipe.radius),
+        shape: recipe.shape,
+        origin: recipe.origin.unwrap_or_default(),
+    };
+    let session = Session::from_run(run, generation);
+    Ok(with_ground(session, &Recipe::from(asked), &request))
+}
+
+fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
+    let run = session.run();
+    // Radii of the field are in units of the lattice, and are shown in the unit of the domain.
+    let unit = run.domain.radius() / f64::from(tilescope_core::R);
+    let extremes = run
+        .locality
+        .as_ref()
+        .map(|locality| locality.field.extremes());
+    let radii = extremes.map_or([recipe.parameters.radius; 2], |extremes| {
+        extremes.map(|radius| f64::from(radius) * unit)
+    });
+
+    session.ground = Some(MadeGround {
+        asked: (recipe.parameters, request.clone()),
+        radii,
+    });
+    session
+}
+
+fn of_ground(error: VaryingError) -> MakeError {
+    match error {
+        VaryingError::Sample(error) => error.into(),
+        other => MakeError::Ground(other.to_string()),
+    }
+}
