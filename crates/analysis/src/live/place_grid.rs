@@ -370,7 +370,8 @@ impl PlaceGrid {
         each: &mut impl FnMut(&Occupant, [i32; 2], &mut f64),
     ) {
         let Layer { columns, masks } = &self.layers[layer];
-        let sides = self.sides * (BLOCK as f64).powi(layer as i32);
+        // A block has eight of the parts along each axis, 2^3: multiplied exactly, without a loop over the layers.
+        let sides = self.sides * (1_u64 << (BLOCK.trailing_zeros() as usize * layer)) as f64;
         search.steps += 1;
         // One bit stands for each part of the block: those without samples and those that the square around the disk does not
         // meet are passed over at once.
@@ -421,20 +422,20 @@ impl DiskSearch {
     fn near(&self, block: [usize; 2], sides: DVec2) -> u64 {
         let radius = self.square.sqrt() + ROUNDING;
         let along = |axis: usize| {
-            let first = (block[axis] * BLOCK) as f64;
-            let part = |at: f64| (at / sides[axis]).floor() - first;
-            let low = part(self.center[axis] - radius).clamp(0.0, BLOCK as f64) as u32;
-            let high = (part(self.center[axis] + radius) + 1.0).clamp(0.0, BLOCK as f64) as u32;
-            // The bits of the parts from `low` up to `high`, of one line.
-            (0xff_u64 << low) & !(0xff_u64 << high) & 0xff
+            let first = (block[axis] * BLOCK) as i64;
+            let part = |at: f64| whole_below(at / sides[axis]).saturating_sub(first);
+            let low = part(self.center[axis] - radius);
+            let high = part(self.center[axis] + radius).saturating_add(1);
+            [low, high].map(|part| part.clamp(0, BLOCK as i64) as u32)
         };
+        // The bits before the first `count` lines of `width` bits.
+        let before = |count: u32, width: u32| !u64::MAX.checked_shl(count * width).unwrap_or(0);
 
-        let (columns, mut rows, mut bits) = (along(0), along(1), 0);
-        while rows != 0 {
-            bits |= columns << (8 * rows.trailing_zeros());
-            rows &= rows - 1;
-        }
-        bits
+        let [[left, right], [low, high]] = [along(0), along(1)];
+        let columns = before(right, 1) & !before(left, 1);
+        let rows = before(high, 8) & !before(low, 8);
+        // Each of the eight lines has the bits of the columns.
+        (columns * 0x0101_0101_0101_0101) & rows
     }
 
     /// Whether the disk meets a cell or a block.
@@ -444,6 +445,13 @@ impl DiskSearch {
         let apart = (low - self.center).max(self.center - high) - ROUNDING;
         apart.max(DVec2::ZERO).length_squared() <= self.square
     }
+}
+
+/// Returns the largest whole number that is not above a value, without a call of a function of the system.
+fn whole_below(value: f64) -> i64 {
+    let whole = value as i64;
+    // Towards zero is upwards below it.
+    whole.saturating_sub(i64::from(whole as f64 > value))
 }
 
 /// The empty layers of the pyramid over so many cells.

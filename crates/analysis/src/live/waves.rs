@@ -235,9 +235,19 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         // The last block may have more columns than there are.
         let first = block * LANES;
         let count = LANES.min(columns - first);
-        powers[columns - 1 + first..][..count].copy_from_slice(&up.as_slice()[..count]);
-        let down = &down.as_slice()[LANES - count..];
-        powers[columns - first - count..][..count].copy_from_slice(down);
+        let above = &mut powers[columns - 1 + first..][..count];
+        if let Ok(above) = <&mut [f64; LANES]>::try_from(&mut *above) {
+            // The length is known here, so that a vector is written and nothing is called.
+            above.copy_from_slice(up.as_slice());
+        } else {
+            above.copy_from_slice(&up.as_slice()[..count]);
+        }
+        let below = &mut powers[columns - first - count..][..count];
+        if let Ok(below) = <&mut [f64; LANES]>::try_from(&mut *below) {
+            below.copy_from_slice(down.as_slice());
+        } else {
+            below.copy_from_slice(&down.as_slice()[LANES - count..]);
+        }
     }
 }
 
