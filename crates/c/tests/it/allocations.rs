@@ -67,13 +67,13 @@ fn asking(method: i32) -> [(usize, u64); 2] {
 }
 
 #[test]
-fn few_moves_ask_for_memory_and_ever_fewer() {
-    // Strips with unsure cells, one move in nine, are computed again with a wider halo, in buffers that grow at first. Counted: 58
-    // moves asked 132 times, then 54 asked 55 times. All other moves find their buffers ready.
+fn moves_ask_for_no_memory_once_buffers_have_grown() {
+    // A strip with unsure cells, in one move of nine, is computed again with a wider halo, in buffers that are made when they are
+    // first needed, and grow.
     let found = asking(0);
-    let [(_, first), (moves, later)] = found;
+    let [(_, first), later] = found;
     assert!((1..200).contains(&first), "{found:?}");
-    assert!(moves <= 60 && later <= 60, "{found:?}");
+    assert_eq!(later, (0, 0));
 
     // The control: exact tiling makes its lists anew, in every move.
     let [_, (moves, _)] = asking(1);
