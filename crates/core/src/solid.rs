@@ -13,6 +13,7 @@
 //! Read [`process`] first. [`darts`] has the draws, [`balls`] the samples, [`rounds`] what threads decide at the same time.
 
 mod balls;
+mod count;
 mod darts;
 mod domain;
 mod frame;
@@ -26,6 +27,7 @@ use crate::random::Key;
 use crate::stage::Stage;
 use process::{Schedule, SolidProcess};
 
+pub use count::{SolidRequest, SolidSample};
 pub use domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
 
 /// A lattice point of space: x, y and z in units.

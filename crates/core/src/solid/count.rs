@@ -1,0 +1,255 @@
+//! Sets of balls of a wanted number: the radius follows from it.
+//!
+//! A set is made with a radius that the density of large sets gives, and again with a corrected one until the number fits.
+
+use crate::error::{ParameterError, SampleError};
+use crate::lattice::{Boundary, MAX_SIDE_RADII, check_side};
+use crate::progress::Observer;
+
+use super::domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
+use super::{Place, SOLID_DENSITY, solid_sample_parallel};
+
+/// Samples that a closed face adds to each squared radius of it. Measured with sides of 8 to 30 r: 0.236, and up to 0.255
+/// in the smallest boxes, whose edges are a larger share.
+const FACE_DENSITY: f64 = 0.236;
+
+/// The variance of the number of samples is about this share of it.
+const COUNT_VARIANCE: f64 = 0.05;
+
+/// A set of a count is within one part in so many of it, or within one sample.
+const TOLERANCE: u64 = 100;
+
+/// A set of which exactly so many samples are taken has at most one part in so many more, and [`FEW`].
+const SURPLUS: u64 = 40;
+
+/// More samples than wanted that a small set may have: one sample is more than a part in [`SURPLUS`] of it.
+const FEW: u64 = 3;
+
+/// The most sets made in search of a number. Large ones need one or two; small ones are cheap.
+const MAX_TRIES: u32 = 64;
+
+/// Tries before the radius is also varied: the number of a small set jumps as the radius changes, and corrections alone could
+/// try the same radii again and again.
+const STRAIGHT_TRIES: u32 = 4;
+
+/// What a set of balls is made from whose radius follows from a number of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidRequest {
+    /// Width, height and depth, in user units.
+    pub size: [f64; 3],
+    /// How the box ends.
+    pub boundary: Boundary,
+    /// The seed of all random draws.
+    pub seed: u64,
+}
+
+/// A set of balls with its domain, in the order of arrival.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidSample {
+    /// The domain, which has the radius that was found.
+    pub domain: SolidDomain,
+    /// The samples: lattice points x, y, z.
+    pub places: Vec<[i32; 3]>,
+    /// How many samples were made, of which [`Self::places`] are the first ones.
+    pub made: usize,
+}
+
+impl SolidRequest {
+    /// Returns about the radius of a set of `count` samples, from the density of large sets and what closed faces add.
+    ///
+    /// Fails when a side is none, and when no radius within the limits gives so many samples.
+    pub fn radius_estimate(&self, count: u64) -> Result<f64, ParameterError> {
+        for (name, side) in ["width", "height", "depth"].into_iter().zip(self.size) {
+            check_side(name, side)?;
+        }
+
+        let [shortest, longest] = self.radius_limits();
+        // The estimate may be off, by more for few samples than for many. Without these margins a number could need a radius
+        // beyond a limit.
+        let minimum = (self.expected(longest) * 1.1).ceil() as u64;
+        let maximum = (self.expected(shortest) * 0.98) as u64;
+        if !(minimum..=maximum).contains(&count) {
+            return Err(ParameterError::Count {
+                count,
+                minimum,
+                maximum,
+            });
+        }
+
+        // Numbers go as the inverse cube of the radius, but for the faces. A step leaves at most a third of the error, as the
+        // share of the faces goes as the inverse square, and 40 steps leave nothing.
+        let mut radius = longest;
+        for _ in 0..40 {
+            radius *= (self.expected(radius) / count as f64).cbrt();
+        }
+        Ok(radius.clamp(shortest, longest))
+    }
+
+    /// Returns a maximal set of `count` samples, within 1% or one sample. Threads of the current rayon pool share the work; the
+    /// samples do not depend on them.
+    ///
+    /// Fails as [`Self::radius_estimate`] and as [`solid_sample_parallel`], and when none of many radii gave the number.
+    pub fn of_count(
+        &self,
+        count: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolidSample, SampleError> {
+        let off = (count / TOLERANCE).max(1);
+        self.search(count, count, |found| found.abs_diff(count) <= off, observer)
+    }
+
+    /// Returns the first `count` samples, by their arrival, of a maximal set that has as many or a few more. Of a large set at
+    /// most one sample in 40 is left out. Otherwise as [`Self::of_count`].
+    ///
+    /// Fails as [`Self::of_count`].
+    pub fn of_exactly(
+        &self,
+        count: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolidSample, SampleError> {
+        // Three standard deviations more than wanted are seldom too few.
+        let spread = (COUNT_VARIANCE * count as f64).sqrt();
+        let aim = count + (3.0 * spread) as u64 + 1;
+        let most = aim + count / SURPLUS + FEW;
+        let fits = |found| (count..=most).contains(&found);
+
+        let mut sample = self.search(count, aim, fits, observer)?;
+        sample.places.truncate(count as usize);
+        Ok(sample)
+    }
+
+    /// Makes sets of about `aim` samples until the number of one fits.
+    fn search(
+        &self,
+        count: u64,
+        aim: u64,
+        fits: impl Fn(u64) -> bool,
+        observer: &mut dyn Observer,
+    ) -> Result<SolidSample, SampleError> {
+        // Asked about the number that is wanted first, which a refusal names.
+        self.radius_estimate(count)?;
+        let [shortest, longest] = self.radius_limits();
+        let mut radius = self.radius_estimate(aim)?;
+        // Before the first try: farther from any wanted number than a set's.
+        let mut nearest = u64::MAX;
+
+        for number in 0..MAX_TRIES {
+            let (domain, places) = self.attempt(radius, observer)?;
+            let found = places.len() as u64;
+            if fits(found) {
+                return Ok(SolidSample {
+                    domain,
+                    made: places.len(),
+                    places,
+                });
+            }
+
+            if found.abs_diff(count) < nearest.abs_diff(count) {
+                nearest = found;
+            }
+            radius *= (found as f64 / aim as f64).cbrt();
+            if number >= STRAIGHT_TRIES {
+                // Golden-ratio steps through a percent, so that no two tries repeat each other: numbers then vary by 3%.
+                radius *= 0.995 + 0.01 * (f64::from(number) * 0.618_033_988_749_895).fract();
+            }
+            radius = radius.clamp(shortest, longest);
+        }
+        Err(ParameterError::CountMissed { count, nearest }.into())
+    }
+
+    fn attempt(
+        &self,
+        radius: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<(SolidDomain, Vec<Place>), SampleError> {
+        let domain = SolidDomain::from_size(self.size, radius, self.boundary)?;
+        let places = solid_sample_parallel(domain, self.seed, observer)?;
+        Ok((domain, places))
+    }
+
+    /// Returns about how many samples a radius gives.
+    fn expected(&self, radius: f64) -> f64 {
+        let [x, y, z] = self.size.map(|side| side / radius);
+        let faces = match self.boundary {
+            Boundary::Periodic => 0.0,
+            Boundary::Bounded => 2.0 * (x * y + y * z + z * x),
+        };
+        SOLID_DENSITY * x * y * z + FACE_DENSITY * faces
+    }
+
+    /// Returns the shortest and the longest radius that the sides allow, a hair inside, since a domain compares quotients with
+    /// its limits, which round otherwise.
+    fn radius_limits(&self) -> [f64; 2] {
+        let longest_side = self.size.into_iter().fold(0.0, f64::max);
+        let shortest_side = self.size.into_iter().fold(f64::INFINITY, f64::min);
+        let volume: f64 = self.size.iter().product();
+        let by_volume = (volume / MAX_VOLUME_RADII).cbrt();
+        let shortest = (longest_side / MAX_SIDE_RADII).max(by_volume);
+        [
+            shortest * (1.0 + 1e-9),
+            shortest_side / MIN_SIDE_RADII_SOLID * (1.0 - 1e-9),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+
+    fn request(size: [f64; 3], boundary: Boundary, seed: u64) -> SolidRequest {
+        SolidRequest {
+            size,
+            boundary,
+            seed,
+        }
+    }
+
+    #[test]
+    fn counts_are_met_in_both_boundaries() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for (seed, count) in [(1, 150), (2, 400), (3, 1_500), (4, 4_000)] {
+                let request = request([3.0, 4.0, 5.0], boundary, seed);
+                let found = request.of_count(count, &mut Unobserved).unwrap();
+                let off = (found.places.len() as u64).abs_diff(count);
+                assert!(off <= (count / 100).max(1), "{boundary:?} {count}: {off}");
+                assert_eq!(found.made, found.places.len());
+                // The radius makes the set again.
+                let again = request.attempt(found.domain.radius(), &mut Unobserved);
+                assert_eq!(again.unwrap().1, found.places);
+            }
+        }
+    }
+
+    #[test]
+    fn exactly_so_many_samples_are_the_first_of_a_set() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for (seed, count) in [(1, 151), (2, 1_000), (3, 5_003)] {
+                let request = request([1.0; 3], boundary, seed);
+                let found = request.of_exactly(count, &mut Unobserved).unwrap();
+                assert_eq!(found.places.len() as u64, count);
+                let more = found.made as u64 - count;
+                assert!(more <= count / 20 + 12, "{boundary:?} {count}: {more}");
+                let (_, all) = request
+                    .attempt(found.domain.radius(), &mut Unobserved)
+                    .unwrap();
+                assert_eq!(
+                    (all.len(), &all[..count as usize]),
+                    (found.made, &*found.places)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_no_radius_gives_are_refused_with_the_limits() {
+        let refused = |size, count| {
+            let request = request(size, Boundary::Periodic, 0);
+            request.radius_estimate(count).unwrap_err().to_string()
+        };
+        assert!(refused([1.0, 0.0, 1.0], 100).contains("the height is 0"));
+        assert!(refused([1.0, 1.0, f64::NAN], 100).contains("the depth is NaN"));
+        assert!(refused([1.0; 3], 10).contains("10 samples were asked for"));
+        assert!(refused([1.0; 3], 1 << 40).contains("it must be between 52 and"));
+    }
+}
