@@ -7,7 +7,7 @@
 //! [`measures`] has spectra by a fast transform, distances, order and uniformity;
 //! [`live`] keeps measures while samples come and go;
 //! [`SquaresJudge`] judges sets whose radius depends on the place, in domains of any shape;
-//! [`verify_solid`] judges sets in space;
+//! [`verify_solid`] judges sets in space, and [`measure_solid`] also measures how far places are from them;
 //! [`verify_thinned`] judges sets that were chosen from others;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
@@ -73,7 +73,9 @@ pub use monitor::{Control, Progress};
 pub use number::Number;
 pub use region::{Boundary, Region};
 pub use report::Report;
-pub use solid::{SolidError, SolidGap, SolidRegion, SolidReport, verify_solid};
+pub use solid::{
+    SolidError, SolidGap, SolidRegion, SolidReport, SolidVerdict, measure_solid, verify_solid,
+};
 pub use squares::{
     LatticeRegion, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,
     SquaresJudge, SquaresReport, UncoveredPlace, VaryingRegion,

@@ -15,6 +15,8 @@
 mod circles;
 mod cubes;
 mod error;
+mod farthest;
+mod measured;
 mod pairs;
 mod region;
 
@@ -29,6 +31,7 @@ use crate::witness::Conflict;
 use pairs::PairsFound;
 
 pub use error::SolidError;
+pub use measured::{SolidVerdict, measure_solid};
 pub use region::SolidRegion;
 
 /// The edge of the cubes that are not cut further, in radii. A place that is farther than the limit by less than this may
@@ -189,6 +192,24 @@ impl SolidQuestion<'_> {
     /// matter of dispute.
     const fn bound(&self) -> f64 {
         self.limit() + RESOLUTION * self.radius
+    }
+
+    /// Returns the samples and, if the region is periodic, their images one period away.
+    fn images(&self) -> impl Iterator<Item = [f64; 3]> {
+        let shifts: &[f64] = if self.region.is_periodic() {
+            &[-1.0, 0.0, 1.0]
+        } else {
+            &[0.0]
+        };
+        let size = self.region.size();
+        let planes = shifts
+            .iter()
+            .flat_map(move |&z| shifts.iter().map(move |&y| [y, z]));
+        let steps = planes.flat_map(move |[y, z]| shifts.iter().map(move |&x| [x, y, z]));
+        steps.flat_map(move |step| {
+            let image = move |p: &[f64; 3]| [0, 1, 2].map(|axis| p[axis] + step[axis] * size[axis]);
+            self.points.iter().map(image)
+        })
     }
 
     fn by_cubes(&self, monitor: &Monitor<'_>) -> Result<SolidReport, SolidError> {

@@ -10,7 +10,7 @@ use super::error::SolidError;
 use super::{RESOLUTION, SolidQuestion};
 
 /// With so many samples near it or fewer, a cube is left to one thread: a few milliseconds.
-const TASK_SAMPLES: usize = 2_048;
+pub(super) const TASK_SAMPLES: usize = 2_048;
 
 /// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes.
 const CUT_SHARE: f64 = 0.6;
@@ -39,7 +39,7 @@ pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
 ) -> Result<CubesFound, SolidError> {
-    let (points, region) = (question.points, &question.region);
+    let region = &question.region;
     let half = region.size().map(|extent| extent / 2.0);
     let root = Cube { middle: half, half };
     let rule = Rule {
@@ -49,32 +49,13 @@ pub(super) fn search(
     };
 
     // A limit is shorter than half a period, so that images one period away suffice.
-    let shifts = if region.is_periodic() {
-        [-1.0, 0.0, 1.0].as_slice()
-    } else {
-        &[0.0]
-    };
-    let mut near = Vec::with_capacity(points.len());
-    for z in shifts {
-        for (y, x) in shifts
-            .iter()
-            .flat_map(|y| shifts.iter().map(move |x| (y, x)))
-        {
-            let size = region.size();
-            let shift = [x * size[0], y * size[1], z * size[2]];
-            let images = points
-                .iter()
-                .map(|p| [0, 1, 2].map(|axis| p[axis] + shift[axis]));
-            near.extend(
-                images.filter(|&image| root.distances(image).nearest <= rule.limit_squared),
-            );
-        }
-    }
+    let may_cover = |&image: &[f64; 3]| root.distances(image).nearest <= rule.limit_squared;
+    let near: Vec<[f64; 3]> = question.images().filter(may_cover).collect();
 
     let task = Task {
         rule,
         region_volume: root.volume(),
-        count: points.len() as f64,
+        count: question.points.len() as f64,
         monitor,
     };
     task.of_cube(&root, &near)
@@ -188,23 +169,23 @@ impl CubeSearch {
 }
 
 /// Squared distances from a sample to places of a cube.
-struct Distances {
-    nearest: f64,
-    middle: f64,
-    farthest: f64,
+pub(super) struct Distances {
+    pub nearest: f64,
+    pub middle: f64,
+    pub farthest: f64,
 }
 
 /// A cube, or a box that is not much longer on one axis than on another once it is small.
 #[derive(Clone, Copy)]
-struct Cube {
-    middle: [f64; 3],
+pub(super) struct Cube {
+    pub middle: [f64; 3],
     /// Half its edge on each axis.
-    half: [f64; 3],
+    pub half: [f64; 3],
 }
 
 impl Cube {
     #[inline]
-    fn distances(&self, sample: [f64; 3]) -> Distances {
+    pub fn distances(&self, sample: [f64; 3]) -> Distances {
         let apart = [0, 1, 2].map(|axis| (sample[axis] - self.middle[axis]).abs());
         let near = [0, 1, 2].map(|axis| (apart[axis] - self.half[axis]).max(0.0));
         let far = [0, 1, 2].map(|axis| apart[axis] + self.half[axis]);
@@ -217,7 +198,7 @@ impl Cube {
     }
 
     /// Returns its octants; of a long box its halves or quarters.
-    fn parts(&self) -> impl Iterator<Item = Self> + use<> {
+    pub fn parts(&self) -> impl Iterator<Item = Self> + use<> {
         let Self { middle, half } = *self;
         let longest = self.longest_half();
         let is_cut = half.map(|half| half > CUT_SHARE * longest);
@@ -248,11 +229,11 @@ impl Cube {
         })
     }
 
-    const fn longest_half(&self) -> f64 {
+    pub const fn longest_half(&self) -> f64 {
         self.half[0].max(self.half[1]).max(self.half[2])
     }
 
-    fn volume(&self) -> f64 {
+    pub fn volume(&self) -> f64 {
         self.half.iter().product::<f64>() * 8.0
     }
 }

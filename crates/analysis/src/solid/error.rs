@@ -97,6 +97,16 @@ pub enum SolidError {
         /// The reports of both.
         reports: Box<[SolidReport; 2]>,
     },
+    /// A place is farther from all samples than the judges allow, who saw no gap.
+    #[error(
+        "the judges see no gap beyond {bound}, and a place is {measured} from all samples; this is a fault of the verifier"
+    )]
+    Farther {
+        /// The covering radius that was measured.
+        measured: f64,
+        /// The distance that no place exceeds by the judges.
+        bound: f64,
+    },
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,
