@@ -25,7 +25,7 @@ use tilescope_formats::write_whole;
 
 use crate::options::SetArguments;
 use crate::paths::{check_file, check_inputs_stay, extension, named};
-use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
+use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output, solid};
 use gather::Analysis;
 
 /// Arguments of `tilescope analyze`.
@@ -85,6 +85,11 @@ const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
+    let has_depth = arguments.set.depth.is_some();
+    solid::refuse(
+        &[("--depth", has_depth)],
+        "measures are those of planar sets",
+    )?;
     let out = arguments.out.as_deref();
     // The path is checked before the work, so that the command does not fail only when it writes. A report in the place
     // of an input would destroy it.

@@ -8,12 +8,15 @@ use tilescope_reproduce::rates::{Bench, CpuRates, Engine, EngineRate};
 
 use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes};
 use crate::engine::check_threads;
-use crate::{bench_gpu, bench_live, interrupt, output, verdict_code};
+use crate::{bench_gpu, bench_live, bench_solid, interrupt, output, verdict_code};
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     interrupt::listen();
     if arguments.live {
         return bench_live::run(arguments);
+    }
+    if arguments.space {
+        return bench_solid::run(arguments);
     }
 
     ensure!(

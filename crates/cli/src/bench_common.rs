@@ -12,6 +12,10 @@ use crate::reproduce::WatchBar;
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a switch of the command line"
+)]
 pub struct BenchArguments {
     /// The engines to measure: the CPU's against the reference sampler, or a GPU against all threads
     #[arg(long, value_enum, default_value = "cpu")]
@@ -42,6 +46,9 @@ pub struct BenchArguments {
     /// Measure the measures that move with a run of 10,041 and of 100,400 samples, instead of engines
     #[arg(long, conflicts_with_all = ["engine", "gpu_adapter", "samples", "leaf", "threads", "sequential", "rounds", "seed", "plane"])]
     pub live: bool,
+    /// Measure sets in space, of --samples samples in a periodic cube, and their judges, instead of engines
+    #[arg(long, conflicts_with_all = ["live", "engine", "gpu_adapter", "leaf", "threads", "sequential", "plane"])]
+    pub space: bool,
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
@@ -70,7 +77,8 @@ Examples:
   tilescope bench --samples 1000000 --leaf 20 40 80
   tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential
   tilescope bench --engine gpu --samples 100000000 --leaf 40
-  tilescope bench --live";
+  tilescope bench --live
+  tilescope bench --space --samples 100000 --rounds 3";
 
 impl BenchArguments {
     /// Returns the bench that times the parallel engine with these numbers of threads.

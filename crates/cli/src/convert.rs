@@ -13,6 +13,7 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, formats, hinted};
 use crate::paths::{InFile, check_inputs_stay, check_target, named};
 use crate::progress::verifying;
+use crate::solid::{self, Slice};
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
@@ -32,6 +33,10 @@ pub struct ConvertArguments {
     /// Format of the output, if its extension does not name one
     #[arg(long, value_name = "FORMAT", value_parser = formats())]
     to: Option<Format>,
+    /// Of a set in space, write the disks in which this plane meets its balls: a table with x, y, radius and depth, the
+    /// distance of the sample above the plane
+    #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse)]
+    slice: Option<Slice>,
 }
 
 const EXAMPLES: &str = "\
@@ -42,7 +47,9 @@ whatever the verdict; exit code 1 means that the set is not valid for the radius
 
 Examples:
   tilescope convert set.csv set.npy
-  tilescope convert theirs.txt set.ply --radius 0.01";
+  tilescope convert theirs.txt set.ply --radius 0.01
+  tilescope convert balls.ply balls.npy
+  tilescope convert balls.ply disks.csv --slice z=5";
 
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
@@ -51,6 +58,16 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     check_target(path, arguments.to, "--to")?;
     check_inputs_stay(path, [arguments.input.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.input);
+
+    let (input, given) = (arguments.input.as_path(), &arguments.set);
+    if let Some(slice) = arguments.slice {
+        return solid::plane::write([input, path], arguments.to, given, slice);
+    }
+    if solid::is_in_space(given, input) {
+        let ground = arguments.ground.option().map(|option| (option, true));
+        solid::refuse(ground.as_slice(), solid::PLANAR)?;
+        return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
+    }
 
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control))

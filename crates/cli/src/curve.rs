@@ -132,7 +132,7 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
     }
 
     let mut recipe = arguments.run.recipe()?;
-    if let Some(nested) = arguments.nested.request() {
+    if let Some(nested) = arguments.nested.request()? {
         // Nested levels are defined for randomized tiling alone.
         ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;

@@ -17,6 +17,7 @@ use crate::ground::GroundArguments;
 use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
+use crate::solid::{self, Slice};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Widths of a picture in pixels. In a smaller one even the disks of the coarsest periodic set, 10 r wide, would be no more than
@@ -48,6 +49,9 @@ pub struct DrawArguments {
     /// in a rectangle has none
     #[arg(long)]
     gaps: bool,
+    /// Of a set in space, draw this plane: each ball that it meets is a disk, and places in none of the disks are gaps
+    #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse, conflicts_with = "gaps")]
+    slice: Option<Slice>,
     /// Colours
     #[arg(long, value_enum, default_value = "light")]
     theme: Theme,
@@ -63,7 +67,8 @@ Examples:
   tilescope draw set.csv set.png
   tilescope draw theirs.csv gaps.png --radius 0.01 --gaps
   tilescope draw set.ply zoom.svg --window 0.2 0.2 0.4 0.4 --theme dark
-  tilescope draw field.npy field.png --radius-image grey.png";
+  tilescope draw field.npy field.png --radius-image grey.png
+  tilescope draw balls.ply plane.png --slice z=5";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Theme {
@@ -93,22 +98,10 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         WIDTHS.end()
     );
 
-    let read = arguments.set.read_varying(&arguments.file)?;
-    ensure!(
-        !read.set.is_empty(),
-        "{}: the set is empty",
-        named(&arguments.file)
-    );
-
-    let stated = read.certificate.as_ref();
-    // Sides that are given take the place of the stated ones; without either the domain is the unit square.
-    let region = (arguments.set).region_over(stated.map_or(Region::UNIT_SQUARE, |c| c.region));
-    // Degrees are of different lengths along the two axes, and disks would not be circles.
-    (arguments.set)
-        .refuse_degrees(&read, region)
-        .in_file(&arguments.file)?;
-
-    let scene = scene(arguments, &read, region)?;
+    let (scene, count) = match arguments.slice {
+        Some(slice) => of_plane(arguments, slice)?,
+        None => of_set(arguments)?,
+    };
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
     } else {
@@ -124,9 +117,71 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::check("the picture")?;
     write_whole(path, &bytes)?;
 
-    let (count, path) = (read.set.len(), named(path));
-    output::emit(&format!("{count} samples drawn into {path}\n"))?;
+    output::emit(&format!("{count} samples drawn into {}\n", named(path)))?;
     Ok(EXIT_FINE)
+}
+
+/// Returns the picture of a planar set, and how many samples it has.
+fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
+    ensure!(
+        !solid::is_in_space(&arguments.set, &arguments.file),
+        "{}: the set has a third side, and a picture is that of a plane of it: --slice z=PLACE",
+        named(&arguments.file)
+    );
+    let read = arguments.set.read_varying(&arguments.file)?;
+    ensure!(
+        !read.set.is_empty(),
+        "{}: the set is empty",
+        named(&arguments.file)
+    );
+
+    let stated = read.certificate.as_ref();
+    // Sides that are given take the place of the stated ones; without either the domain is the unit square.
+    let region = (arguments.set).region_over(stated.map_or(Region::UNIT_SQUARE, |c| c.region));
+    // Degrees are of different lengths along the two axes, and disks would not be circles.
+    (arguments.set)
+        .refuse_degrees(&read, region)
+        .in_file(&arguments.file)?;
+
+    Ok((scene(arguments, &read, region)?, read.set.len()))
+}
+
+/// Returns the picture of a plane of a set in space, and how many balls it meets.
+fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
+    let ground = arguments.ground.option().map(|option| (option, true));
+    solid::refuse(ground.as_slice(), solid::PLANAR)?;
+    let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
+    let (count, region) = (disks.middles.len(), disks.region);
+    let name = lossy(arguments.file.file_name().unwrap_or_default());
+    let picture = SetPicture {
+        points: &disks.middles,
+        size: region.size(),
+        boundary: Boundary::of(region.is_periodic()),
+        radii: DiskRadii::Own(&disks.radii),
+        blocks: Vec::new(),
+        block_of: None,
+        exposed: Vec::new(),
+        caption: format!("{name}: {slice} meets {count} of {} balls", disks.samples),
+    };
+    let options = picture_options(arguments, &region, [0.0; 2])?;
+    Ok((set_scene(&picture, &options), count))
+}
+
+/// Returns how a picture is drawn of a domain whose lower corner lies at `origin` in the units of the file.
+fn picture_options(
+    arguments: &DrawArguments,
+    region: &Region,
+    origin: [f64; 2],
+) -> Result<PictureOptions> {
+    Ok(PictureOptions {
+        width: f64::from(arguments.size),
+        palette: match arguments.theme {
+            Theme::Light => Palette::LIGHT,
+            Theme::Dark => Palette::DARK,
+        },
+        window: window(arguments.window.as_deref(), region, origin)?,
+        disks: !arguments.no_disks,
+    })
 }
 
 fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
@@ -184,19 +239,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
         caption: caption(set.len(), radii, &arguments.file),
     };
 
-    let options = PictureOptions {
-        width: f64::from(arguments.size),
-        palette: match arguments.theme {
-            Theme::Light => Palette::LIGHT,
-            Theme::Dark => Palette::DARK,
-        },
-        window: window(
-            arguments.window.as_deref(),
-            &region,
-            origin.unwrap_or_default(),
-        )?,
-        disks: !arguments.no_disks,
-    };
+    let options = picture_options(arguments, &region, origin.unwrap_or_default())?;
     Ok(set_scene(&picture, &options))
 }
 

@@ -28,7 +28,7 @@ const JUDGES: Names<4> = [
     ("both", "Both, which must agree"),
     (
         "subdivision",
-        "Squares, cut until each is covered: the only one for a radius that varies and for shapes",
+        "Squares, cut until each is covered: the only one for a radius that varies and for shapes; in space cubes",
     ),
 ];
 
@@ -106,6 +106,9 @@ pub struct SetArguments {
     /// Height of the domain
     #[arg(long, value_name = "H")]
     pub height: Option<f64>,
+    /// Third side of the domain, of a set in space whose certificate does not state it
+    #[arg(long, value_name = "D")]
+    pub depth: Option<f64>,
     /// How the domain ends
     #[arg(long, value_parser = boundaries())]
     pub boundary: Option<Boundary>,
@@ -139,6 +142,10 @@ pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
 
 /// What a false certificate leaves to do.
 pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
+
+/// What a set with three coordinates, of which nothing says that it is one in space, leaves to do.
+const IN_SPACE: &str =
+    "--depth gives a set in space its third side, and --slice then takes a plane of it";
 
 impl SetArguments {
     /// Returns the values that override the certificate of `path`. A side or boundary that is not given is
@@ -277,6 +284,7 @@ impl SetArguments {
             FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
                 anyhow!("{error}; {WITHOUT_CERTIFICATE}")
             }
+            FormatError::NotPlanar { .. } => anyhow!("{error}; {IN_SPACE}"),
             other => other.into(),
         });
         read.in_file(path)
@@ -288,6 +296,9 @@ pub fn hinted(error: CheckError) -> anyhow::Error {
     match error {
         CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
             anyhow!("{error}; --width, --height, --boundary and --origin state another domain")
+        }
+        CheckError::Format(error @ FormatError::NotPlanar { .. }) => {
+            anyhow!("{error}; {IN_SPACE}")
         }
         CheckError::Format(error @ FormatError::Degrees { .. }) => {
             anyhow!("{error}; --planar takes them as they are")

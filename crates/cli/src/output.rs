@@ -4,9 +4,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report, shown};
+use tilescope_analysis::{
+    Boundary, Judge, MAX_CONFLICTS, Number, Region, Report, shown, shown_in_line,
+};
 use tilescope_core::{Stage, Summary};
-use tilescope_formats::{CertifiedLevel, CertifiedRadius, Warning, is_valid};
+use tilescope_formats::{
+    Certificate, CertificateDifference, CertifiedLevel, CertifiedRadius, Warning, is_valid,
+};
 use tilescope_gpu::Backend;
 use tilescope_sets::Facts;
 
@@ -220,6 +224,28 @@ pub fn verdict_json(report: &Report) -> Value {
         "valid": report.valid(),
         "judges": report.judges,
     })
+}
+
+/// Returns the lines on a certificate: whether it is true, and what of it no check compares; or that there is none.
+pub fn certificate_text(
+    certificate: Option<&Certificate>,
+    differences: &[CertificateDifference],
+) -> String {
+    let Some(stated) = certificate else {
+        return "certificate    none\n".to_owned();
+    };
+    if differences.is_empty() {
+        let unchecked = stated.unchecked().join(", ");
+        let unchecked = shown_in_line(&unchecked);
+        return format!("certificate    true\n  stated only: {unchecked}\n");
+    }
+
+    let mut out = "certificate    NOT TRUE\n".to_owned();
+    for d in differences {
+        let [stated, found] = [&d.stated, &d.found].map(|value| shown_in_line(value));
+        let _ = writeln!(out, "  {}: stated {stated}, found {found}", d.field);
+    }
+    out
 }
 
 /// Returns the line of a warning, or of a note.

@@ -10,7 +10,7 @@ use crate::output::{self, Judged, Outcome};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
-use crate::{interrupt, nested, stream, varying, window};
+use crate::{interrupt, nested, solid, stream, varying, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
@@ -20,6 +20,10 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         check_target(path, arguments.format, "--format")?;
         let inputs = arguments.run.pattern.as_deref().into_iter();
         check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
+    }
+
+    if arguments.space.is_given() {
+        return solid::make::sample(arguments);
     }
 
     // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them.
@@ -33,7 +37,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return window::run(arguments, window);
     }
 
-    let outcome = if let Some(nested) = arguments.nested.request() {
+    let outcome = if let Some(nested) = arguments.nested.request()? {
         finish(arguments, nested::make(arguments, nested)?)?
     } else {
         outcome(arguments)?

@@ -14,6 +14,7 @@ use crate::ground::{CoordinateArguments, GroundArguments};
 use crate::options::{JudgeArguments, Names, PRECISIONS, formats, named, pair};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
+use crate::space::SpaceArguments;
 
 /// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
@@ -32,6 +33,8 @@ pub struct SampleArguments {
     pub ground: GroundArguments,
     #[command(flatten)]
     pub coordinates: CoordinateArguments,
+    #[command(flatten)]
+    pub space: SpaceArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
     /// that reaches the upper border includes it
@@ -40,7 +43,7 @@ pub struct SampleArguments {
     pub window: Option<Vec<f64>>,
     /// KDRT; exact tiling, which has no bias at seams; or the reference sampler, which makes a maximal set from scratch and,
     /// of the arguments above, uses only radius or count, sides, boundary and seed. If not given KDRT, and the reference sampler
-    /// for a radius that varies and for shapes
+    /// for a radius that varies, for shapes and for sets in space
     #[arg(long, value_enum)]
     pub method: Option<SamplingMethod>,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
@@ -95,7 +98,9 @@ Examples:
   tilescope sample --radius-expression '0.006 + 0.024*x' --out ramp.csv
   tilescope sample --density-image photo.png --count 20000 --out stipple.csv
   tilescope sample --radius-image grey.png --radius 0.002..0.02 --out field.ply
-  tilescope sample --shape park.geojson --radius 2 --out trees.csv";
+  tilescope sample --shape park.geojson --radius 2 --out trees.csv
+  tilescope sample --size 10x10x10 --radius 1 --out balls.ply
+  tilescope sample --width 2 --depth 3 --exactly 5000 --boundary bounded --out balls.npy";
 
 /// How to make the set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -119,8 +124,9 @@ pub struct NestedArguments {
     #[arg(long, value_name = "K", conflicts_with = "pattern")]
     pub levels: Option<u32>,
     /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
-    /// set of exactly so many samples in general: of these, every place is within 1.42 radii
-    #[arg(long, value_name = "N", group = "size", requires = "levels", conflicts_with_all = ["radius", "count"])]
+    /// set of exactly so many samples in general: of these, every place is within 1.42 radii. With a third side (--depth) no
+    /// levels are needed: the first N by their arrival, with the factor of the radius within which they cover
+    #[arg(long, value_name = "N", group = "size", conflicts_with_all = ["radius", "count"])]
     pub exactly: Option<usize>,
     /// How the samples that a level adds follow each other
     #[arg(long, value_name = "ORDER", value_parser = named::<WithinLevel>(&ORDERS_WITHIN), default_value = "random",
@@ -137,8 +143,17 @@ const ORDERS_WITHIN: Names<2> = [
 ];
 
 impl NestedArguments {
-    /// Returns the levels that the arguments ask for, if any.
-    pub fn request(&self) -> Option<NestedRequest> {
+    /// Returns the levels that the arguments ask for, if any. Refuses exactly so many samples without levels, of which only sets
+    /// in space have a beginning that is spread evenly.
+    pub fn request(&self) -> Result<Option<NestedRequest>> {
+        ensure!(
+            self.exactly.is_none() || self.levels.is_some(),
+            "--exactly needs --levels K, or a third side: --depth D, which `tilescope sample` takes"
+        );
+        Ok(self.of_levels())
+    }
+
+    fn of_levels(&self) -> Option<NestedRequest> {
         Some(NestedRequest {
             levels: self.levels?,
             exactly: self.exactly,

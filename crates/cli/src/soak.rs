@@ -4,6 +4,7 @@
 mod definition;
 mod exact;
 mod nested;
+mod solid;
 
 use std::fmt::Write;
 
@@ -55,18 +56,21 @@ enum SoakMethod {
     Kdrt,
     /// Exact tiling
     Exact,
+    /// Sets in space: balls in a box
+    Solid,
 }
 
 const EXAMPLES: &str = "\
 Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
 the sequential and with the parallel engine, compares the two point by point, compares four windows
 with the set, and verifies the set. Some rounds also make nested levels. Rounds of exact tiling check
-the counts, compare the samples of the first levels with the definition, and verify the set. Exit code 1 if two sets differ, or if one is not
-valid.
+the counts, compare the samples of the first levels with the definition, and verify the set. Rounds of sets in space compare one
+thread with all threads, and cubes with covered circles. Exit code 1 if two sets differ, or if one is not valid.
 
 Examples:
   tilescope soak --samples 1000000000
-  tilescope soak --samples 100000000 --method exact";
+  tilescope soak --samples 100000000 --method exact
+  tilescope soak --samples 10000000 --method solid";
 
 /// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
@@ -268,6 +272,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     let made = match arguments.method {
         SoakMethod::Kdrt => round(&parameters, &dice, &options),
         SoakMethod::Exact => exact::round(&parameters, &dice, &options),
+        SoakMethod::Solid => solid::round(&parameters, &dice, &options),
     };
     match made {
         Ok(round) => round,
@@ -277,7 +282,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
             failed: 1,
             commands: vec![format!(
                 "{error:#}: {}",
-                arguments.method.command(&parameters)
+                arguments.method.command(&parameters, &dice)
             )],
             ..Tally::default()
         },
@@ -387,10 +392,11 @@ fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
 
 impl SoakMethod {
     /// Returns the command that makes the set of a round.
-    fn command(self, parameters: &Parameters) -> String {
+    fn command(self, parameters: &Parameters, dice: &Dice) -> String {
         match self {
             Self::Kdrt => command(parameters),
             Self::Exact => exact::command(parameters),
+            Self::Solid => solid::command(parameters, dice),
         }
     }
 }

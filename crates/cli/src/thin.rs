@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, ThinnedReport};
 use tilescope_core::memory::ask;
 use tilescope_formats::{
-    Certificate, CertificateUse, Format, Hint, KeptRows, certificate_path, destination, read_whole,
-    write_certified,
+    Certificate, CertificateUse, Format, FormatError, Hint, KeptRows, certificate_path,
+    destination, read_whole, write_certified,
 };
 use tilescope_sets::RadiusSource;
 use tilescope_sets::thinning::{
@@ -137,7 +137,9 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     // Positions take no more than the file does, but for rows of a few letters. What else is needed is asked for later.
     ask(bytes.len() as u64).in_file(&arguments.input)?;
     let name = file_name(&arguments.input);
-    let file = PointFile::new(&bytes, arguments.hint(&name)).in_file(&arguments.input)?;
+    let file = PointFile::new(&bytes, arguments.hint(&name))
+        .map_err(hinted)
+        .in_file(&arguments.input)?;
     // A stated domain says in which units it is.
     if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
         return Err(ThinFileError::Degrees).in_file(&arguments.input);
@@ -195,6 +197,17 @@ fn write(
         certificate_path,
         left_out: rows.left_out,
     })
+}
+
+/// Adds to the error of a cloud in space the option that thins it: by x and y alone.
+fn hinted(error: ThinFileError) -> anyhow::Error {
+    let is_in_space = matches!(error, ThinFileError::Format(FormatError::NotPlanar { .. }));
+    let error = anyhow::Error::from(error);
+    if is_in_space {
+        return error
+            .context("--xy thins a cloud in space by its x and y, and keeps z with each point");
+    }
+    error
 }
 
 impl ThinArguments {

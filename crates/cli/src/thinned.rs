@@ -60,6 +60,7 @@ fn refuse_others(set: &SetArguments) -> Result<()> {
         ("--radius", set.radius.is_some()),
         ("--width", set.width.is_some()),
         ("--height", set.height.is_some()),
+        ("--depth", set.depth.is_some()),
         ("--boundary", set.boundary.is_some()),
         ("--origin", set.origin.is_some()),
     ];

@@ -1,12 +1,11 @@
 //! `tilescope verify`: checks a file against its radius, its region and its certificate.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use tilescope_analysis::{shown_in_line, verify_prefix};
+use tilescope_analysis::verify_prefix;
 use tilescope_formats::{
     Certificate, CertificateUse, CertifiedLevel, Check, CheckError, Overrides, check_stream,
 };
@@ -16,7 +15,7 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
-use crate::{interrupt, output, thinned, verdict_code};
+use crate::{interrupt, output, solid, thinned, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -48,7 +47,8 @@ always 2^-15. Of a set whose radius varies, or that covers a shape, the certific
 and polygons; images must be given. A stipple is the beginning of a set: it may cover within more than the
 radius, as its certificate states, and that factor is measured again. A file does not show how its set was
 made: to check the fields listed as stated only, make the set again. A set of nested levels is verified
-level by level. A thinned set is judged against the points from which it was chosen, which --source has;
+level by level. A set in space is one whose certificate states a third side, or for which --depth does: cubes and covered
+circles judge it. A thinned set is judged against the points from which it was chosen, which --source has;
 without them, that no two of its points are near.
 
 Examples:
@@ -59,12 +59,17 @@ Examples:
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify field.ply --radius-image grey.png
   tilescope verify thinned.ply --source cloud.ply
+  tilescope verify balls.ply
+  tilescope verify theirs.xyz --radius 1 --width 10 --height 10 --depth 10 --boundary bounded
   tilescope verify photo.svg --density-image photo.jpg
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     output::note_left_out(&arguments.set, &arguments.file);
+    if solid::is_in_space(&arguments.set, &arguments.file) {
+        return in_space(arguments);
+    }
     if let Some(count) = arguments.prefix {
         return prefix(arguments, count);
     }
@@ -89,6 +94,25 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         || to_text(&check, origin),
     )?;
     Ok(verdict_code(check.passed()))
+}
+
+/// Checks a set in space.
+fn in_space(arguments: &VerifyArguments) -> Result<u8> {
+    let given = [
+        ("--prefix", arguments.prefix.is_some()),
+        ("--source", arguments.source.is_some()),
+    ];
+    let ground = arguments.ground.option().map(|option| (option, true));
+    let planar: Vec<(&str, bool)> = given.into_iter().chain(ground).collect();
+    solid::refuse(&planar, solid::PLANAR)?;
+    let VerifyArguments {
+        file,
+        set,
+        judge,
+        json,
+        ..
+    } = arguments;
+    solid::check::verify(file, set, judge, *json)
 }
 
 /// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
@@ -200,19 +224,6 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
             .map_or_else(|| report.radius.to_string(), output::radius_text),
     );
 
-    match &check.certificate {
-        None => out.push_str("certificate    none\n"),
-        Some(stated) if check.differences.is_empty() => {
-            let unchecked = shown_in_line(&stated.unchecked().join(", ")).into_owned();
-            let _ = writeln!(out, "certificate    true\n  stated only: {unchecked}");
-        }
-        Some(_) => {
-            out.push_str("certificate    NOT TRUE\n");
-            for d in &check.differences {
-                let [stated, found] = [&d.stated, &d.found].map(|value| shown_in_line(value));
-                let _ = writeln!(out, "  {}: stated {stated}, found {found}", d.field);
-            }
-        }
-    }
+    out += &output::certificate_text(check.certificate.as_ref(), &check.differences);
     out
 }

@@ -110,8 +110,8 @@ impl CertifiedLevel {
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
-/// Of these, this version judges sets with an origin, a shape and a radius that varies, of the latter two also prefixes, and
-/// thinned sets, and refuses certificates with any of the others.
+/// A set with a third side has no other part but a prefix. A prefix is judged where there is a third side, a shape or a radius
+/// that varies; other certificates with one are refused.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
@@ -158,14 +158,15 @@ pub struct Certificate {
     /// Smallest distance between two points; null for a single point of a bounded region.
     #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
-    /// Radius of the largest empty circle centred in the region; null where subdivision judged, which does not measure it.
+    /// Radius of the largest empty circle, or ball, centred in the region; null where subdivision judged a set of a shape or of a
+    /// radius that varies, which does not measure it.
     #[serde(deserialize_with = "stated")]
     pub covering_radius: Option<f64>,
     /// Pairs closer than the radius; [`MAX_CONFLICTS`](tilescope_analysis::MAX_CONFLICTS) stand for that many or more.
     pub conflicts: u64,
     /// Places where a point could be added.
     pub gaps: u64,
-    /// `N r^2 / area`.
+    /// `N r^2 / area`; with a third side `N r^3 / volume`.
     pub density: f64,
     /// `min_distance / r_max`; null where `min_distance` is.
     #[serde(deserialize_with = "stated")]
@@ -258,9 +259,12 @@ impl Certificate {
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
-    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, Value); 4] {
+    pub(crate) fn known_parameters(&self) -> Vec<(&'static str, &'static str, Value)> {
         let region = &self.region;
-        [
+        let depth = self
+            .depth
+            .map(|Depth(depth)| ("depth", "parameters.depth", depth.into()));
+        let planar = [
             ("width", "parameters.width", region.width.into()),
             ("height", "parameters.height", region.height.into()),
             ("radius", "parameters.radius", self.radius.least().into()),
@@ -269,7 +273,8 @@ impl Certificate {
                 "parameters.boundary",
                 serde_json::to_value(region.boundary).unwrap_or_default(),
             ),
-        ]
+        ];
+        planar.into_iter().chain(depth).collect()
     }
 
     /// Returns the fields that a check does not compare with the file: how the set was made, the file's name when it was
@@ -277,9 +282,10 @@ impl Certificate {
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
         // Parameters stated a second time, as the region or the radius, are compared with that statement.
-        let known = self.known_parameters().map(|(name, ..)| name);
+        let known = self.known_parameters();
+        let is_known = |name: &str| known.iter().any(|&(other, ..)| other == name);
         let parameters = (self.parameters.keys())
-            .filter(|name| !known.contains(&name.as_str()))
+            .filter(|name| !is_known(name))
             .map(|name| format!("parameters.{name}"));
 
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
@@ -307,6 +313,15 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
+    /// Returns the density of so many points in the region.
+    pub(crate) fn implied_density(&self, count: u64) -> f64 {
+        let (radius, area) = (self.radius.least(), self.region.area());
+        match self.depth {
+            None => count as f64 * radius.powi(2) / area,
+            Some(Depth(depth)) => count as f64 * radius.powi(3) / (area * depth),
+        }
+    }
+
     /// Whether the radius varies or a shape is to be covered, which a reader has to take into account.
     #[must_use]
     pub const fn is_varying(&self) -> bool {
@@ -316,6 +331,20 @@ impl Certificate {
     /// Whether its judge only counts faults, and measures neither the smallest distance nor the covering radius.
     pub(crate) const fn is_counted(&self) -> bool {
         self.is_varying() || self.thinned.is_some()
+    }
+
+    /// Refuses a certificate with a third side for a reader of planar sets.
+    pub(crate) fn refuse_depth(&self, name: &str) -> Result<(), FormatError> {
+        let Some(Depth(depth)) = self.depth else {
+            return Ok(());
+        };
+        Err(FormatError::Certificate {
+            name: name.to_owned(),
+            reason: format!(
+                "its set has a third side, {depth}, which is not taken into account here; `tilescope verify`, `convert` and \
+                 `draw --slice` do"
+            ),
+        })
     }
 
     /// Refuses such a certificate for a reader that knows of one radius and of rectangles only, which are to be covered.
@@ -358,17 +387,24 @@ impl Certificate {
         (parts.into_iter()).filter_map(|(part, is_stated)| is_stated.then_some(part))
     }
 
+    /// Returns a part that stands beside a third side, with which no judge takes it into account.
+    fn beside_depth(&self) -> Option<&'static str> {
+        self.depth?;
+        let levels = Some("levels").filter(|_| !self.levels.is_empty());
+        let is_other = |part: &&str| ![Depth::NAME, CertifiedPrefix::NAME].contains(part);
+        self.parts().find(is_other).or(levels)
+    }
+
     /// Refuses a certificate of a newer version, one that has a part in version 1 or none in version 2, and one with a part that
     /// no judge of this program takes into account.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         let version = self.format_version;
         check_version(version, name)?;
 
-        let unjudged = self.parts().find(|part| !parts::JUDGED.contains(part));
-        let reason = match (self.parts().next(), unjudged) {
+        let reason = match self.parts().next() {
             // Programs of version 1 would take positions with an origin for positions in the domain.
-            (Some(part), _) if version < WITH_PARTS => format!("version {version} has no {part}"),
-            (None, _) if version >= WITH_PARTS => {
+            Some(part) if version < WITH_PARTS => format!("version {version} has no {part}"),
+            None if version >= WITH_PARTS => {
                 format!("version {version} needs an origin, or another part that version 1 lacks")
             }
             _ if self.covering_radius.is_none() && !self.is_counted() => {
@@ -377,13 +413,15 @@ impl Certificate {
                     .to_owned()
             }
             // The factor of a prefix is measured by subdivision, which judges varying radii and shapes alone.
-            _ if self.prefix.is_some() && !self.is_varying() => {
-                "it has the part `prefix`, which is judged only where the radius varies or there is a shape"
+            _ if self.prefix.is_some() && !self.is_varying() && self.depth.is_none() => {
+                "it has the part `prefix`, which is judged only where the radius varies, where there is a shape or a third side"
                     .to_owned()
             }
             // If the part were passed over, the next certificate of these points would lack it.
-            (_, Some(part)) => parts::beyond_judging(part),
-            _ => return Ok(()),
+            _ => match self.beside_depth() {
+                Some(part) => parts::beyond_judging(part),
+                None => return Ok(()),
+            },
         };
         Err(FormatError::Certificate {
             name: name.to_owned(),

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use tilescope_analysis::{
-    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VaryingRegion, VerifyError, VerifyOptions,
-    verify, verify_levels,
+    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, SolidError, VaryingRegion, VerifyError,
+    VerifyOptions, verify, verify_levels,
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, CertifiedShape, finite};
@@ -222,6 +222,12 @@ pub enum CheckError {
     /// The verifier gave no verdict (also when it was cancelled).
     #[error("the set has no verdict: {0}")]
     Verify(#[from] VerifyError),
+    /// The judges of sets in space gave no verdict (also when they were cancelled).
+    #[error("the set has no verdict: {0}")]
+    Solid(#[from] SolidError),
+    /// There is no certificate with a third side, and the caller gave none.
+    #[error("there is no certificate with a third side, so the depth must be given")]
+    NoDepth,
 }
 
 /// Re-verifies `data`, a file called `name`, against `certificate`, the bytes of its certificate file, or the certificate
@@ -254,6 +260,10 @@ pub fn check_bytes(
         .is_some_and(|stated| stated.thinned.is_some())
     {
         return Err(CheckError::Thinned);
+    }
+    // So may those of a set in space, of which this check is none.
+    if let Some(stated) = &beside {
+        stated.refuse_depth(&format!("{name}{}", crate::CERTIFICATE_SUFFIX))?;
     }
 
     let mut read = decode(data, &overrides.hint(name))?;
@@ -322,6 +332,9 @@ impl Judged {
     ) -> Result<Self, CheckError> {
         if certificate.is_some_and(|stated| stated.thinned.is_some()) {
             return Err(CheckError::Thinned);
+        }
+        if let Some(stated) = certificate {
+            stated.refuse_depth("the certificate")?;
         }
 
         let varying = overrides.varying.clone();
@@ -413,7 +426,7 @@ impl Judged {
 pub(crate) struct Differences(pub Vec<CertificateDifference>);
 
 impl Differences {
-    fn unless(&mut self, same: bool, field: &'static str, stated: String, found: String) {
+    pub fn unless(&mut self, same: bool, field: &'static str, stated: String, found: String) {
         if !same {
             self.0.push(CertificateDifference {
                 field,
@@ -480,8 +493,11 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
         VerifyOptions::default().covering_tolerance
     };
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
-    let density = found.count as f64 * stated.radius.least().powi(2) / stated.region.area();
-    list.measure("density", Some(stated.density), Some(density));
+    list.measure(
+        "density",
+        Some(stated.density),
+        Some(stated.implied_density(found.count)),
+    );
 
     prefix_kept(&mut list, stated, found.count);
     list.exact("valid", &stated.valid, &implied_verdict(stated));
@@ -494,17 +510,19 @@ fn implied_verdict(stated: &Certificate) -> bool {
     let limit = (1.0 + stated.covering_tolerance) * radius;
     // Subdivision only counts.
     let is_counted = stated.is_counted();
+    // A prefix covers within its factor, which only the judges' gaps are about.
+    let is_within_limit = is_counted || stated.prefix.is_some();
     stated.conflicts == 0
         && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)
         && stated.gaps == 0
-        && (is_counted
+        && (is_within_limit
             || stated
                 .covering_radius
                 .is_some_and(|covering| covering <= limit))
 }
 
 /// Compares the statements about the file's content.
-fn contents(list: &mut Differences, stated: &Certificate, found: &Contents) {
+pub(crate) fn contents(list: &mut Differences, stated: &Certificate, found: &Contents) {
     // Inside a file a certificate has no digest, as the file would have to contain its own.
     if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
         list.exact("digest", stated, digest);
@@ -608,14 +626,14 @@ fn compare_levels(
 }
 
 /// Compares the number of points that a prefix is said to have.
-fn prefix_kept(list: &mut Differences, stated: &Certificate, count: u64) {
+pub(crate) fn prefix_kept(list: &mut Differences, stated: &Certificate, count: u64) {
     if let Some(prefix) = &stated.prefix {
         list.exact("prefix.kept", &prefix.kept, &count);
     }
 }
 
 /// Compares parameters with the region and radius that the certificate states beside them.
-fn parameters(list: &mut Differences, stated: &Certificate) {
+pub(crate) fn parameters(list: &mut Differences, stated: &Certificate) {
     for (name, field, found) in stated.known_parameters() {
         if let Some(parameter) = stated.parameters.get(name) {
             // 1 and 1.0 are different values in serde_json.

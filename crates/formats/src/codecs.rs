@@ -16,6 +16,7 @@ mod psa;
 mod radii;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod rows;
+pub(crate) mod solid;
 mod svg;
 pub(crate) mod table;
 mod utk;

@@ -20,11 +20,24 @@ pub(crate) fn digest_text(hasher: &blake3::Hasher) -> String {
 
 /// The BLAKE3 digest of positions: the little-endian bytes of x and y of each point in order.
 ///
-/// Two sets have the same digest exactly when they agree to the bit and in order.
+/// Two sets have the same digest exactly when they agree to the bit and in order. [`solid_digest`] is that of sets in space.
 #[must_use]
 pub fn positions_digest(points: &[[f64; 2]]) -> String {
     let mut hasher = blake3::Hasher::new();
     add_positions(&mut hasher, points);
+    digest_text(&hasher)
+}
+
+/// The BLAKE3 digest of positions in space: the little-endian bytes of x, y and z of each point in order.
+#[must_use]
+pub fn solid_digest(points: &[[f64; 3]]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut buffer = Vec::with_capacity(CHUNK.min(points.len()) * 24);
+    for chunk in points.chunks(CHUNK) {
+        buffer.clear();
+        binary::push(&mut buffer, chunk.as_flattened(), Precision::Double);
+        hasher.update(&buffer);
+    }
     digest_text(&hasher)
 }
 

@@ -262,6 +262,16 @@ pub enum FormatError {
         /// The third coordinate, which is not 0.
         z: f64,
     },
+    /// A format cannot hold sets in space.
+    #[error(
+        "{format} holds no third coordinate: {reason}; ply, npy, csv, xyz, utk-binary (.bin) and utk-text (.dat) hold sets in space"
+    )]
+    NoThird {
+        /// The format that was asked for.
+        format: Format,
+        /// Why not.
+        reason: &'static str,
+    },
     /// The file states a number of points and holds another.
     #[error("{format}: the file states {stated} points and holds {found}")]
     Count {

@@ -10,7 +10,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use tilescope_analysis::{
-    Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
+    Control, PrefixClaim, Region, Report, SolidError, VerifyError, VerifyOptions, verify,
+    verify_levels,
 };
 
 use crate::certificate::{
@@ -180,6 +181,14 @@ pub enum ExportError {
         precision: Precision,
         /// The error of the verifier.
         source: VerifyError,
+    },
+    /// The judges of sets in space gave no verdict on the stored positions (also when they were cancelled).
+    #[error("the set as stored ({precision}) has no verdict: {source}")]
+    Solid {
+        /// Number type of the stored coordinates.
+        precision: Precision,
+        /// The error of the judges.
+        source: SolidError,
     },
     /// The format cannot be written point by point.
     #[error(

@@ -16,7 +16,9 @@ use crate::check::{Check, CheckError, Overrides, check_bytes};
 use crate::codecs::{CertificateUse, Hint, ReadSet, encode_certified};
 use crate::destination::{Lock, Place, certificate_beside, create_own, step};
 use crate::error::{FormatError, io_error};
-use crate::export::{ExportContext, ExportError, Warning, export_through, notes, ordered, target};
+use crate::export::{
+    ExportContext, ExportError, Store, Warning, export_through, notes, ordered, target,
+};
 use crate::pipe::Input;
 use crate::point_set::PointSet;
 use crate::read::read_bytes;
@@ -105,6 +107,26 @@ pub fn export(
     context: &ExportContext,
     control: Control<'_>,
 ) -> Result<Exported, ExportError> {
+    let (exported, certificate_path) = stored_at(path, |store, name| {
+        let exported = export_through(store, name, set, context, control)?;
+        Ok((exported.certificate_bytes.clone(), exported))
+    })?;
+
+    Ok(Exported {
+        path: path.to_owned(),
+        certificate_path,
+        certificate: exported.certificate,
+        report: exported.report,
+        warnings: exported.warnings,
+    })
+}
+
+/// Stores what `make` writes through its store in the place of `path`, with the certificate that it returns. Returns also where
+/// that is.
+pub(crate) fn stored_at<T>(
+    path: &Path,
+    make: impl FnOnce(&mut Store<'_>, &str) -> Result<(Vec<u8>, T), ExportError>,
+) -> Result<(T, PathBuf), ExportError> {
     let name = file_name(path)?;
     let data = Temporary::of(path)?;
     // A certificate that cannot be written is found out now, before the set is written and judged.
@@ -116,16 +138,9 @@ pub fn export(
         Ok(read_file(&data.path)?)
     };
 
-    let exported = export_through(&mut store, &name, set, context, control)?;
-    data.put(Some(&exported.certificate_bytes))?;
-
-    Ok(Exported {
-        path: path.to_owned(),
-        certificate_path: data.place.certificate.clone(),
-        certificate: exported.certificate,
-        report: exported.report,
-        warnings: exported.warnings,
-    })
+    let (certificate, made) = make(&mut store, &name)?;
+    data.put(Some(&certificate))?;
+    Ok((made, data.place.certificate.clone()))
 }
 
 /// Writes `set` (in domain units) to the file `path` without verifying it. The certificate of an earlier file of that

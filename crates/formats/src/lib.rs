@@ -34,6 +34,11 @@ mod mapping;
 mod pipe;
 mod point_set;
 mod read;
+#[cfg_attr(
+    target_arch = "wasm32",
+    allow(dead_code, reason = "a page reads and writes planar sets alone")
+)]
+mod solid;
 #[cfg(not(target_arch = "wasm32"))]
 mod stream;
 mod text;
@@ -55,7 +60,7 @@ pub use codecs::{
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};
 pub use detect::{Detection, Evidence, detect};
-pub use digest::{PassingDigest, bytes_digest, positions_digest};
+pub use digest::{PassingDigest, bytes_digest, positions_digest, solid_digest};
 pub use error::{FilePlace, FormatError};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
@@ -67,6 +72,14 @@ pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
 pub use read::{certificate_path, read_bytes};
+pub use solid::{
+    SolidCheck, SolidContext, SolidExported, SolidSet, check_solid_bytes, check_solid_format,
+    in_space,
+};
+#[cfg(not(target_arch = "wasm32"))]
+pub use solid::{
+    check_solid, export_solid, export_solid_unverified, read_solid, solid_certificate,
+};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,

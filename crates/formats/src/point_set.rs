@@ -103,17 +103,24 @@ impl PointSet {
     #[must_use]
     pub fn shuffled(&self, seed: u64) -> Self {
         let mut shuffled = self.clone();
-        let mut state = seed;
-        for last in (1..shuffled.points.len()).rev() {
-            let other = below(&mut state, last as u64 + 1) as usize;
+        shuffle(seed, self.points.len(), |last, other| {
             shuffled.points.swap(last, other);
             if let Some(provenance) = &mut shuffled.provenance
                 && last < provenance.len()
             {
                 provenance.swap(last, other);
             }
-        }
+        });
         shuffled
+    }
+}
+
+/// Brings so many things into an order drawn from `seed`, by swaps of two of them: Fisher-Yates.
+pub(crate) fn shuffle(seed: u64, count: usize, mut swap: impl FnMut(usize, usize)) {
+    let mut state = seed;
+    for last in (1..count).rev() {
+        let other = below(&mut state, last as u64 + 1) as usize;
+        swap(last, other);
     }
 }
 

@@ -44,13 +44,21 @@ pub fn read_bytes(
     hint: &Hint<'_>,
     certificate: Option<(&str, &[u8])>,
 ) -> Result<ReadSet, FormatError> {
-    let mut read = decode(bytes, hint)?;
+    let beside = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
+    let beside = match beside {
+        Some((name, bytes)) => Some((name, Certificate::from_bytes(bytes, name)?)),
+        None => None,
+    };
+    // Points in space would fail to decode, with a reason that does not name the third side.
+    if let Some((name, stated)) = &beside {
+        stated.refuse_depth(name)?;
+    }
 
+    let mut read = decode(bytes, hint)?;
     // A certificate beside the file replaces one inside.
     let mut name = "inside the file";
-    let beside = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
-    if let Some((of, bytes)) = beside {
-        read.certificate = Some(Certificate::from_bytes(bytes, of)?);
+    if let Some((of, stated)) = beside {
+        read.certificate = Some(stated);
         name = of;
     }
 
@@ -61,6 +69,7 @@ pub fn read_bytes(
         if !hint.varying {
             stated.refuse_varying(name)?;
         }
+        stated.refuse_depth(name)?;
 
         let found = Contents {
             format: read.detection.format,

@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use tilescope_analysis::measures::MeasureError;
-use tilescope_analysis::{VerifyError, shown};
+use tilescope_analysis::{SolidError, VerifyError, shown};
 use tilescope_core::combine::CombineError;
 use tilescope_core::combine::file::{LayoutError, PieceError};
 use tilescope_core::memory::NoMemory;
@@ -138,6 +138,17 @@ impl From<VerifyError> for Failure {
     }
 }
 
+impl From<SolidError> for Failure {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Disagreement { .. }
+            | SolidError::Farther { .. }
+            | SolidError::Cancelled => Self::Runtime(error.to_string()),
+            _ => Self::Value(error.to_string()),
+        }
+    }
+}
+
 impl From<MeasureError> for Failure {
     fn from(error: MeasureError) -> Self {
         match error {
@@ -204,6 +215,7 @@ impl From<CheckError> for Failure {
         match error {
             CheckError::Format(error) => error.into(),
             CheckError::Verify(error) => error.into(),
+            CheckError::Solid(error) => error.into(),
             error @ CheckError::NoField => Self::NoField(error.to_string()),
             other => Self::Value(other.to_string()),
         }
@@ -215,6 +227,7 @@ impl From<ExportError> for Failure {
         match error {
             ExportError::Format(error) => error.into(),
             ExportError::Verify { source, .. } => source.into(),
+            ExportError::Solid { source, .. } => source.into(),
             ExportError::ShuffledLevels { .. } => Self::Value(error.to_string()),
             other => Self::Runtime(other.to_string()),
         }

@@ -25,6 +25,7 @@ mod memory;
 mod picture;
 mod plane;
 mod sample;
+mod solid;
 mod task;
 mod values;
 
@@ -53,6 +54,11 @@ mod _tilescope {
     use crate::plane::PythonPlane;
     #[pymodule_export]
     use crate::sample::{sample, sample_field};
+    #[pymodule_export]
+    use crate::solid::{
+        check_file_in_space, is_in_space, read_file_in_space, sample_solid, save_solid,
+        verify_solid,
+    };
     #[pymodule_export]
     use crate::task::set_threads;
 }

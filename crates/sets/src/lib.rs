@@ -4,7 +4,7 @@
 //! set with its [`Facts`]: how it was made, and the domain and radius that a verdict on it is about. [`Facts::context`] is what
 //! an export certifies.
 //!
-//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`]. [`thinning`] chooses from points that
+//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`], a set of balls from a [`SolidRecipe`]. [`thinning`] chooses from points that
 //! are there.
 //!
 //! The sampler and the verifier share nothing, so that they cannot be wrong together. Their types meet here: [`region()`] is
@@ -31,6 +31,7 @@ mod facts;
 mod layout;
 mod made;
 mod recipe;
+mod solid;
 #[cfg(test)]
 mod tests;
 pub mod thinning;
@@ -43,6 +44,7 @@ pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
+pub use solid::{BallSize, SolidMade, SolidRecipe};
 pub use varying::{
     DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS,
     MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple,

@@ -33,7 +33,7 @@ pub(super) fn search(
     let is_near =
         |image: &[f64; 3]| (0..3).all(|axis| (image[axis] - root.middle[axis]).abs() <= size[axis]);
     let near: Vec<[f64; 3]> = question.images().filter(is_near).collect();
-    let task = Task {
+    let task = FarthestTask {
         root,
         count: question.points.len() as f64,
         monitor,
@@ -42,13 +42,13 @@ pub(super) fn search(
 }
 
 /// The whole search, divided among threads.
-struct Task<'a> {
+struct FarthestTask<'a> {
     root: Cube,
     count: f64,
     monitor: &'a Monitor<'a>,
 }
 
-impl Task<'_> {
+impl FarthestTask<'_> {
     /// Returns the largest squared distance in a cube, given all samples that may be nearest to a place of it.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
         // No place is farther from its nearest sample than from the one that is nearest to the whole cube.

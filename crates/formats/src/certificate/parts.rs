@@ -23,7 +23,7 @@ pub(super) trait Part: DeserializeOwned {
     fn broken_limit(&self) -> Option<&'static str>;
 }
 
-/// An origin; where there is a depth, later versions may state a third number.
+/// An origin; beside a depth there is none, and later versions may state a third number.
 impl Part for [f64; 2] {
     const NAME: &'static str = "origin";
 
@@ -236,21 +236,14 @@ fn broken_raster(digest: &str, pitch: f64) -> Option<&'static str> {
     (!EXTENTS.contains(&pitch)).then_some("the pitch must be from 2^-100 to 2^100")
 }
 
-/// The parts that judges take into account.
-pub(super) const JUDGED: [&str; 5] = [
-    <[f64; 2]>::NAME,
-    CertifiedShape::NAME,
-    FIELD,
-    CertifiedPrefix::NAME,
-    Thinned::NAME,
-];
-
 /// What a field is called beside other parts: the radius itself is none.
 pub(super) const FIELD: &str = "radius that varies";
 
-/// Says of a part that it is understood, but that nothing here could bear it out.
+/// Says of a part that it is understood, but that no judge could confirm it beside a third side.
 pub(super) fn beyond_judging(part: &str) -> String {
-    format!("the certificate has the part `{part}`, which this version knows but cannot judge")
+    format!(
+        "the certificate has the part `{part}` beside `depth`: this version knows both but cannot judge them together"
+    )
 }
 
 /// Reads a part. A fault of it names the part, its value and the limit.

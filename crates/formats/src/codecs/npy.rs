@@ -1,4 +1,4 @@
-//! numpy's array file, shape (N, 2), or (N, 3) with z = 0.
+//! numpy's array file, shape (N, 2), or (N, 3) with z = 0; of sets in space (N, 3).
 //!
 //! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0,
 //! little-endian, C order, shape (N, 2). The header, a Python literal, is matched as numpy's format specification prescribes and
@@ -40,6 +40,53 @@ pub(super) fn read(bytes: &[u8], any_z: bool) -> Result<Raw, FormatError> {
         binary::pairs(data, 0, header.precision, header.endian, FORMAT)?
     };
     Ok(Raw::new(points, header.precision))
+}
+
+/// Reads points in space, of shape (N, 3).
+pub(super) fn read_solid(bytes: &[u8]) -> Result<(Vec<[f64; 3]>, Precision), FormatError> {
+    let (header, offset) = read_head(bytes)?;
+    if header.columns != 3 {
+        return Err(FormatError::Unsupported {
+            format: FORMAT,
+            what: format!("shape ({}, {})", header.count, header.columns),
+            supported: "only shape (N, 3) can be a set in space",
+        });
+    }
+
+    // The number of rows is compared with the bytes that are there before anything is allocated.
+    let size = header.precision.bytes();
+    let mut cursor = Cursor::new(bytes, offset as usize, FORMAT);
+    let data = cursor.records(header.count, 3 * size as u64)?;
+    cursor.finish()?;
+
+    let count = header.count as usize;
+    let value = |row: usize, axis: usize| {
+        // In Fortran order all x come first, then all y and all z.
+        let at = if header.fortran {
+            axis * count + row
+        } else {
+            3 * row + axis
+        };
+        let stored = &data[at * size..][..size];
+        let value = coordinate(stored, header.precision, header.endian);
+        binary::finite(value, FORMAT, row as u64)
+    };
+    let point = |row| Ok([value(row, 0)?, value(row, 1)?, value(row, 2)?]);
+    let points: Result<_, FormatError> = (0..count).map(point).collect();
+    Ok((points?, header.precision))
+}
+
+/// Writes points in space.
+pub(super) fn write_solid(points: &[[f64; 3]], precision: Precision) -> Vec<u8> {
+    let mut out = head_of(&NpyHeader {
+        precision,
+        endian: Endian::Little,
+        fortran: false,
+        count: points.len() as u64,
+        columns: 3,
+    });
+    binary::push(&mut out, points.as_flattened(), precision);
+    out
 }
 
 /// The header of a file that begins with `bytes`, and where its data begin.

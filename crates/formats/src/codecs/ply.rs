@@ -12,7 +12,7 @@ use crate::binary::{self, Cursor, Endian};
 use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
-use crate::text::{lines, number, push, split_line, words};
+use crate::text::{lines, number, push, push_line, split_line, words};
 
 /// Names of the provenance properties, of type uint.
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
@@ -562,6 +562,21 @@ pub(super) fn push_rows(
             out.extend_from_slice(&radius.to_le_bytes());
         }
     }
+}
+
+/// Writes points in space.
+pub(super) fn write_solid(points: &[[f64; 3]], format: Format, precision: Precision) -> Vec<u8> {
+    let (count, columns) = (points.len() as u64, Columns::default());
+    if format == Format::PlyAscii {
+        let mut out = header("ascii", count, "double", false, &columns);
+        for point in points {
+            push_line(&mut out, point, " ");
+        }
+        return out;
+    }
+    let mut out = binary_head(count, precision, false, &columns);
+    binary::push(&mut out, points.as_flattened(), precision);
+    out
 }
 
 #[cfg(test)]

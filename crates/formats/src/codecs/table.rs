@@ -77,6 +77,25 @@ pub(super) fn column(
     columns: Option<[&str; 2]>,
     wanted: &str,
 ) -> Result<Vec<f64>, FormatError> {
+    let pick = |rows: &TableRows| names::one(wanted, &rows.names, rows.count);
+    column_by(bytes, format, columns, pick)
+}
+
+/// Returns the third coordinates of a table of points in space: those of the column z, without names of the third column.
+pub(super) fn heights(bytes: &[u8], format: Format) -> Result<Vec<f64>, FormatError> {
+    let pick = |rows: &TableRows| {
+        let none = || "no column is named z, and a set in space has x, y and z".to_owned();
+        rows.z.ok_or_else(none)
+    };
+    column_by(bytes, format, None, pick)
+}
+
+fn column_by(
+    bytes: &[u8],
+    format: Format,
+    columns: Option<[&str; 2]>,
+    pick: impl Fn(&TableRows) -> Result<usize, String>,
+) -> Result<Vec<f64>, FormatError> {
     let mut table = TextTable::new(format, columns);
     let mut rest = without_bom(bytes);
     while table.rows.is_none() && !rest.is_empty() {
@@ -88,12 +107,11 @@ pub(super) fn column(
         return Ok(values);
     };
     let place = FilePlace::Line(table.line + 1);
-    let column =
-        names::one(wanted, &rows.names, rows.count).map_err(|reason| FormatError::Header {
-            format,
-            place,
-            reason,
-        })?;
+    let column = pick(rows).map_err(|reason| FormatError::Header {
+        format,
+        place,
+        reason,
+    })?;
 
     while !rest.is_empty() {
         let row;
@@ -411,7 +429,7 @@ impl TableRows {
             .filter(|value: &f64| value.is_finite())
             .ok_or_else(|| {
                 let reason = format!(
-                    "\"{}\" in column {} is not a finite number, by which points could be ordered",
+                    "\"{}\" in column {} is not a finite number",
                     quote(field),
                     self.names.get(column).unwrap_or(&(column + 1).to_string())
                 );

@@ -18,9 +18,20 @@ pub(super) const HEADER_BYTES: u64 = 20;
 
 /// Reads the chosen set of a text with one or more sets.
 pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
+    let (points, found) = text_of(bytes, chosen)?;
+    let mut raw = Raw::new(points, Precision::Double);
+    raw.sets = found;
+    Ok(raw)
+}
+
+/// Returns the chosen set of a text, with so many coordinates a point, and how many sets there are.
+pub(super) fn text_of<const N: usize>(
+    bytes: &[u8],
+    chosen: Option<usize>,
+) -> Result<(Vec<[f64; N]>, usize), FormatError> {
     const FORMAT: Format = Format::UtkText;
     let mut sets = vec![Vec::new()];
-    // A row of more than two numbers is refused.
+    // A row of more numbers is refused.
     let exact = true;
     // A line that begins with # separates two sets; remarks that begin with another sign are passed over.
     let is_other_remark = |row: &[u8]| is_remark(row) && row[0] != b'#';
@@ -43,9 +54,7 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
     }
 
     let index = choose(found, chosen, FORMAT)?;
-    let mut raw = Raw::new(sets.swap_remove(index), Precision::Double);
-    raw.sets = found;
-    Ok(raw)
+    Ok((sets.swap_remove(index), found))
 }
 
 /// Returns the chosen set with only those of its lines that are kept.
@@ -113,6 +122,11 @@ pub(super) struct UtkHead {
 
 /// The head of a file that begins with `bytes`; data begin at [`HEADER_BYTES`].
 pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
+    read_head_of(bytes, 2)
+}
+
+/// The head of a file of sets of the `wanted` dimension.
+fn read_head_of(bytes: &[u8], wanted: u32) -> Result<UtkHead, FormatError> {
     const FORMAT: Format = Format::UtkBinary;
     if !bytes.starts_with(UTK_MAGIC) {
         return Err(FormatError::Magic {
@@ -126,11 +140,15 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
     let precision = precision_of(cursor.take(4)?[0])?;
     let (sets, count, dimension) = (cursor.u32()?, cursor.u32()?, cursor.u32()?);
 
-    if dimension != 2 {
+    // The rows of another dimension have other lengths.
+    if dimension != wanted {
         return Err(FormatError::Unsupported {
             format: FORMAT,
             what: format!("a set of dimension {dimension}"),
-            supported: "only dimension 2 is",
+            supported: match wanted {
+                2 => "only dimension 2 is; on the command line --depth reads dimension 3",
+                _ => "a set in space has dimension 3",
+            },
         });
     }
     if sets == 0 || count == 0 {
@@ -146,25 +164,66 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
 
 pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkBinary;
+    let head = read_head(bytes)?;
+    let data = set_of(bytes, &head, 2, chosen)?;
     let UtkHead {
-        precision,
-        sets,
-        count,
-    } = read_head(bytes)?;
-
-    let mut cursor = Cursor::new(bytes, HEADER_BYTES as usize, FORMAT);
-    let row = 2 * precision.bytes() as u64;
-    let data = cursor.records(u64::from(sets) * u64::from(count), row)?;
-    cursor.finish()?;
-
-    // The sets lie one after another and are of one length.
-    let index = choose(sets as usize, chosen, FORMAT)?;
-    let set_bytes = data.len() / sets as usize;
-    let data = &data[index * set_bytes..][..set_bytes];
+        precision, sets, ..
+    } = head;
     let points = binary::pairs(data, 0, precision, Endian::Little, FORMAT)?;
     let mut raw = Raw::new(points, precision);
     raw.sets = sets as usize;
     Ok(raw)
+}
+
+/// Returns the rows of the chosen set of a binary file, of so many coordinates each.
+fn set_of<'a>(
+    bytes: &'a [u8],
+    head: &UtkHead,
+    coordinates: usize,
+    chosen: Option<usize>,
+) -> Result<&'a [u8], FormatError> {
+    let mut cursor = Cursor::new(bytes, HEADER_BYTES as usize, Format::UtkBinary);
+    let row = (coordinates * head.precision.bytes()) as u64;
+    let data = cursor.records(u64::from(head.sets) * u64::from(head.count), row)?;
+    cursor.finish()?;
+
+    // The sets lie one after another and are of one length.
+    let index = choose(head.sets as usize, chosen, Format::UtkBinary)?;
+    let set_bytes = data.len() / head.sets as usize;
+    Ok(&data[index * set_bytes..][..set_bytes])
+}
+
+/// Reads points in space from a binary file of dimension 3.
+pub(super) fn read_solid_binary(
+    bytes: &[u8],
+    chosen: Option<usize>,
+) -> Result<(Vec<[f64; 3]>, Precision), FormatError> {
+    let head = read_head_of(bytes, 3)?;
+    let size = head.precision.bytes();
+    let rows = set_of(bytes, &head, 3, chosen)?.chunks_exact(3 * size);
+    let point = |(row, index): (&[u8], u64)| {
+        let value = |axis: usize| {
+            let value =
+                binary::coordinate(&row[axis * size..][..size], head.precision, Endian::Little);
+            binary::finite(value, Format::UtkBinary, index)
+        };
+        Ok([value(0)?, value(1)?, value(2)?])
+    };
+    let points: Result<_, FormatError> = rows.zip(0..).map(point).collect();
+    Ok((points?, head.precision))
+}
+
+/// Writes points in space as one set of dimension 3.
+pub(super) fn write_solid_binary(
+    points: &[[f64; 3]],
+    precision: Precision,
+) -> Result<Vec<u8>, FormatError> {
+    let mut out = head(points.len() as u64, precision)?;
+    // The dimension is the last word of the head.
+    out.truncate(HEADER_BYTES as usize - 4);
+    out.extend_from_slice(&3_u32.to_le_bytes());
+    binary::push(&mut out, points.as_flattened(), precision);
+    Ok(out)
 }
 
 fn precision_of(code: u8) -> Result<Precision, FormatError> {

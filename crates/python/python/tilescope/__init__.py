@@ -25,7 +25,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
-from typing import Any, Literal, SupportsIndex
+from typing import Any, Literal, SupportsIndex, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,7 @@ from tilescope._input import Path, local_path, numbers, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
+from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, sides, solid_report_of
 from tilescope._spectrum import Spectrum
 
 __all__ = [
@@ -47,14 +48,19 @@ __all__ = [
     "Plane",
     "PointSet",
     "Report",
+    "SolidGap",
+    "SolidReport",
+    "SolidSet",
     "Spectrum",
     "analyze",
     "combine",
     "curve",
     "read",
+    "read_solid",
     "sample",
     "set_threads",
     "verify",
+    "verify_solid",
 ]
 __version__ = version("tilescope")
 
@@ -69,9 +75,23 @@ _Insertion = Literal["circumcentre", "uniform"]
 _Variant = Literal["staged", "as-printed"]
 
 
+@overload
 def sample(
     count: SupportsIndex | None = None,
     *,
+    size: tuple[float, float, float],
+    radius: float | None = None,
+    boundary: Boundary | None = None,
+    seed: SupportsIndex = 1,
+    exactly: SupportsIndex | None = None,
+    method: Literal["reference"] | None = None,
+    progress: Progress = False,
+) -> SolidSet: ...
+@overload
+def sample(
+    count: SupportsIndex | None = None,
+    *,
+    size: None = None,
     radius: Radius | None = None,
     radius_expression: str | None = None,
     density: Pixels | None = None,
@@ -100,17 +120,56 @@ def sample(
     method: Literal["kdrt", "exact", "reference"] | None = None,
     engine: Literal["auto", "parallel", "sequential"] = "auto",
     progress: Progress = False,
-) -> PointSet:
+) -> PointSet: ...
+def sample(
+    count: SupportsIndex | None = None,
+    *,
+    size: tuple[float, float, float] | None = None,
+    radius: Radius | None = None,
+    radius_expression: str | None = None,
+    density: Pixels | None = None,
+    mask: Pixels | None = None,
+    shape: Any = None,
+    planar: bool = False,
+    extent: tuple[float, float, float, float] | None = None,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
+    seed: SupportsIndex = 1,
+    leaf: float = 30.0,
+    pattern_side: float | None = None,
+    pattern_boundary: Boundary = "periodic",
+    pattern_seed: SupportsIndex | None = None,
+    pattern: PointSet | Path | None = None,
+    dihedral: bool = False,
+    order: _Order = "own-block-first",
+    insertion: _Insertion = "circumcentre",
+    search: Literal[4, 2] = 4,
+    variant: _Variant = "staged",
+    levels: SupportsIndex | None = None,
+    exactly: SupportsIndex | None = None,
+    order_within: Literal["random", "farthest"] = "random",
+    origin: tuple[float, float] | None = None,
+    method: Literal["kdrt", "exact", "reference"] | None = None,
+    engine: Literal["auto", "parallel", "sequential"] = "auto",
+    progress: Progress = False,
+) -> PointSet | SolidSet:
     """Makes a maximal Poisson-disk set.
 
     Names, defaults and points are those of ``tilescope sample``. Give `count`, `radius`, or `levels`
     with `exactly`. The radius may vary, and the set may cover a shape: no two samples of radii a and b are
     then within 2ab / (a + b) of each other, and each place, with its own radius, is that near to a sample.
 
+    With `size` the set is one in space, of balls in a box.
+
     Parameters
     ----------
     count : int, optional
         Choose the radius so that about as many samples result, to within 1%.
+    size : (width, height, depth), optional
+        The three sides of a box, each of at least 4 radii. The reference sampler makes a set in space, from `radius`, `count`
+        or `exactly` (the first so many samples of a set, which cover within a factor of the radius that
+        :meth:`SolidSet.verify` measures), `boundary` and `seed`; other arguments are refused.
     radius : float, array_like of shape (rows, columns) or callable, optional
         The smallest distance between two samples, and the largest from any place to its nearest
         sample. An array has the radii of the pixels that fill the domain, with the lowest y in the first row;
@@ -195,8 +254,9 @@ def sample(
 
     Returns
     -------
-    PointSet
-        The set, of at most 2e8 samples. :attr:`PointSet.levels` says what holds for nested levels.
+    PointSet or SolidSet
+        The set, of at most 2e8 samples. :attr:`PointSet.levels` says what holds for nested levels. With `size` a
+        :class:`SolidSet`, whose points have the shape (N, 3).
 
     Raises
     ------
@@ -222,11 +282,24 @@ def sample(
     >>> trees = tilescope.sample(500, shape=park)
     >>> abs(len(trees) - 500) <= 5, trees.verify().valid
     (True, True)
+    >>> balls = tilescope.sample(size=(10, 10, 10), radius=1)
+    >>> balls.points.shape == (len(balls), 3), balls.verify().valid
+    (True, True)
     >>> tilescope.sample(radius=-1)
     Traceback (most recent call last):
         ...
     ValueError: the radius is -1; it must be a finite number above 0
     """
+    if size is not None:
+        _refuse_planar(
+            radius_expression=radius_expression, density=density, mask=mask, shape=shape, planar=planar, extent=extent,
+            width=width, height=height, leaf=leaf, pattern_side=pattern_side, pattern_boundary=pattern_boundary,
+            pattern_seed=pattern_seed, pattern=pattern, dihedral=dihedral, order=order, insertion=insertion, search=search,
+            variant=variant, levels=levels, order_within=order_within, origin=origin, method=method, engine=engine,
+        )  # fmt: skip
+        ends = "periodic" if boundary is None else boundary
+        with following(progress) as told:
+            return SolidSet._made(_tilescope.sample_solid(sides(size), radius, count, exactly, ends, seed, told))
     if extent is not None:
         if not (width is None and height is None and origin is None):
             raise ValueError("extent is given with width, height or origin, which it says; leave these out")
@@ -265,6 +338,18 @@ def sample(
         made = PointSet._made(_tilescope.sample(request, method, engine, told))
     made._origin = (0.0, 0.0) if at is None else at
     return made
+
+
+def _refuse_planar(**given: Any) -> None:
+    """Raises ``ValueError`` for arguments of planar sets."""
+    parameters = inspect.signature(sample).parameters
+    for argument, value in given.items():
+        if argument == "method" and value == "reference":
+            continue
+        if value is not parameters[argument].default and value != parameters[argument].default:
+            raise ValueError(
+                f"{argument} is given with size, which makes a set in space by the reference sampler; leave {argument} out"
+            )
 
 
 def _refuse_tiling(name: str, **given: Any) -> None:
@@ -573,6 +658,10 @@ def verify(
     >>> report.conflicts, report.maximal
     (1, False)
     """
+    if isinstance(points, (str, os.PathLike)) and _is_in_space(points, format):
+        raise ValueError(
+            f"{shown_text(local_path(points))} has a third side by its certificate; tilescope.verify_solid judges it"
+        )
     field = field_of(radius, radius_expression, density, mask, shape, planar)
     if field is not None and prefix is not None:
         raise ValueError(f"{field.name} is given with prefix, which is for nested levels: they have one radius")
@@ -605,6 +694,75 @@ def verify(
             found = json.loads(_tilescope.check(local_path(points), given, field, format, set, judge, told))
         return report_of(found["report"], found["differences"])
     return _set_of(points, radius, width, height, boundary).verify(judge=judge, progress=progress)
+
+
+def verify_solid(
+    points: SolidSet | Path | npt.ArrayLike,
+    radius: float | None = None,
+    *,
+    size: tuple[float, float, float] | None = None,
+    boundary: Boundary | None = None,
+    format: Format | None = None,
+    judge: SolidJudge | None = None,
+    progress: Progress = False,
+) -> SolidReport:
+    """Judges whether a set in space is conflict-free and maximal, whoever made it.
+
+    Parameters
+    ----------
+    points : array_like of shape (N, 3), path-like or SolidSet
+        Positions, or the file of a set. Of a file the certificate is compared as well.
+    radius, size, boundary, optional
+        The radius and the box. If not given, those of the set or of the certificate of a file; positions in an array need
+        radius and size, and are periodic if nothing else is said.
+    format : str, optional
+        Format of a file, if neither its extension nor its content says it.
+    judge, progress
+        As in :meth:`SolidSet.verify`.
+
+    Returns
+    -------
+    SolidReport
+        The verdict. A bad set is a report, not an error.
+
+    Raises
+    ------
+    ValueError
+        If there is no set to judge: it is empty, a position is not finite or outside of the box, radius or size are missing.
+    OSError
+        If a file cannot be read.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.stack(np.meshgrid(*[np.arange(4.0)] * 3), axis=-1).reshape(-1, 3)
+    >>> tilescope.verify_solid(corners, 0.9, size=(4, 4, 4)).valid
+    True
+    >>> tilescope.verify_solid(corners, 0.8, size=(4, 4, 4)).maximal
+    False
+    """
+    if isinstance(points, (str, os.PathLike)):
+        box = None if size is None else sides(size)
+        with following(progress) as told:
+            text = _tilescope.check_file_in_space(local_path(points), box, boundary, radius, format, judge, told)
+        found = json.loads(text)
+        return solid_report_of(found["report"], found["differences"])
+    if isinstance(points, SolidSet):
+        if radius is None and size is None and boundary is None:
+            return points.verify(judge=judge, progress=progress)
+        radius = points.radius if radius is None else radius
+        size = points.size if size is None else size
+        boundary = points.boundary if boundary is None else boundary  # type: ignore[assignment]
+        points = points.points
+    if radius is None or size is None:
+        raise ValueError("positions in space have no radius and no box of their own; give radius and size")
+    one = SolidSet(points, radius, size, "periodic" if boundary is None else boundary)
+    return one.verify(judge=judge, progress=progress)
+
+
+def _is_in_space(path: Path, format: Format | None) -> bool:
+    name = local_path(path)
+    return not _parquet.is_to_read(name, format) and _tilescope.is_in_space(name)
 
 
 def _check_no_file(format: object, set: object, origin: object) -> None:
@@ -807,6 +965,41 @@ def _read(
     given = _Given(radius, width, height, boundary, origin)
     with following(progress) as told:
         return PointSet._made(*_tilescope.read(name, given, field, format, set, certificate, told))
+
+
+def read_solid(
+    path: Path,
+    radius: float | None = None,
+    *,
+    size: tuple[float, float, float] | None = None,
+    boundary: Boundary | None = None,
+    format: Format | None = None,
+) -> SolidSet:
+    """Reads a set in space from a file, whose certificate is compared with it.
+
+    Parameters
+    ----------
+    path : path-like
+        The file: ``.ply``, ``.npy`` of shape (N, 3), ``.csv``, ``.xyz``, ``.bin`` or ``.dat`` of UTK.
+    radius, size, boundary, optional
+        Of the set. If not given, the certificate beside the file says them.
+    format : str, optional
+        The format, if neither the extension nor the content says it.
+
+    Returns
+    -------
+    SolidSet
+        The set, as it stands in the file. It is not judged.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it holds no set in space, its certificate is not true, or nothing says its radius or its box.
+    """
+    box = None if size is None else sides(size)
+    return SolidSet._made(_tilescope.read_file_in_space(local_path(path), box, boundary, radius, format))
 
 
 def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False) -> PointSet:

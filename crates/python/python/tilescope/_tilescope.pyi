@@ -13,6 +13,9 @@ from tilescope._report import Level
 # Positions, where each sample came from, and facts as JSON.
 MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, str]
 
+# Positions in space, and facts as JSON.
+MadeSolid = tuple[npt.NDArray[np.float64], str]
+
 class _Given(Protocol):
     radius: Any
     width: float | None
@@ -65,6 +68,15 @@ def check(
     judge: str | None,
     progress: ProgressFunction | None,
 ) -> str: ...
+def check_file_in_space(
+    path: str,
+    size: tuple[float, float, float] | None,
+    boundary: str | None,
+    radius: float | None,
+    format_name: str | None,
+    judge: str | None,
+    progress: ProgressFunction | None,
+) -> str: ...
 def check_domain(radius: float | None, width: float, height: float, boundary: str) -> None: ...
 def combine(layout: str, folder: str, sets: dict[str, PointSet], progress: ProgressFunction | None) -> MadeSet: ...
 def curve(
@@ -87,6 +99,7 @@ def draw(
     progress: ProgressFunction | None,
 ) -> bytes: ...
 def ground_of(given: _Given, field: Field) -> Ground: ...
+def is_in_space(path: str) -> bool: ...
 def named_by_content(path: str) -> str: ...
 def pair_correlation(set: PointSet, progress: ProgressFunction | None) -> npt.NDArray[np.float64]: ...
 def prefix(levels: tuple[Level, ...], count: SupportsIndex) -> tuple[int, float, float | None]: ...
@@ -99,6 +112,13 @@ def read(
     certificate: bool,
     progress: ProgressFunction | None,
 ) -> tuple[MadeSet, Ground | None]: ...
+def read_file_in_space(
+    path: str,
+    size: tuple[float, float, float] | None,
+    boundary: str | None,
+    radius: float | None,
+    format_name: str | None,
+) -> MadeSolid: ...
 def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> MadeSet: ...
 def sample_field(
     given: _Given, field: Field, count: SupportsIndex | None, seed: SupportsIndex, progress: ProgressFunction | None
@@ -115,6 +135,27 @@ def save(
     judge: str | None,
     progress: ProgressFunction | None,
 ) -> str: ...
+def sample_solid(
+    size: tuple[float, float, float],
+    radius: Any,
+    count: SupportsIndex | None,
+    exactly: SupportsIndex | None,
+    boundary: str,
+    seed: SupportsIndex,
+    progress: ProgressFunction | None,
+) -> MadeSolid: ...
+def save_solid(
+    points: npt.NDArray[np.float64],
+    facts: str,
+    path: str,
+    *,
+    format_name: str | None,
+    precision: str,
+    shuffle: SupportsIndex | None,
+    verify: bool,
+    judge: str | None,
+    progress: ProgressFunction | None,
+) -> str: ...
 def set_threads(threads: SupportsIndex) -> None: ...
 def spectrum(set: PointSet, nu: float | None, progress: ProgressFunction | None) -> dict[str, Any]: ...
 def verify(set: PointSet, judge: str | None, progress: ProgressFunction | None) -> str: ...
@@ -122,3 +163,6 @@ def verify_window(
     set: PointSet, window: Window, judge: str | None, progress: ProgressFunction | None
 ) -> tuple[int, int]: ...
 def write_file(path: str, data: bytes) -> None: ...
+def verify_solid(
+    points: npt.NDArray[np.float64], facts: str, judge: str | None, progress: ProgressFunction | None
+) -> str: ...

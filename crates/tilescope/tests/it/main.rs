@@ -13,6 +13,7 @@ mod lessons;
 mod places;
 mod reproduce;
 mod script;
+mod solid;
 mod stipple;
 mod support;
 mod text_tables;

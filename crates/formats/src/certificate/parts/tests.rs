@@ -94,22 +94,34 @@ fn a_part_that_no_judge_takes_into_account_is_refused_by_name() {
         assert!(refusal(&older).contains(&format!("version 1 has no {name}")));
 
         // The control: parts that are judged.
-        if ["origin", "shape", "radius", "thinned"].contains(&name) {
+        if ["origin", "depth", "shape", "radius", "thinned"].contains(&name) {
             let text = stated.to_string();
             Certificate::from_bytes(text.as_bytes(), "c").expect("a part that is judged");
             continue;
         }
-        let said = refusal(&stated);
-        if name == "prefix" {
-            assert!(said.contains("`prefix`, which is judged only where the radius varies"));
-            let mut varying = stated;
-            varying["radius"] = field();
-            let text = varying.to_string();
+        assert_eq!(name, "prefix");
+        assert!(
+            refusal(&stated).contains("`prefix`, which is judged only where the radius varies")
+        );
+        for (part, value) in [("radius", field()), ("depth", json!(4.0))] {
+            let mut judged = stated.clone();
+            judged[part] = value;
+            let text = judged.to_string();
             Certificate::from_bytes(text.as_bytes(), "c").expect("a prefix that is judged");
-            continue;
         }
-        let expected = format!("has the part `{name}`, which this version knows but cannot judge");
-        assert!(said.contains(&expected), "{said}");
+    }
+
+    // No part but a prefix stands beside a third side.
+    for (name, value) in parts() {
+        let mut stated = with("depth", &json!(4.0));
+        stated[name] = value;
+        if !["depth", "prefix"].contains(&name) {
+            let said = refusal(&stated);
+            assert!(
+                said.contains(&format!("the part `{name}")) && said.contains("beside `depth`"),
+                "{said}"
+            );
+        }
     }
 
     let said = refusal(&with("judges", &json!(["oracle"])));
@@ -124,8 +136,10 @@ fn a_part_inside_the_file_is_refused_too() {
         read.map(drop).map_err(|error| error.to_string())
     };
     assert!(inside(&with("origin", &json!([1, 2]))).is_ok());
-    let said = inside(&with("depth", &json!(4))).expect_err("a third side");
-    assert!(said.contains("has the part `depth`"), "{said}");
+    let mut beside = with("depth", &json!(4));
+    beside["origin"] = json!([1, 2]);
+    let said = inside(&beside).expect_err("a third side at an origin");
+    assert!(said.contains("the part `origin` beside `depth`"), "{said}");
     let said = inside(&with("foo", &json!(4))).expect_err("unknown");
     assert!(
         said.contains("the certificate has the part `foo`, which this version does not know"),

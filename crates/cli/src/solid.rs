@@ -1,0 +1,91 @@
+//! Sets in space: balls in a box, by the commands that make, verify, convert and draw sets. What is planar alone is refused by
+//! name.
+//!
+//! [`make`] has `tilescope sample`, [`check`] `verify` and `convert`, [`plane`] the disks in which a plane meets the balls.
+
+pub mod check;
+pub mod make;
+pub mod plane;
+mod verdict;
+
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use tilescope_analysis::{JudgeChoice, Region, SolidError};
+use tilescope_formats::{CheckError, FormatError, Overrides, solid_certificate};
+
+use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE};
+
+pub use plane::Slice;
+
+/// Why options of planar sets are refused.
+pub const PLANAR: &str = "it is for planar sets, and this one has a third side";
+
+/// Refuses the first of some options that is given, as `whose` has no use for it.
+pub fn refuse(options: &[(&str, bool)], whose: &str) -> Result<()> {
+    match options.iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => bail!("{name}: {whose}; leave it out"),
+        None => Ok(()),
+    }
+}
+
+/// Refuses the judge that knows of planes alone, before anything is made or read.
+pub fn check_judge(judge: &JudgeArguments) -> Result<()> {
+    match judge.choice() {
+        JudgeChoice::Delaunay => Err(SolidError::WrongJudge.into()),
+        JudgeChoice::Automatic
+        | JudgeChoice::Circles
+        | JudgeChoice::Both
+        | JudgeChoice::Subdivision => Ok(()),
+    }
+}
+
+/// Whether a file is to be read as a set in space: if its certificate has a third side, or if one is given.
+pub fn is_in_space(set: &SetArguments, file: &Path) -> bool {
+    set.depth.is_some() || (!set.no_certificate && solid_certificate(file).is_some())
+}
+
+/// Returns the values that override the certificate of a set in space. Without a certificate, sides that are not given are 1, and
+/// the box is periodic.
+fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
+    refuse(
+        &[
+            ("--columns", set.columns.is_some()),
+            ("--origin", set.origin.is_some()),
+            ("--planar", set.planar),
+        ],
+        PLANAR,
+    )?;
+
+    // Sides that are not given are those of the certificate, if there is one.
+    let stated = solid_certificate(file).filter(|_| !set.no_certificate);
+    let given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
+    let of_stated = stated.map(|stated| stated.region);
+    let region = || set.region_over(of_stated.unwrap_or(Region::UNIT_SQUARE));
+    Ok(Overrides {
+        format: set.format,
+        set: set.set,
+        region: (given || of_stated.is_none()).then(region),
+        radius: set.radius,
+        without_certificate: set.no_certificate,
+        ..Overrides::default()
+    })
+}
+
+/// Adds to the error of a check the options that help.
+fn hinted(error: CheckError) -> anyhow::Error {
+    // Messages of the crates below name values; the options that set them are known here.
+    match error {
+        CheckError::Solid(error @ SolidError::OutOfRegion { .. }) => {
+            anyhow::anyhow!(
+                "{error}; --width, --height, --depth and --boundary state another domain"
+            )
+        }
+        CheckError::NoRadius => anyhow::Error::from(error).context("give --radius"),
+        CheckError::NoDepth => anyhow::Error::from(error).context("give --depth"),
+        CheckError::Format(
+            error @ (FormatError::FalseCertificate { .. } | FormatError::Certificate { .. }),
+        ) => anyhow::anyhow!("{error}; {WITHOUT_CERTIFICATE}"),
+        other => other.into(),
+    }
+}

@@ -1,0 +1,175 @@
+//! `tilescope verify` and `tilescope convert` of sets in space.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::{Value, json};
+use tilescope_analysis::{JudgeChoice, SolidRegion, VerifyOptions, verify_solid};
+use tilescope_formats::{
+    Certificate, CheckError, ExportContext, Format, SolidCheck, SolidContext, check_solid,
+    check_solid_format, export_solid, in_space, read_solid,
+};
+
+use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE};
+use crate::output::{self, warning_line};
+use crate::paths::{InFile, named};
+use crate::progress::verifying;
+use crate::verdict_code;
+
+use super::{check_judge, hinted, overrides, verdict};
+
+/// Checks a file with a set in space against its radius, its box and its certificate, and prints the outcome.
+pub fn verify(
+    file: &Path,
+    set: &SetArguments,
+    judge: &JudgeArguments,
+    as_json: bool,
+) -> Result<u8> {
+    let (_, check) = checked(file, set, judge)?.map_err(hinted).in_file(file)?;
+    output::report(as_json, || to_json(&check), || to_text(&check))?;
+    Ok(verdict_code(check.passed()))
+}
+
+type Checked = Result<(Vec<[f64; 3]>, SolidCheck), CheckError>;
+
+fn checked(file: &Path, set: &SetArguments, judge: &JudgeArguments) -> Result<Checked> {
+    check_judge(judge)?;
+    let mut overrides = overrides(set, file)?;
+    overrides.judges = judge.choice();
+    Ok(verifying(|control| {
+        check_solid(file, &overrides, set.depth, control)
+    }))
+}
+
+fn to_json(check: &SolidCheck) -> Value {
+    // The same fields as of planar sets, so that programs read both alike.
+    let (report, stated) = (&check.verdict.report, check.certificate.as_ref());
+    let mut object = json!({
+        "format": check.detection.format.to_string(),
+        "precision": check.precision,
+        "region": report.region,
+        "radius": report.radius,
+        "certificate": stated.is_some(),
+        "prefix": stated.and_then(|stated| stated.prefix),
+        "unchecked": stated.map(Certificate::unchecked),
+        "differences": check.differences,
+        "passed": check.passed(),
+    });
+    output::add(&mut object, verdict::json(&check.verdict));
+    object
+}
+
+fn to_text(check: &SolidCheck) -> String {
+    let report = &check.verdict.report;
+    let mut out = format!(
+        "{}: {}, r = {}\n\n{}",
+        check.detection,
+        verdict::box_text(&report.region),
+        report.radius,
+        verdict::text(&check.verdict),
+    );
+    out += &output::certificate_text(check.certificate.as_ref(), &check.differences);
+    out
+}
+
+/// Writes a set in space in another format, verified as it was read and as it was written.
+pub fn convert(
+    [input, path]: [&Path; 2],
+    to: Option<Format>,
+    set: &SetArguments,
+    judge: &JudgeArguments,
+) -> Result<u8> {
+    // A format that cannot hold the set is refused before the set is judged, which takes longest.
+    check_solid_format(Format::to_write(path, to)?).in_file(path)?;
+    let (points, mut context) = match checked(input, set, judge)? {
+        // Without a certificate the smallest distance may have to serve as the radius.
+        Err(CheckError::NoRadius) => uncertified(input, set)?,
+        check => certified(check.map_err(hinted).in_file(input)?, input)?,
+    };
+    context.planar.format = to;
+    context.planar.verify = judge.options();
+
+    let exported = verifying(|control| export_solid(path, &points, &context, control));
+    let exported = exported.in_file(path)?;
+    let warnings: String = (exported.warnings.iter())
+        .map(|warning| warning_line(&warning.to_string()))
+        .collect();
+    output::emit(&format!(
+        "{} samples, r = {}\n{}{warnings}certificate    {}\n",
+        points.len(),
+        context.planar.radius,
+        verdict::text(&exported.verdict),
+        named(&exported.certificate_path)
+    ))?;
+    Ok(verdict_code(exported.verdict.valid()))
+}
+
+/// Carries the certificate of a checked set over, if it has one.
+fn certified(
+    (points, check): (Vec<[f64; 3]>, SolidCheck),
+    file: &Path,
+) -> Result<(Vec<[f64; 3]>, SolidContext)> {
+    // The new file's certificate repeats these statements, so that they have to be true.
+    if let Some(differs) = check.differences.first() {
+        let file = named(file);
+        bail!("{file}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
+    }
+    // Without a certificate, box and radius are those of the arguments.
+    let report = &check.verdict.report;
+    let mut context = of_unknown_origin(report.region, report.radius);
+    if let Some(stated) = check.certificate {
+        let planar = &mut context.planar;
+        planar.program = stated.program;
+        planar.program_version = stated.program_version;
+        planar.method = stated.method;
+        planar.parameters = stated.parameters;
+        planar.precision = stated.precision;
+        planar.made = stated.prefix.map(|prefix| prefix.made);
+    }
+    Ok((points, context))
+}
+
+/// Reads a set of unknown radius: its smallest distance becomes the radius.
+fn uncertified(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidContext)> {
+    let mut overrides = overrides(set, file)?;
+    // Any radius will do to read the points.
+    overrides.radius = Some(1.0);
+    let read = read_solid(file, &overrides, set.depth)
+        .map_err(hinted)
+        .in_file(file)?;
+    let radius = smallest_distance(&read.points, read.region).in_file(file)?;
+    Ok((read.points, of_unknown_origin(read.region, radius)))
+}
+
+fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
+    // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
+    let spacing = (region.volume() / points.len().max(1) as f64).cbrt();
+    let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
+    let options = VerifyOptions {
+        judges: JudgeChoice::Subdivision,
+        ..VerifyOptions::default()
+    };
+    // In a periodic box no place may be near two images of a sample.
+    let radius = spacing.min(shortest / 2.5);
+    let report = verifying(|control| verify_solid(points, region, radius, &options, control))
+        .context("no radius is known, and none can be measured; give --radius")?;
+    let distance = report.min_distance;
+    ensure!(
+        distance.is_finite() && distance > 0.0,
+        "the smallest distance is {distance}, which is no radius; give --radius"
+    );
+    Ok(distance)
+}
+
+/// Returns the statements about a set of which nothing says how it was made.
+fn of_unknown_origin(region: SolidRegion, radius: f64) -> SolidContext {
+    let base = tilescope_analysis::Region::new([region.width, region.height], region.is_periodic());
+    debug_assert_eq!(in_space(base, region.depth), region);
+    SolidContext {
+        planar: ExportContext {
+            method: "unknown".to_owned(),
+            ..ExportContext::new(base, radius)
+        },
+        depth: region.depth,
+    }
+}

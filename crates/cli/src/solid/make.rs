@@ -1,0 +1,224 @@
+//! `tilescope sample` with a third side: from arguments to a verified, saved set of balls.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::{Value, json};
+use tilescope_analysis::{Number, SolidVerdict};
+use tilescope_core::{Parameter, Stage};
+use tilescope_formats::{
+    Format, SolidContext, check_solid_format, export_solid, export_solid_unverified, solid_digest,
+};
+use tilescope_sets::{BallSize, SolidMade, SolidRecipe};
+
+use crate::make::NO_VERDICT;
+use crate::output::{self, warning_line};
+use crate::paths::{InFile, named};
+use crate::progress::{Stopwatch, verifying};
+use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::verdict_code;
+
+use super::{check_judge, refuse, verdict};
+
+/// The parameters that a set of balls has.
+const USED: [Parameter; 5] = [
+    Parameter::Width,
+    Parameter::Height,
+    Parameter::Radius,
+    Parameter::Boundary,
+    Parameter::Seed,
+];
+
+/// Makes a set of balls, verifies it and saves it, as the arguments ask; prints the outcome.
+pub fn sample(arguments: &SampleArguments) -> Result<u8> {
+    refuse_planar(arguments)?;
+    let path = arguments.out.as_deref();
+    // Asked before the set is made, which may take minutes.
+    if let Some(path) = path {
+        check_solid_format(Format::to_write(path, arguments.format)?).in_file(path)?;
+    }
+
+    // Tries for a number of samples are part of the time, as each is a whole set.
+    let mut watch = Stopwatch::start();
+    let made = recipe(arguments)?.make(&mut watch)?;
+    let seconds = watch.take();
+    let outcome = finish(arguments, made, &seconds)?;
+    output::report(arguments.json, || outcome.json(), || outcome.text())?;
+    Ok(verdict_code(
+        outcome.verdict.as_ref().is_none_or(SolidVerdict::valid),
+    ))
+}
+
+/// Refuses, by their names, options of planar sets and of other ways to make one.
+fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
+    let option = arguments.space.option();
+    let why = format!("{option} makes a set in space, by the reference sampler");
+    // The reference sampler makes every set in space: to ask for it by name changes nothing.
+    match arguments.method {
+        None | Some(SamplingMethod::Reference) => {}
+        Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
+        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
+    }
+    // A field and a shape would go with the reference sampler, but are functions of x and y.
+    if let Some(ground) = arguments.ground.option() {
+        bail!("{ground}: {why}, with one radius in a whole box; leave it out");
+    }
+
+    // Whole sets are made in memory, without blocks, in the order of arrival: these have no meaning.
+    let given = [
+        ("--levels", arguments.nested.levels.is_some()),
+        ("--window", arguments.window.is_some()),
+        ("--resume", arguments.resume),
+        ("--origin", arguments.origin.is_some()),
+        ("--pattern", arguments.run.pattern.is_some()),
+    ];
+    refuse(&given, &why)?;
+    arguments.engine.check_on_cpu("the reference sampler")?;
+    check_judge(&arguments.judge)?;
+
+    // Only a typed option is refused, as all have defaults.
+    let typed = arguments.run.typed.iter();
+    match typed.copied().find(|typed| !USED.contains(typed)) {
+        Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
+        None => Ok(()),
+    }
+}
+
+fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
+    let asked = &arguments.run.asked;
+    let size = arguments.space.size([asked.width, asked.height]);
+    let size = size.context("a set in space has three sides")?;
+    // By clap one of the three is given, and --exactly alone.
+    let balls = match (arguments.nested.exactly, arguments.run.count) {
+        (Some(count), _) => BallSize::Exactly(count as u64),
+        (None, Some(count)) => BallSize::Count(count),
+        (None, None) => BallSize::Radius(asked.radius),
+    };
+    ensure!(
+        arguments.run.greatest.is_none(),
+        "--radius takes two radii, MIN..MAX, with --radius-image only"
+    );
+    Ok(SolidRecipe {
+        size,
+        boundary: asked.boundary,
+        seed: asked.seed,
+        balls,
+    })
+}
+
+/// Verifies a set and saves it, as the arguments ask.
+fn finish(
+    arguments: &SampleArguments,
+    made: SolidMade,
+    seconds: &[(Stage, f64)],
+) -> Result<SolidOutcome> {
+    let mut context = made.context();
+    context.planar.format = arguments.format;
+    context.planar.shuffle_seed = arguments.shuffle;
+    context.planar.precision = arguments.precision;
+    context.planar.verify = arguments.judge.options();
+
+    // Of the positions as they were made, which a file may round or shuffle.
+    let digest = solid_digest(&made.points);
+    let outcome = SolidOutcome {
+        digest,
+        seconds: seconds.iter().map(|(_, seconds)| seconds).sum(),
+        verdict: None,
+        certificate: None,
+        warnings: Vec::new(),
+        made,
+    };
+    // What is saved is judged as the file holds it; otherwise the set in memory is.
+    match arguments.out.as_deref() {
+        Some(path) if arguments.no_verify => {
+            export_solid_unverified(path, &outcome.made.points, &context).in_file(path)?;
+            Ok(outcome)
+        }
+        Some(path) => saved(outcome, path, &context),
+        None => {
+            let options = arguments.judge.options();
+            let verdict = verifying(|control| outcome.made.judge(&options, control));
+            Ok(SolidOutcome {
+                verdict: Some(verdict.context(NO_VERDICT)?),
+                ..outcome
+            })
+        }
+    }
+}
+
+/// Saves a set with its certificate.
+fn saved(outcome: SolidOutcome, path: &Path, context: &SolidContext) -> Result<SolidOutcome> {
+    let points = &outcome.made.points;
+    let exported = verifying(|control| export_solid(path, points, context, control));
+    let exported = exported.in_file(path)?;
+    let warnings = exported.warnings.iter().map(ToString::to_string);
+    Ok(SolidOutcome {
+        verdict: Some(exported.verdict),
+        certificate: Some(exported.certificate_path),
+        warnings: warnings.collect(),
+        ..outcome
+    })
+}
+
+/// A set of balls that was made, with its verdict and its file.
+struct SolidOutcome {
+    made: SolidMade,
+    /// The digest of its positions as they were made.
+    digest: String,
+    seconds: f64,
+    /// Nothing, of a set that was not verified.
+    verdict: Option<SolidVerdict>,
+    certificate: Option<PathBuf>,
+    warnings: Vec<String>,
+}
+
+impl SolidOutcome {
+    fn json(&self) -> Value {
+        let made = &self.made;
+        let mut object = json!({
+            "method": SolidMade::METHOD,
+            "parameters": made.parameters(),
+            "radius": made.domain.radius(),
+            "made": made.made,
+            "seconds": [{ "stage": "throw darts", "seconds": self.seconds }],
+            "positions_digest": self.digest,
+            "certificate": self.certificate.as_ref().map(|path| path.display().to_string()),
+            "warnings": self.warnings,
+        });
+        // Without a verdict the number of samples is all that is known.
+        let verdict = match &self.verdict {
+            Some(verdict) => verdict::json(verdict),
+            None => json!({ "count": made.points.len(), "verified": false }),
+        };
+        output::add(&mut object, verdict);
+        object
+    }
+
+    fn text(&self) -> String {
+        let made = &self.made;
+        let region = verdict::box_text(&made.region());
+        let radius = Number(made.domain.radius());
+        let count = made.points.len();
+        // Only the beginning of a set has another number of samples than were made.
+        let beginning = made.made.map_or_else(String::new, |made| {
+            format!("   the first {count} of {made} samples by their arrival\n")
+        });
+        let judged = match &self.verdict {
+            Some(verdict) => verdict::text(verdict),
+            None => format!("samples        {count}\nverdict        none: not verified\n"),
+        };
+
+        let mut out = format!(
+            "{} on {region}, r = {radius}\n\n  {:<12} {:>9.1} ms{beginning}\n\n{judged}",
+            SolidMade::METHOD,
+            "throw darts",
+            self.seconds * 1e3,
+        );
+        out.extend(self.warnings.iter().map(|warning| warning_line(warning)));
+        if let Some(path) = &self.certificate {
+            let _ = writeln!(out, "certificate    {}", named(path));
+        }
+        out
+    }
+}

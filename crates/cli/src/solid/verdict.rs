@@ -1,0 +1,90 @@
+//! The verdict on a set in space, as text and as data.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary, Judge, Number, SolidRegion, SolidVerdict};
+
+use crate::output::{answer, compared, conflicts_answer, validity};
+
+/// Returns "10 x 10 x 10, periodic".
+pub fn box_text(region: &SolidRegion) -> String {
+    let boundary = match region.boundary {
+        Boundary::Periodic => "periodic",
+        Boundary::Bounded => "bounded",
+    };
+    let [width, height, depth] = region.size().map(Number);
+    format!("{width} x {height} x {depth}, {boundary}")
+}
+
+/// Returns the fields of a verdict, as those of planar sets. Lengths are in radii if the name ends in `_r`.
+pub fn json(verdict: &SolidVerdict) -> Value {
+    // JSON has null for numbers that are not finite.
+    let report = &verdict.report;
+    json!({
+        "count": report.count,
+        "density": report.density,
+        "min_distance_r": report.min_distance / report.radius,
+        "covering_radius_r": verdict.covering_radius / report.radius,
+        "relative_radius": verdict.relative_radius(),
+        "covering_tolerance": report.covering_tolerance,
+        "conflicts": report.conflicts,
+        "more_conflicts": report.more_conflicts(),
+        "gaps": report.gaps,
+        "conflict_free": report.conflict_free(),
+        "maximal": report.maximal() && verdict.covering_factor.is_none(),
+        "covering_factor": verdict.covering_factor,
+        "valid": verdict.valid(),
+        "judges": report.judges,
+    })
+}
+
+/// Returns the verdict in a few lines.
+pub fn text(verdict: &SolidVerdict) -> String {
+    // Lengths are in radii, as in the verdict on planar sets.
+    let report = &verdict.report;
+    let r = report.radius;
+    let (closest, _) = compared(report.min_distance / r, 1.0, 9);
+    // Positions are rounded to a lattice, and maximality has a tolerance for it.
+    let limit = 1.0 + report.covering_tolerance;
+    let (farthest, most) = compared(verdict.covering_radius / r, limit, 9);
+    let covers = match verdict.covering_factor {
+        // Rounded up, as every place is within it.
+        Some(factor) => format!(
+            "prefix         yes   every place is within {:.6} r",
+            (factor * 1e6).ceil() / 1e6
+        ),
+        None => format!(
+            "maximal        {}   covering radius {farthest} r, at most {most} r",
+            answer(report.maximal(), report.gaps)
+        ),
+    };
+
+    let mut out = format!(
+        "samples        {}\n\
+         density        {:.4} N r^3 / volume\n\
+         conflict-free  {}   min distance {closest} r\n\
+         {covers}\n\
+         verified by    {}\n",
+        report.count,
+        report.density,
+        conflicts_answer(report.conflicts),
+        Judge::joined(&report.judges),
+    );
+
+    // A set may have millions of conflicts; three show the fault.
+    for conflict in report.worst_conflicts.iter().take(3) {
+        let (apart, _) = compared(conflict.distance / r, 1.0, 6);
+        let (a, b) = (conflict.first, conflict.second);
+        let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} r apart");
+    }
+    for gap in report.first_gaps.iter().take(3) {
+        let ([x, y, z], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
+        let _ = writeln!(
+            out,
+            "  gap: ({x}, {y}, {z}) is {far} r from the nearest sample"
+        );
+    }
+    let _ = writeln!(out, "verdict        {}", validity(verdict.valid()));
+    out
+}

@@ -1,0 +1,208 @@
+//! Sets in space as files: points x, y, z in file coordinates. Of the formats those have them whose readers expect three numbers
+//! a point; a planar set in one of them has z = 0.
+
+use super::{Hint, detected, npy, ply, table, utk};
+use crate::binary;
+use crate::detect::Detection;
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::text::{as_utf8, push_line};
+
+/// A set in space as a file holds it.
+pub(crate) struct SolidRaw {
+    /// In file coordinates.
+    pub points: Vec<[f64; 3]>,
+    pub detection: Detection,
+    pub precision: Precision,
+}
+
+/// Refuses a format that cannot hold sets in space.
+pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
+    let reason = match format {
+        Format::Csv
+        | Format::Xyz
+        | Format::Npy
+        | Format::PlyAscii
+        | Format::PlyBinary
+        | Format::UtkText
+        | Format::UtkBinary => return Ok(()),
+        Format::PsaText | Format::PsaRps => "psa measures planar sets alone",
+        Format::Json => "the points of this program's JSON have x and y",
+        Format::GeoJson => "a third number is an altitude there, which no distance counts",
+        Format::Svg => "a picture is planar",
+    };
+    Err(FormatError::NoThird { format, reason })
+}
+
+/// The points that a file holds, in file coordinates.
+pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
+    let bytes = &*as_utf8(bytes);
+    let mut detection = detected(bytes, hint)?;
+    // Of three numbers in a line the name alone says whether they are UTK's, as it does of two.
+    let named = Format::from_path(hint.name.as_ref());
+    if detection.format == Format::Xyz && hint.format.is_none() && named == Some(Format::UtkText) {
+        detection.format = Format::UtkText;
+    }
+    let format = detection.format;
+    check_format(format)?;
+
+    // Each reader refuses what is not finite, and files whose points have no third number.
+    let (points, precision) = match format {
+        Format::Npy => npy::read_solid(bytes)?,
+        Format::UtkBinary => utk::read_solid_binary(bytes, hint.set)?,
+        Format::UtkText => (utk::text_of(bytes, hint.set)?.0, Precision::Double),
+        // These have z in a column of its own, which other commands read by itself, too.
+        Format::Csv | Format::Xyz => {
+            let planar = table::read(bytes, format, None, true)?;
+            let heights = table::heights(bytes, format)?;
+            (in_space(&planar.set.points, &heights), planar.precision)
+        }
+        _ => {
+            let planar = ply::read(bytes, format, true)?;
+            let heights = ply::column(bytes, format, "z")?;
+            (in_space(&planar.set.points, &heights), planar.precision)
+        }
+    };
+    if points.is_empty() {
+        return Err(FormatError::Empty { format });
+    }
+    Ok(SolidRaw {
+        points,
+        detection,
+        precision,
+    })
+}
+
+fn in_space(planar: &[[f64; 2]], heights: &[f64]) -> Vec<[f64; 3]> {
+    // Both readers take the same rows.
+    debug_assert_eq!(planar.len(), heights.len());
+    let each = planar.iter().zip(heights);
+    each.map(|(&[x, y], &z)| [x, y, z]).collect()
+}
+
+/// The bytes of a file of points in file coordinates, which are at least one.
+pub(crate) fn encode(
+    points: &[[f64; 3]],
+    format: Format,
+    precision: Precision,
+) -> Result<Vec<u8>, FormatError> {
+    check_format(format)?;
+    if points.is_empty() {
+        return Err(FormatError::Empty { format });
+    }
+    for (point, index) in points.iter().zip(0..) {
+        for &value in point {
+            binary::finite(value, format, index)?;
+        }
+    }
+
+    // Head and rows are those of planar sets with one number more.
+    Ok(match format {
+        Format::Npy => npy::write_solid(points, precision),
+        Format::UtkBinary => utk::write_solid_binary(points, precision)?,
+        Format::PlyAscii | Format::PlyBinary => ply::write_solid(points, format, precision),
+        Format::Csv => lines(b"x,y,z\n", points, ","),
+        // XYZ and UTK's text have no head.
+        _ => lines(b"", points, " "),
+    })
+}
+
+fn lines(head: &[u8], points: &[[f64; 3]], separator: &str) -> Vec<u8> {
+    let mut out = head.to_vec();
+    for point in points {
+        push_line(&mut out, point, separator);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [[f64; 3]; 3] = [[0.5, 0.25, 0.125], [0.1, 1.0 / 3.0, 0.7], [0.0, 0.9, 1e-9]];
+
+    const HOLDING: [Format; 7] = [
+        Format::Csv,
+        Format::Xyz,
+        Format::Npy,
+        Format::PlyAscii,
+        Format::PlyBinary,
+        Format::UtkText,
+        Format::UtkBinary,
+    ];
+
+    fn read(bytes: &[u8], format: Format) -> Result<SolidRaw, FormatError> {
+        let hint = Hint {
+            format: Some(format),
+            ..Hint::default()
+        };
+        decode(bytes, &hint)
+    }
+
+    #[test]
+    fn what_is_written_is_read_to_the_bit_and_others_refuse_with_the_reason() {
+        for format in Format::ALL {
+            let bytes = encode(&POINTS, format, Precision::Double);
+            if !HOLDING.contains(&format) {
+                let said = bytes.expect_err("planar").to_string();
+                assert!(said.contains("holds no third coordinate"), "{said}");
+                continue;
+            }
+            let bytes = bytes.expect("bytes");
+            let raw = read(&bytes, format).expect("own file");
+            assert_eq!(raw.points, POINTS, "{format}");
+            // A name of the format's extension is recognised, too.
+            let name = format!("set.{}", format.extension());
+            let named = decode(&bytes, &Hint::from_name(&name)).expect("by its name");
+            assert_eq!((named.points, named.detection.format), (raw.points, format));
+        }
+    }
+
+    #[test]
+    fn single_precision_is_rounded_as_f32() {
+        for format in [Format::Npy, Format::PlyBinary, Format::UtkBinary] {
+            let bytes = encode(&POINTS, format, Precision::Single).expect("bytes");
+            let raw = read(&bytes, format).expect("own file");
+            assert_eq!(raw.precision, Precision::Single);
+            let rounded = POINTS.map(|point| point.map(|value| f64::from(value as f32)));
+            assert_eq!(raw.points, rounded, "{format}");
+        }
+    }
+
+    #[test]
+    fn tables_and_vertices_of_others_have_z_anywhere() {
+        let table = b"z;x;name;y\n3;1;a;2\n6;4;b;5\n";
+        let raw = read(table, Format::Csv).expect("a table");
+        assert_eq!(raw.points, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        let cloud = b"1 2 3 255 0 0\n4 5 6 0 0 255\n";
+        let raw = read(cloud, Format::Xyz).expect("a cloud");
+        assert_eq!(raw.points, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        let ply =
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty uchar red\nproperty float z\n\
+            property float y\nproperty float x\nend_header\n255 3 2 1\n";
+        assert_eq!(
+            read(ply, Format::PlyAscii).expect("vertices").points,
+            [[1.0, 2.0, 3.0]]
+        );
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let said = |bytes: &[u8], format| read(bytes, format).err().expect("refused").to_string();
+        assert!(said(b"x,y\n1,2\n", Format::Csv).contains("no column is named z"));
+        assert!(said(b"1 2\n", Format::Xyz).contains("no column is named z"));
+        assert!(said(b"x,y,z\n1,2,nan\n", Format::Csv).contains("is not a finite number"));
+        assert!(said(b"1 2\n", Format::UtkText).contains("2 columns where 3 are needed"));
+        let planar = npy::write(&[[0.5, 0.5]], Precision::Double);
+        assert!(said(&planar, Format::Npy).contains("shape (1, 2)"));
+        let planar = utk::write_binary(&[[0.5, 0.5]], Precision::Double).expect("bytes");
+        assert!(said(&planar, Format::UtkBinary).contains("a set of dimension 2"));
+        let flat = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n";
+        assert!(said(flat, Format::PlyAscii).contains("no scalar property z"));
+        let nan = encode(&[[0.0, f64::NAN, 0.0]], Format::Npy, Precision::Double);
+        assert!(matches!(nan, Err(FormatError::NotFinite { .. })));
+        let mut short = encode(&POINTS, Format::Npy, Precision::Double).expect("bytes");
+        short.pop();
+        assert!(said(&short, Format::Npy).contains("72 bytes are needed"));
+    }
+}

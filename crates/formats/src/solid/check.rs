@@ -1,0 +1,299 @@
+//! Re-verification of sets in space: compares a file with the statements of its certificate.
+
+use tilescope_analysis::{
+    Control, MAX_CONFLICTS, SolidRegion, SolidVerdict, VerifyOptions, measure_solid,
+};
+
+use crate::certificate::{Certificate, CertifiedRadius, Depth, finite};
+use crate::check::{
+    CertificateDifference, CheckError, Contents, Differences, Overrides, contents, contradictions,
+    parameters, prefix_kept,
+};
+use crate::codecs::solid as codec;
+use crate::detect::Detection;
+use crate::digest::{bytes_digest, solid_digest};
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+
+use super::{SolidMapping, base, hint, in_space};
+
+/// The outcome of a check of a set in space.
+#[derive(Clone, Debug)]
+pub struct SolidCheck {
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the file's coordinates.
+    pub precision: Precision,
+    /// The certificate beside the file, if there is one.
+    pub certificate: Option<Certificate>,
+    /// The verdict on the positions in the file.
+    pub verdict: SolidVerdict,
+    /// The wrong statements of the certificate; empty if there is none.
+    pub differences: Vec<CertificateDifference>,
+}
+
+impl SolidCheck {
+    /// Whether the set is valid and, if there is a certificate, every statement of it true.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.verdict.valid() && self.differences.is_empty()
+    }
+}
+
+/// A set in space read from a file, in domain units.
+#[derive(Clone, Debug)]
+pub struct SolidSet {
+    /// The positions, in the order of the file.
+    pub points: Vec<[f64; 3]>,
+    /// The box that they lie in.
+    pub region: SolidRegion,
+    /// The radius of their balls.
+    pub radius: f64,
+    /// The certificate beside the file, if there is one.
+    pub certificate: Option<Certificate>,
+}
+
+/// Returns the set in the bytes of a file, without a verdict.
+pub(crate) fn read_solid_bytes(
+    data: &[u8],
+    name: &str,
+    certificate: Option<&[u8]>,
+    overrides: &Overrides,
+    depth: Option<f64>,
+) -> Result<SolidSet, CheckError> {
+    // As for planar sets: what shows without a judge has to be true of a set that is only read.
+    let file = SolidFile::read(data, name, certificate, overrides, depth)?;
+    let wrong = (file.stated.as_ref())
+        .and_then(|stated| contradictions(stated, &file.found).into_iter().next());
+    if let Some(first) = wrong {
+        return Err(CheckError::Format(FormatError::FalseCertificate {
+            name: format!("{name}{}", crate::CERTIFICATE_SUFFIX),
+            difference: first.to_string(),
+        }));
+    }
+    Ok(SolidSet {
+        points: file.points,
+        region: file.judged.region,
+        radius: file.judged.radius,
+        certificate: file.stated,
+    })
+}
+
+/// A file before it is judged.
+struct SolidFile {
+    detection: Detection,
+    /// In domain units.
+    points: Vec<[f64; 3]>,
+    stated: Option<Certificate>,
+    judged: SolidJudged,
+    mapping: SolidMapping,
+    found: Contents,
+}
+
+impl SolidFile {
+    fn read(
+        data: &[u8],
+        name: &str,
+        certificate: Option<&[u8]>,
+        overrides: &Overrides,
+        depth: Option<f64>,
+    ) -> Result<Self, CheckError> {
+        let beside = certificate.filter(|_| !overrides.without_certificate);
+        let stated = beside.map(|bytes| {
+            let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
+            Certificate::from_bytes(bytes, &name)
+        });
+        let stated = stated.transpose()?;
+
+        // Whatever is not given is as the certificate states.
+        let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
+        let (format, precision) = (raw.detection.format, raw.precision);
+        let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;
+        let mapping = SolidMapping::new(format, &judged.region, precision);
+
+        // The digest is of the positions as they are in the file; the judges get those in the domain.
+        let found = Contents {
+            format,
+            precision,
+            digest: stated.as_ref().map(|_| bytes_digest(data)),
+            positions_digest: solid_digest(&raw.points),
+            count: raw.points.len() as u64,
+        };
+        Ok(Self {
+            detection: raw.detection,
+            points: mapping.positions(&raw.points),
+            stated,
+            judged,
+            mapping,
+            found,
+        })
+    }
+}
+
+/// Re-verifies `data`, a file called `name` with a set in space, against `certificate`, the bytes of its certificate file. A
+/// `depth` that is given takes the place of the stated one, as the values of `overrides` do; columns, an origin and a field are
+/// left out. Returns also the points, in domain units and in the file's order.
+///
+/// # Errors
+///
+/// [`CheckError`] when there is no verdict. A wrong certificate or an invalid set is a result, not an error.
+pub fn check_solid_bytes(
+    data: &[u8],
+    name: &str,
+    certificate: Option<&[u8]>,
+    overrides: &Overrides,
+    depth: Option<f64>,
+    control: Control<'_>,
+) -> Result<(Vec<[f64; 3]>, SolidCheck), CheckError> {
+    // A wrong statement is a difference of the check, and no error.
+    let file = SolidFile::read(data, name, certificate, overrides, depth)?;
+    let verdict = file.judged.verdict(&file.points, control)?;
+    let differences = (file.stated.as_ref()).map_or_else(Vec::new, |stated| {
+        differences(stated, &file.judged, &file.mapping, &file.found, &verdict)
+    });
+    let check = SolidCheck {
+        detection: file.detection,
+        precision: file.found.precision,
+        certificate: file.stated,
+        verdict,
+        differences,
+    };
+    Ok((file.points, check))
+}
+
+/// The box, radius and options to verify a file with.
+struct SolidJudged {
+    region: SolidRegion,
+    radius: f64,
+    options: VerifyOptions,
+    /// Whether the certificate claims that the set is the beginning of a larger one.
+    is_prefix: bool,
+}
+
+impl SolidJudged {
+    fn new(
+        format: Format,
+        stated: Option<&Certificate>,
+        overrides: &Overrides,
+        depth: Option<f64>,
+    ) -> Result<Self, CheckError> {
+        // A box without a third side would be a planar set: nothing is assumed of it.
+        let of_stated = || stated.and_then(|stated| stated.depth);
+        let depth = depth.or_else(|| of_stated().map(|Depth(depth)| depth));
+        let depth = depth.ok_or(CheckError::NoDepth)?;
+        let region = (overrides.region)
+            .or_else(|| stated.map(|stated| stated.region))
+            .ok_or(CheckError::NoRegion(format))?;
+        let radius = (overrides.radius)
+            .or_else(|| stated.map(|stated| stated.radius.least()))
+            .ok_or(CheckError::NoRadius)?;
+
+        Ok(Self {
+            region: in_space(region, depth),
+            radius,
+            // The tolerance is not that of the certificate, which could hide any gap by stating a large one.
+            options: VerifyOptions {
+                judges: overrides.judges,
+                ..VerifyOptions::default()
+            },
+            is_prefix: stated.is_some_and(|stated| stated.prefix.is_some()),
+        })
+    }
+
+    fn verdict(
+        &self,
+        points: &[[f64; 3]],
+        control: Control<'_>,
+    ) -> Result<SolidVerdict, CheckError> {
+        let (region, radius, is_prefix) = (self.region, self.radius, self.is_prefix);
+        let verdict = measure_solid(points, region, radius, is_prefix, &self.options, control);
+        Ok(verdict?)
+    }
+
+    /// Whether these are the box, the radius and the tolerance that a certificate states.
+    fn is_as(&self, stated: &Certificate) -> bool {
+        let tolerance = self.options.covering_tolerance;
+        stated.region == base(&self.region)
+            && stated.depth == Some(Depth(self.region.depth))
+            && stated.radius == CertifiedRadius::Constant(self.radius)
+            && stated.covering_tolerance.to_bits() == tolerance.to_bits()
+    }
+}
+
+/// Returns the statements of a certificate that are not true of a file and of the judges' verdict on it.
+fn differences(
+    stated: &Certificate,
+    judged: &SolidJudged,
+    mapping: &SolidMapping,
+    found: &Contents,
+    verdict: &SolidVerdict,
+) -> Vec<CertificateDifference> {
+    let mut list = Differences::default();
+    contents(&mut list, stated, found);
+
+    // Rectangle and depth are fields of their own, and are compared so.
+    let region = base(&judged.region);
+    list.exact("region", &stated.region.to_string(), &region.to_string());
+    let depth = |depth: Option<Depth>| {
+        depth.map_or_else(|| "none".to_owned(), |Depth(depth)| depth.to_string())
+    };
+    list.exact(
+        "depth",
+        &depth(stated.depth),
+        &depth(Some(Depth(judged.region.depth))),
+    );
+    list.exact(
+        "radius",
+        &stated.radius,
+        &CertifiedRadius::Constant(judged.radius),
+    );
+    let tolerance = judged.options.covering_tolerance;
+    list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
+    list.exact("scale", &stated.scale, &mapping.scale());
+    prefix_kept(&mut list, stated, found.count);
+    parameters(&mut list, stated);
+
+    // With another box, radius or tolerance the measures may differ without being wrong.
+    if judged.is_as(stated) {
+        measures(&mut list, stated, verdict);
+    }
+    list.0
+}
+
+/// Compares the stated measures with those of the judges.
+fn measures(list: &mut Differences, stated: &Certificate, verdict: &SolidVerdict) {
+    let report = &verdict.report;
+    // All are numbers of the positions in the file, which no other field could bear out.
+    let measured = [
+        ("min_distance", stated.min_distance, report.min_distance),
+        (
+            "covering_radius",
+            stated.covering_radius,
+            verdict.covering_radius,
+        ),
+        ("density", Some(stated.density), report.density),
+        (
+            "relative_radius",
+            stated.relative_radius,
+            verdict.relative_radius(),
+        ),
+    ];
+    for (field, stated, found) in measured {
+        list.measure(field, stated, finite(found));
+    }
+    let factor = stated.prefix.map(|prefix| prefix.factor);
+    list.measure("prefix.factor", factor, verdict.covering_factor);
+
+    // Judges count conflicts up to a limit.
+    let counted = stated.conflicts.min(MAX_CONFLICTS);
+    list.exact("conflicts", &counted, &report.conflicts);
+    // How many cubes or circles see a hole depends on the judge, but not whether one does.
+    let agree = (stated.gaps == 0) == (report.gaps == 0);
+    list.unless(
+        agree,
+        "gaps",
+        stated.gaps.to_string(),
+        report.gaps.to_string(),
+    );
+    list.exact("valid", &stated.valid, &verdict.valid());
+}

@@ -1,0 +1,255 @@
+//! Validated export of sets in space: as that of planar sets, with a third axis.
+
+use std::path::PathBuf;
+
+use tilescope_analysis::{Control, SolidRegion, SolidVerdict, measure_solid};
+
+use crate::certificate::{
+    Certificate, CertifiedPrefix, CertifiedRadius, Depth, NoOther, Rounding, finite,
+};
+use crate::codecs::solid::{self as codec, SolidRaw};
+use crate::digest::{bytes_digest, solid_digest};
+use crate::error::FormatError;
+use crate::export::{ExportContext, ExportError, Store, Warning, statement, target, warnings};
+use crate::format::Format;
+use crate::point_set::shuffle;
+
+use super::{SolidMapping, hint, in_space};
+
+/// What an export of a set in space needs besides the points.
+#[derive(Clone, Debug)]
+pub struct SolidContext {
+    /// As of planar sets. Its region is the base of the box; an origin, levels, a field and a drawing are left out.
+    pub planar: ExportContext,
+    /// The third side.
+    pub depth: f64,
+}
+
+impl SolidContext {
+    /// Returns the box of the positions.
+    #[must_use]
+    pub fn region(&self) -> SolidRegion {
+        in_space(self.planar.region, self.depth)
+    }
+
+    fn judge(
+        &self,
+        points: &[[f64; 3]],
+        format: Format,
+        control: Control<'_>,
+    ) -> Result<SolidVerdict, ExportError> {
+        let planar = &self.planar;
+        let is_prefix = planar.made.is_some();
+        let options = &planar.verify;
+        measure_solid(
+            points,
+            self.region(),
+            planar.radius,
+            is_prefix,
+            options,
+            control,
+        )
+        .map_err(|source| ExportError::Solid {
+            precision: format.precision(planar.precision),
+            source,
+        })
+    }
+}
+
+/// The outcome of a finished export of a set in space.
+#[derive(Clone, Debug)]
+pub struct SolidExported {
+    /// The path of the certificate.
+    pub certificate_path: PathBuf,
+    /// The certificate that was written.
+    pub certificate: Certificate,
+    /// The verdict on the positions read back; indices are of the file's order.
+    pub verdict: SolidVerdict,
+    /// Warnings for the user.
+    pub warnings: Vec<Warning>,
+}
+
+/// An export before it has its place: the certificate's bytes, and what is returned.
+pub(crate) struct SolidBytes {
+    pub certificate_bytes: Vec<u8>,
+    pub certificate: Certificate,
+    pub verdict: SolidVerdict,
+    pub warnings: Vec<Warning>,
+}
+
+/// Encodes points in domain units for a file called `name`, without a verdict on them.
+pub(crate) fn unverified_bytes(
+    name: &str,
+    points: &[[f64; 3]],
+    context: &SolidContext,
+) -> Result<Vec<u8>, FormatError> {
+    let format = Format::to_write(name.as_ref(), context.planar.format)?;
+    let precision = format.precision(context.planar.precision);
+    let mapping = SolidMapping::new(format, &context.region(), precision);
+    codec::encode(
+        &mapping.stored(&ordered(points, context)),
+        format,
+        precision,
+    )
+}
+
+/// Encodes points, stores them, reads them back, judges and certifies them.
+pub(crate) fn export_through(
+    store: &mut Store<'_>,
+    name: &str,
+    points: &[[f64; 3]],
+    context: &SolidContext,
+    control: Control<'_>,
+) -> Result<SolidBytes, ExportError> {
+    // A format that cannot hold the set fails in `encode`, before anything is stored.
+    let format = target(name, &context.planar)?.format;
+    let precision = format.precision(context.planar.precision);
+    let mapping = SolidMapping::new(format, &context.region(), precision);
+
+    // In the order of the file, so that indices of the verdict are those of its points.
+    let points = ordered(points, context);
+    let written = mapping.stored(&points);
+    let data = store(codec::encode(&written, format, precision)?)?;
+
+    // Only positions that were decoded from the stored bytes are judged and certified.
+    let decoded = codec::decode(&data, &hint("", Some(format), None))?;
+    compare(&written, &decoded)?;
+    // Three copies of a large set are enough.
+    drop(written);
+    let stored = mapping.positions(&decoded.points);
+    let verdict = context.judge(&stored, format, control)?;
+    let rounding = rounding(&points, &stored, &verdict, &mapping, name, context, control)?;
+
+    let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
+    let certificate = certificate(name, format, context, &verdict, rounding, digests);
+    let has_provenance = false;
+    Ok(SolidBytes {
+        certificate_bytes: certificate.to_bytes()?,
+        warnings: warnings(has_provenance, format, &certificate),
+        certificate,
+        verdict,
+    })
+}
+
+/// Returns the points in the order in which they are written.
+fn ordered(points: &[[f64; 3]], context: &SolidContext) -> Vec<[f64; 3]> {
+    let mut ordered = points.to_vec();
+    if let Some(seed) = context.planar.shuffle_seed {
+        shuffle(seed, ordered.len(), |a, b| ordered.swap(a, b));
+    }
+    ordered
+}
+
+/// Fails if the decoded positions differ, in any bit, from those that were written.
+fn compare(written: &[[f64; 3]], decoded: &SolidRaw) -> Result<(), ExportError> {
+    let found = &decoded.points;
+    let differs = |written: String, found: String| Err(ExportError::ReadBack { written, found });
+    if found.len() != written.len() {
+        return differs(format!("{} points", written.len()), found.len().to_string());
+    }
+
+    // Numbers that are equal may have different digests, as 0 and -0 have.
+    let bits = |point: &[f64; 3]| point.map(f64::to_bits);
+    let mut each = written.iter().zip(found).enumerate();
+    match each.find(|(_, (written, read))| bits(written) != bits(read)) {
+        Some((index, (written, read))) => {
+            differs(format!("{written:?} as point {index}"), format!("{read:?}"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Measures how storing changed the positions. Where that may have changed the verdict, the original ones are judged, too.
+fn rounding(
+    original: &[[f64; 3]],
+    stored: &[[f64; 3]],
+    verdict: &SolidVerdict,
+    mapping: &SolidMapping,
+    name: &str,
+    context: &SolidContext,
+    control: Control<'_>,
+) -> Result<Option<Rounding>, ExportError> {
+    // A shift is measured around the torus: a coordinate that became 0 at the far side has moved little.
+    let pairs = original.iter().zip(stored);
+    let largest_shift = pairs
+        .map(|(&a, &b)| mapping.shift(a, b))
+        .fold(0.0, f64::max);
+    if largest_shift == 0.0 {
+        return Ok(None);
+    }
+
+    // Where the stored set is valid, storing has made neither conflicts nor gaps, whatever the original had.
+    let target = target(name, &context.planar)?;
+    let (mut made_conflicts, mut made_gaps) = (false, false);
+    if !verdict.valid() {
+        let before = context.judge(original, target.format, control)?.report;
+        made_conflicts = before.conflict_free() && !verdict.report.conflict_free();
+        made_gaps = before.maximal() && !verdict.report.maximal();
+    }
+    Ok(Some(statement(
+        &target,
+        largest_shift,
+        made_conflicts,
+        made_gaps,
+    )))
+}
+
+/// Returns the certificate of a file, with the digests of its positions and of its bytes.
+fn certificate(
+    name: &str,
+    format: Format,
+    context: &SolidContext,
+    verdict: &SolidVerdict,
+    rounding: Option<Rounding>,
+    [positions_digest, digest]: [String; 2],
+) -> Certificate {
+    let (planar, report) = (&context.planar, &verdict.report);
+    let precision = format.precision(planar.precision);
+    let count = report.count as u64;
+    Certificate {
+        // `with_version` below raises it for the depth.
+        format_version: 1,
+        program: planar.program.clone(),
+        program_version: planar.program_version.clone(),
+        method: planar.method.clone(),
+        parameters: planar.parameters.clone(),
+
+        // The base of the box, so that a reader of planar sets finds a region before it finds the depth.
+        region: planar.region,
+        origin: None,
+        depth: Some(Depth(context.depth)),
+        shape: None,
+        radius: CertifiedRadius::Constant(report.radius),
+        // Of a prefix the judges were asked about its factor, which is stated beside it.
+        covering_tolerance: planar.verify.covering_tolerance,
+
+        count,
+        min_distance: finite(report.min_distance),
+        covering_radius: finite(verdict.covering_radius),
+        conflicts: report.conflicts,
+        gaps: report.gaps,
+        density: report.density,
+        relative_radius: finite(verdict.relative_radius()),
+        valid: verdict.valid(),
+        judges: report.judges.clone(),
+        levels: Vec::new(),
+        // A set that covers within no factor that is measured is no prefix, and not valid as a whole either.
+        prefix: (planar.made.zip(verdict.covering_factor)).map(|(made, factor)| CertifiedPrefix {
+            made,
+            kept: count,
+            factor,
+        }),
+        thinned: None,
+
+        file: name.to_owned(),
+        file_format: format,
+        precision,
+        scale: SolidMapping::new(format, &context.region(), precision).scale(),
+        shuffle_seed: planar.shuffle_seed,
+        rounding,
+        positions_digest,
+        digest: Some(digest),
+        others: NoOther,
+    }
+    .with_version()
+}

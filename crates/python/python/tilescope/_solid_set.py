@@ -1,0 +1,297 @@
+"""Sets in space: positions with their box and radius, and what can be done with them."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, SupportsIndex
+
+import numpy as np
+import numpy.typing as npt
+
+from tilescope import _tilescope
+from tilescope._input import Path, local_path, numbers, shown
+from tilescope._progress import Progress, following
+from tilescope._report import Conflict
+
+Boundary = Literal["periodic", "bounded"]
+SolidJudge = Literal["subdivision", "circles", "both"]
+
+
+class SolidGap(NamedTuple):
+    """A place that is too far from all samples."""
+
+    center: tuple[float, float, float]
+    """The place."""
+    distance: float
+    """How far it is from there to the nearest sample."""
+
+
+@dataclass(frozen=True, repr=False)
+class SolidReport:
+    """What the verifier found out about a set in space. Lengths are in the unit of the samples.
+
+    Two judges, which share no search, decide: one cuts the box into cubes, one looks at the circles in which two spheres
+    meet. Neither knows the sampler.
+    """
+
+    valid: bool
+    """Whether the set is both conflict-free and maximal; of a beginning, conflict-free and covering within its factor."""
+    conflict_free: bool
+    """Whether no two samples are closer than the radius."""
+    maximal: bool
+    """Whether no sample could be added: no place is farther than ``(1 + covering_tolerance) * radius`` from all."""
+    count: int
+    """Number of samples."""
+    radius: float
+    """The radius that was asked about."""
+    size: tuple[float, float, float]
+    """Width, height and depth of the box that was asked about."""
+    boundary: str
+    """``'periodic'`` or ``'bounded'``."""
+    min_distance: float
+    """Smallest distance between two samples; infinite for one sample of a bounded box."""
+    covering_radius: float
+    """Largest distance from a place of the box to its nearest sample."""
+    covering_tolerance: float
+    """Relative tolerance of maximality, 2**-15; of a beginning, that of its factor."""
+    covering_factor: float | None
+    """Of the first samples of a larger set, the factor of the radius within which they cover."""
+    conflicts: int
+    """Pairs in conflict, counted up to a million."""
+    worst_conflicts: tuple[Conflict, ...]
+    """The closest of them, at most 16."""
+    gaps: int
+    """Cubes, or circles, in which a place is uncovered. One hole usually has several."""
+    first_gaps: tuple[SolidGap, ...]
+    """Uncovered places of the first of these, at most 16."""
+    density: float
+    """``count * radius**3 / volume``."""
+    relative_radius: float
+    """``min_distance`` over that of as many samples in the densest packing of balls."""
+    judges: tuple[str, ...]
+    """Who judged: ``'subdivision'`` (cubes), ``'circles'``, or both, which agree."""
+    differences: tuple[str, ...] = ()
+    """Statements of a file's certificate that do not hold; empty for a set in memory."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the set is valid and every statement of its certificate, if it has one, is true."""
+        return self.valid and not self.differences
+
+    def __repr__(self) -> str:
+        verdict = "valid" if self.valid else "NOT VALID"
+        if self.differences:
+            verdict += ", CERTIFICATE NOT TRUE"
+        r = self.radius
+        return (
+            f"<SolidReport: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
+            f"smallest distance {self.min_distance / r:.6f} r, covering radius {self.covering_radius / r:.6f} r>"
+        )
+
+
+def solid_report_of(found: dict[str, Any], differences: list[str] | None = None) -> SolidReport:
+    """Returns the report that the native module gave."""
+    region = found["region"]
+    same = (
+        "valid", "conflict_free", "maximal", "count", "radius", "covering_radius", "covering_tolerance",
+        "covering_factor", "conflicts", "gaps", "density",
+    )  # fmt: skip
+    # JSON has no infinity.
+    lengths = {name: math.inf if found[name] is None else found[name] for name in ("min_distance", "relative_radius")}
+    return SolidReport(
+        size=(region["width"], region["height"], region["depth"]),
+        boundary=region["boundary"],
+        worst_conflicts=tuple(Conflict(**one) for one in found["worst_conflicts"]),
+        first_gaps=tuple(SolidGap(tuple(one["center"]), one["distance"]) for one in found["first_gaps"]),
+        judges=tuple(found["judges"]),
+        differences=tuple(differences or ()),
+        **{name: found[name] for name in same},
+        **lengths,
+    )
+
+
+def sides(size: Any) -> tuple[float, float, float]:
+    """Returns the three sides of a box, or raises ``ValueError`` if they are others than three numbers above 0."""
+    array = numbers("size", size)
+    if array.shape != (3,):
+        raise ValueError(f"size is {shown(size)}; it must be three numbers: (width, height, depth)")
+    if not (np.isfinite(array).all() and (array > 0).all()):
+        raise ValueError(f"size is {shown(size)}; its sides must be finite and above 0")
+    return float(array[0]), float(array[1]), float(array[2])
+
+
+class SolidSet:
+    """Positions in space with their box and radius.
+
+    :func:`tilescope.sample` with `size`, and :func:`tilescope.read` of a file in space, return one. Positions from elsewhere
+    become one here, and can then be verified and saved.
+
+    Parameters
+    ----------
+    points : array_like of shape (N, 3)
+        Positions; they are copied.
+    radius : float
+        No two samples are to be closer, and no place of the box farther from all of them.
+    size : (width, height, depth)
+        The box, which has one corner at the origin.
+    boundary : {'periodic', 'bounded'}
+        How the box ends.
+
+    Raises
+    ------
+    ValueError
+        If the array has another shape or masked values, or sides or radius are no numbers above 0.
+
+    Examples
+    --------
+    >>> import tilescope
+    >>> balls = tilescope.sample(size=(6, 6, 6), radius=1)
+    >>> balls.points.shape == (len(balls), 3), balls.verify().valid
+    (True, True)
+    """
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        radius: float,
+        size: tuple[float, float, float],
+        boundary: Boundary = "periodic",
+    ) -> None:
+        array = numbers("points", points)
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise ValueError(f"points have the shape {array.shape}; it must be (N, 3)")
+        if boundary not in ("periodic", "bounded"):
+            raise ValueError(f"boundary is {shown(boundary)}; it must be 'periodic' or 'bounded'")
+        if not (math.isfinite(radius) and radius > 0):
+            raise ValueError(f"the radius is {shown(radius)}; it must be a finite number above 0")
+        array.setflags(write=False)
+        width, height, depth = sides(size)
+        region = {"width": width, "height": height, "depth": depth, "boundary": boundary}
+        self._points = array
+        self._facts: dict[str, Any] = {
+            "method": "unknown", "parameters": {}, "region": region, "radius": float(radius), "made": None,
+        }  # fmt: skip
+
+    @classmethod
+    def _made(cls, made: tuple[npt.NDArray[np.float64], str]) -> SolidSet:
+        one = cls.__new__(cls)
+        one._points, one._facts = made[0], json.loads(made[1])
+        return one
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """Positions, of shape (N, 3), in the order of their arrival if the set was made here. It cannot be written to."""
+        return self._points
+
+    @property
+    def radius(self) -> float:
+        """The radius."""
+        return float(self._facts["radius"])
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Width, height and depth of the box."""
+        region = self._facts["region"]
+        return region["width"], region["height"], region["depth"]
+
+    @property
+    def boundary(self) -> str:
+        """``'periodic'`` or ``'bounded'``."""
+        return str(self._facts["region"]["boundary"])
+
+    @property
+    def method(self) -> str:
+        """How the set was made, as its certificate names it."""
+        return str(self._facts["method"])
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The parameters that make the set again."""
+        return dict(self._facts["parameters"])
+
+    @property
+    def made(self) -> int | None:
+        """How many samples were made, of which these are the first; ``None`` of a whole set."""
+        made = self._facts["made"]
+        return None if made is None else int(made)
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __repr__(self) -> str:
+        width, height, depth = self.size
+        return (
+            f"<SolidSet: {len(self)} samples, radius {self.radius:g}, {width:g} x {height:g} x {depth:g}, {self.boundary}>"
+        )
+
+    def verify(self, *, judge: SolidJudge | None = None, progress: Progress = False) -> SolidReport:
+        """Judges whether the set is conflict-free and maximal.
+
+        Parameters
+        ----------
+        judge : {'subdivision', 'circles', 'both'}, optional
+            Cubes, covered circles, or both, which must agree: both for up to a million samples, if it is not given.
+        progress : bool or callable
+            As in :func:`tilescope.sample`.
+
+        Returns
+        -------
+        SolidReport
+            The verdict. A bad set is a report, not an error.
+
+        Raises
+        ------
+        ValueError
+            If there is no set to judge: it is empty, a position is not finite or outside of the box.
+        """
+        with following(progress) as told:
+            found = _tilescope.verify_solid(self._points, json.dumps(self._facts), judge, told)
+        return solid_report_of(json.loads(found))
+
+    def save(
+        self,
+        path: Path,
+        *,
+        format: str | None = None,
+        precision: Literal["f32", "f64"] = "f64",
+        shuffle: SupportsIndex | None = None,
+        verify: bool = True,
+        judge: SolidJudge | None = None,
+        progress: Progress = False,
+    ) -> SolidReport | None:
+        """Writes the set to a file, with a certificate beside it.
+
+        The file is read back and verified before it gets its name. An invalid set is written all the same, with a warning.
+
+        Parameters
+        ----------
+        path : path-like
+            The file. Its extension gives the format: ``.ply``, ``.npy`` of shape (N, 3), ``.csv``, ``.xyz``, ``.bin`` and
+            ``.dat`` of UTK.
+        format, precision, shuffle, verify, judge, progress
+            As in :meth:`tilescope.PointSet.save`.
+
+        Returns
+        -------
+        SolidReport or None
+            The report on what the file holds, if it was verified.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        ValueError
+            If the format is not known, or holds no third coordinate.
+        """
+        with following(progress) as told:
+            text = _tilescope.save_solid(
+                self._points, json.dumps(self._facts), local_path(path), format_name=format, precision=precision,
+                shuffle=shuffle, verify=verify, judge=judge, progress=told,
+            )  # fmt: skip
+        found = json.loads(text)
+        for warning in found["warnings"]:
+            warnings.warn(warning, stacklevel=2)
+        return None if found["report"] is None else solid_report_of(found["report"])

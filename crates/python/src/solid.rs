@@ -1,0 +1,299 @@
+//! Sets in space: made, judged, saved and read, as arrays of shape (N, 3).
+
+use std::path::PathBuf;
+
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use tilescope_analysis::{Region, SolidRegion, SolidVerdict, measure_solid};
+use tilescope_core::Boundary;
+use tilescope_core::memory::ask_for;
+use tilescope_formats::{
+    Certificate, ExportContext, Overrides, SolidContext, check_solid, export_solid,
+    export_solid_unverified, read_solid, solid_certificate,
+};
+use tilescope_sets::{BallSize, SolidMade, SolidRecipe, Stated};
+
+use crate::arguments::{format, verify_options};
+use crate::arrays::{array, rows};
+use crate::failure::Failure;
+use crate::memory::ask_to_read;
+use crate::task::run;
+use crate::values::{named, real_if_given, whole};
+
+/// To judge a sample, or to save it, in bytes: its images, those near the cubes that are cut, and the file.
+const HANDLING: f64 = 400.0;
+
+/// Positions, and facts as JSON.
+type PythonSolid<'py> = (Bound<'py, PyArray2<f64>>, String);
+
+/// How a set was made, and what a verdict on it is about, as the Python class holds it.
+#[derive(Serialize, Deserialize)]
+struct SolidFacts {
+    method: String,
+    parameters: Stated,
+    region: SolidRegion,
+    radius: f64,
+    /// How many samples were made, if the set is the first of those.
+    made: Option<u64>,
+}
+
+impl SolidFacts {
+    fn of(text: &str) -> PyResult<Self> {
+        serde_json::from_str(text).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Returns what a certificate is to state.
+    fn context(self) -> SolidContext {
+        let region = self.region;
+        let base = Region::new([region.width, region.height], region.is_periodic());
+        SolidContext {
+            planar: ExportContext {
+                method: self.method,
+                parameters: self.parameters,
+                made: self.made,
+                ..ExportContext::new(base, self.radius)
+            },
+            depth: region.depth,
+        }
+    }
+}
+
+/// Makes a set of balls in memory.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
+pub fn sample_solid<'py>(
+    py: Python<'py>,
+    size: [f64; 3],
+    radius: Option<&Bound<'py, PyAny>>,
+    count: Option<&Bound<'py, PyAny>>,
+    exactly: Option<&Bound<'py, PyAny>>,
+    boundary: &str,
+    seed: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PythonSolid<'py>> {
+    // Numbers are checked one by one, so that an error names its argument.
+    let radius = real_if_given("radius", radius)?;
+    let count = count.map(|count| whole("count", count)).transpose()?;
+    let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
+    let balls = match (radius, count, exactly) {
+        (Some(radius), None, None) => BallSize::Radius(radius),
+        (None, Some(count), None) => BallSize::Count(count),
+        (None, None, Some(count)) => BallSize::Exactly(count),
+        _ => {
+            let text = "give one of radius, count and exactly";
+            return Err(PyValueError::new_err(text));
+        }
+    };
+
+    // Memory is asked for by the sampler itself, which knows how many cells the box has.
+    let recipe = SolidRecipe {
+        size,
+        boundary: named::<Boundary>("boundary", boundary)?,
+        seed: whole("seed", seed)?,
+        balls,
+    };
+    let made = run(
+        py,
+        progress,
+        |watch| Ok(recipe.make(&mut watch.observer())?),
+    )?;
+    // The class keeps them as they are, for verdicts and certificates.
+    let facts = SolidFacts {
+        method: SolidMade::METHOD.to_owned(),
+        parameters: made.parameters(),
+        region: made.region(),
+        radius: made.domain.radius(),
+        made: made.made,
+    };
+    Ok((array(py, made.points)?, json!(facts).to_string()))
+}
+
+/// Returns the verdict on positions in space, as JSON.
+#[pyfunction]
+pub fn verify_solid(
+    py: Python<'_>,
+    points: PyReadonlyArray2<'_, f64>,
+    facts: &str,
+    judge: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let (points, facts) = (rows::<f64, 3>(&points)?, SolidFacts::of(facts)?);
+    // Of the first samples of a larger set the factor is measured, and judged.
+    let (options, is_prefix) = (verify_options(judge)?, facts.made.is_some());
+    let (region, radius) = (facts.region, facts.radius);
+    let verdict = run(py, progress, |watch| {
+        // Asked for first, as a failed allocation would end the interpreter.
+        ask_for(points.len() as f64, HANDLING)?;
+        let control = watch.control("verify");
+        Ok(measure_solid(
+            points, region, radius, is_prefix, &options, &control,
+        )?)
+    })?;
+    Ok(of_verdict(&verdict).to_string())
+}
+
+/// Returns a verdict with the facts that follow from its numbers.
+fn of_verdict(verdict: &SolidVerdict) -> Value {
+    // The class has the same names as that of planar sets where they mean the same.
+    let report = &verdict.report;
+    let mut all = json!(report);
+    all["covering_radius"] = json!(verdict.covering_radius);
+    all["covering_factor"] = json!(verdict.covering_factor);
+    all["relative_radius"] = json!(verdict.relative_radius());
+    all["conflict_free"] = json!(report.conflict_free());
+    all["maximal"] = json!(report.maximal() && verdict.covering_factor.is_none());
+    all["valid"] = json!(verdict.valid());
+    all
+}
+
+/// Writes a set in space to a file, with a certificate beside it if it is to be verified. Returns the verdict on the file, and
+/// warnings, as JSON.
+#[pyfunction]
+#[pyo3(signature = (points, facts, path, *, format_name, precision, shuffle, verify, judge, progress))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
+pub fn save_solid(
+    py: Python<'_>,
+    points: PyReadonlyArray2<'_, f64>,
+    facts: &str,
+    path: PathBuf,
+    format_name: Option<&str>,
+    precision: &str,
+    shuffle: Option<&Bound<'_, PyAny>>,
+    verify: bool,
+    judge: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let points = rows::<f64, 3>(&points)?;
+    // What the set states of itself goes into the certificate; how it is stored, the caller says.
+    let mut context = SolidFacts::of(facts)?.context();
+    context.planar.format = format(format_name)?;
+    context.planar.precision = named("precision", precision)?;
+    context.planar.shuffle_seed = shuffle.map(|seed| whole("shuffle", seed)).transpose()?;
+    context.planar.verify = verify_options(judge)?;
+
+    let (report, warnings) = run(py, progress, |watch| {
+        ask_for(points.len() as f64, HANDLING)?;
+        // Without a verdict there is no certificate.
+        if !verify {
+            export_solid_unverified(&path, points, &context)?;
+            return Ok((None, Vec::new()));
+        }
+        let exported = export_solid(&path, points, &context, &watch.control("verify"))?;
+        Ok((Some(of_verdict(&exported.verdict)), exported.warnings))
+    })?;
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    Ok(json!({ "report": report, "warnings": warnings }).to_string())
+}
+
+/// Returns whether the certificate of a file states a third side.
+#[pyfunction]
+pub fn is_in_space(path: PathBuf) -> bool {
+    solid_certificate(&path).is_some()
+}
+
+/// Returns the values that take the place of those that the certificate of a file states, and its third side.
+fn given(
+    size: Option<[f64; 3]>,
+    boundary: Option<&str>,
+    radius: Option<f64>,
+    format_name: Option<&str>,
+    stated: Option<&Certificate>,
+) -> PyResult<(Overrides, Option<f64>)> {
+    // What is not given is as the certificate states, or as of the periodic unit square.
+    let boundary = boundary.map(|name| named("boundary", name)).transpose()?;
+    let base = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
+    let [width, height] = size.map_or([base.width, base.height], |[width, height, _]| {
+        [width, height]
+    });
+    let region = Region {
+        width,
+        height,
+        boundary: boundary.unwrap_or(base.boundary),
+    };
+
+    let overrides = Overrides {
+        format: format(format_name)?,
+        region: Some(region),
+        radius,
+        ..Overrides::default()
+    };
+    Ok((overrides, size.map(|[_, _, depth]| depth)))
+}
+
+/// Verifies a file with a set in space and compares its certificate. Returns the verdict, and the statements that do not hold, as
+/// JSON.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
+pub fn check_file_in_space(
+    py: Python<'_>,
+    path: PathBuf,
+    size: Option<[f64; 3]>,
+    boundary: Option<&str>,
+    radius: Option<f64>,
+    format_name: Option<&str>,
+    judge: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    // A false certificate states a box all the same; that it is false is what the check finds.
+    let stated = solid_certificate(&path);
+    let (mut overrides, depth) = given(size, boundary, radius, format_name, stated.as_ref())?;
+    overrides.judges = verify_options(judge)?.judges;
+    let check = run(py, progress, |watch| {
+        ask_to_read(&path)?;
+        let control = watch.control("verify");
+        let (_, check) = check_solid(&path, &overrides, depth, &control).map_err(Failure::from)?;
+        Ok(check)
+    })?;
+
+    let differences: Vec<String> = (check.differences.iter())
+        .map(ToString::to_string)
+        .collect();
+    let report = of_verdict(&check.verdict);
+    Ok(json!({ "report": report, "differences": differences }).to_string())
+}
+
+/// Reads a file with a set in space, whose certificate is compared with it.
+#[pyfunction]
+pub fn read_file_in_space<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    size: Option<[f64; 3]>,
+    boundary: Option<&str>,
+    radius: Option<f64>,
+    format_name: Option<&str>,
+) -> PyResult<PythonSolid<'py>> {
+    // The certificate fills in what is not given, and is compared when the file is read.
+    let stated = solid_certificate(&path);
+    let (overrides, depth) = given(size, boundary, radius, format_name, stated.as_ref())?;
+    let read = run(py, None, |_| {
+        ask_to_read(&path)?;
+        read_solid(&path, &overrides, depth).map_err(Failure::from)
+    })?;
+
+    // A set without a certificate has no method that could be stated again.
+    let stated = read.certificate;
+    let facts = SolidFacts {
+        method: stated
+            .as_ref()
+            .map_or_else(|| "unknown".to_owned(), |stated| stated.method.clone()),
+        made: stated
+            .as_ref()
+            .and_then(|stated| stated.prefix.map(|prefix| prefix.made)),
+        parameters: stated.map(|stated| stated.parameters).unwrap_or_default(),
+        region: read.region,
+        radius: read.radius,
+    };
+    Ok((array(py, read.points)?, json!(facts).to_string()))
+}

@@ -1,0 +1,103 @@
+"""Sets in space: arrays of shape (N, 3), verified, saved, and refused by name."""
+
+import json
+
+import numpy as np
+import pytest
+
+import tilescope
+
+
+@pytest.fixture(scope="module")
+def balls():
+    return tilescope.sample(size=(5, 6, 7), radius=1, seed=3)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "bounded"])
+def test_sets_are_made_and_verified(boundary):
+    balls = tilescope.sample(size=(5, 6, 7), radius=1, boundary=boundary)
+    assert balls.points.shape == (len(balls), 3) and not balls.points.flags.writeable
+    assert (balls.size, balls.radius, balls.boundary, balls.made) == ((5, 6, 7), 1, boundary, None)
+    report = balls.verify()
+    assert report.valid and report.judges == ("subdivision", "circles")
+    for judge in ("subdivision", "circles", "both"):
+        assert balls.verify(judge=judge).valid
+    # The smallest distance, by numpy alone.
+    apart = np.abs(balls.points[:, None] - balls.points[None])
+    if boundary == "periodic":
+        apart = np.minimum(apart, np.array(balls.size) - apart)
+    distances = np.sqrt((apart**2).sum(axis=-1))[~np.eye(len(balls), dtype=bool)]
+    assert report.min_distance == pytest.approx(distances.min(), rel=1e-12)
+
+
+def test_planted_faults_are_seen(balls):
+    fewer = tilescope.SolidSet(balls.points[1:], 1, balls.size)
+    report = fewer.verify()
+    assert report.conflict_free and not report.maximal and report.first_gaps
+    beside = balls.points[:1] + np.where(balls.points[:1] < 2.5, 0.3, -0.3)
+    more = tilescope.SolidSet(np.vstack([balls.points, beside]), 1, balls.size)
+    report = more.verify()
+    assert report.maximal and not report.conflict_free
+
+
+def test_numbers_of_samples_are_met():
+    assert abs(len(tilescope.sample(1000, size=(1, 1, 1))) - 1000) <= 10
+    exact = tilescope.sample(size=(1, 1, 1), exactly=777)
+    report = exact.verify()
+    assert len(exact) == 777 < exact.made
+    assert report.valid and not report.maximal and 1 <= report.covering_factor < 1.6
+
+
+@pytest.mark.parametrize("name", ["set.ply", "set.npy", "set.csv", "set.xyz", "set.bin", "set.dat"])
+def test_files_are_saved_and_verified(balls, name, tmp_path):
+    path = tmp_path / name
+    assert balls.save(path).valid
+    assert tilescope.verify_solid(path).passed
+    again = tilescope.read_solid(path)
+    assert np.allclose(again.points, balls.points, rtol=0, atol=1e-12)
+    assert (again.size, again.radius, again.method) == (balls.size, balls.radius, "reference")
+    with pytest.raises(ValueError, match="third side"):
+        tilescope.verify(path)
+    with pytest.raises(ValueError, match="third side"):
+        tilescope.read(path)
+    # The control: a certificate of another set is not true.
+    beside = tmp_path / f"{name}.certificate.json"
+    stated = json.loads(beside.read_text())
+    beside.write_text(json.dumps({**stated, "count": stated["count"] + 1}))
+    assert not tilescope.verify_solid(path).passed
+
+
+def test_arrays_are_shaped_n_by_3(balls, tmp_path):
+    balls.save(tmp_path / "set.npy")
+    assert np.array_equal(np.load(tmp_path / "set.npy"), balls.points)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"radius": 1, "size": (5, 5)}, "it must be three numbers"),
+        ({"radius": 1, "size": (5, 5, 0)}, "its sides must be finite and above 0"),
+        ({"radius": 2, "size": (5, 5, 5)}, "2.5 r long; it must be at least 4 r"),
+        ({"size": (5, 5, 5)}, "give one of radius, count and exactly"),
+        ({"radius": 1, "count": 9, "size": (5, 5, 5)}, "give one of radius, count and exactly"),
+        ({"radius": 1, "size": (5, 5, 5), "method": "kdrt"}, "method is given with size"),
+        ({"radius": 1, "size": (5, 5, 5), "leaf": 20}, "leaf is given with size"),
+        ({"radius": 1, "size": (5, 5, 5), "width": 2}, "width is given with size"),
+        ({"radius": 1, "size": (5, 5, 5), "levels": 2}, "levels is given with size"),
+        ({"radius": 1e-4, "size": (1, 1, 1)}, "cubes of side r; it must hold at most"),
+    ],
+)
+def test_what_makes_no_set_in_space_is_refused(arguments, text):
+    with pytest.raises(ValueError, match=text):
+        tilescope.sample(**arguments)
+
+
+def test_sets_of_others_need_radius_and_box(balls, tmp_path):
+    with pytest.raises(ValueError, match="give radius and size"):
+        tilescope.verify_solid(balls.points)
+    with pytest.raises(ValueError, match=r"it must be \(N, 3\)"):
+        tilescope.SolidSet([[0.5, 0.5]], 1, (5, 5, 5))
+    with pytest.raises(ValueError, match="knows of the plane alone"):
+        balls.verify(judge="delaunay")
+    with pytest.raises(ValueError, match="holds no third coordinate"):
+        balls.save(tmp_path / "set.svg")

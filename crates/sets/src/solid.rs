@@ -1,0 +1,212 @@
+//! Sets of balls: from a request to a made set, judged and certified.
+
+use serde_json::json;
+use tilescope_analysis::{
+    Control, Region, SolidError, SolidRegion, SolidVerdict, VerifyOptions, measure_solid,
+};
+use tilescope_core::{
+    Boundary, Observer, SampleError, SolidDomain, SolidRequest, SolidSample, solid_sample_parallel,
+};
+use tilescope_formats::{ExportContext, SolidContext};
+
+use crate::facts::Stated;
+
+/// How large the balls of a set are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BallSize {
+    /// Their radius: no two samples are within it of each other.
+    Radius(f64),
+    /// That of a set of so many samples, to within a hundredth.
+    Count(u64),
+    /// That of a set of which the first so many samples, by their arrival, are taken: all but a few.
+    Exactly(u64),
+}
+
+/// What a set of balls is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidRecipe {
+    /// Width, height and depth.
+    pub size: [f64; 3],
+    /// How the box ends.
+    pub boundary: Boundary,
+    /// The seed of all random draws.
+    pub seed: u64,
+    /// How large the balls are.
+    pub balls: BallSize,
+}
+
+impl SolidRecipe {
+    /// Makes the set on all threads of the current rayon pool. The samples do not depend on their number.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when sides or radius are refused, when there is not enough memory, when no radius gives the number of
+    /// samples, and when it is cancelled.
+    pub fn make(&self, observer: &mut dyn Observer) -> Result<SolidMade, SampleError> {
+        let &Self {
+            size,
+            boundary,
+            seed,
+            balls,
+        } = self;
+        let request = SolidRequest {
+            size,
+            boundary,
+            seed,
+        };
+
+        // A number of samples is searched for by whole sets, of which the last one is returned.
+        let (found, is_beginning) = match balls {
+            BallSize::Radius(radius) => {
+                // Of a given radius the first set is the set.
+                let domain = SolidDomain::from_size(size, radius, boundary)?;
+                let places = solid_sample_parallel(domain, seed, observer)?;
+                let made = places.len();
+                let sample = SolidSample {
+                    domain,
+                    places,
+                    made,
+                };
+                (sample, false)
+            }
+            BallSize::Count(count) => (request.of_count(count, observer)?, false),
+            BallSize::Exactly(count) => (request.of_exactly(count, observer)?, true),
+        };
+
+        // A set that happens to have as many samples as were wanted is whole.
+        let is_beginning = is_beginning && found.made > found.places.len();
+        Ok(SolidMade {
+            points: found.domain.users_from_lattice(&found.places),
+            made: is_beginning.then_some(found.made as u64),
+            domain: found.domain,
+            seed,
+        })
+    }
+}
+
+/// A set of balls in user units, with how it was made.
+#[derive(Clone, Debug)]
+pub struct SolidMade {
+    /// Its positions, in the order of their arrival.
+    pub points: Vec<[f64; 3]>,
+    /// Its box, with the radius.
+    pub domain: SolidDomain,
+    /// How many samples were made, if the set is the first of those.
+    pub made: Option<u64>,
+    seed: u64,
+}
+
+impl SolidMade {
+    /// The method, as certificates name it.
+    pub const METHOD: &str = "reference";
+
+    /// Returns every parameter that the method uses, as certificates state them: equal ones make the set again.
+    #[must_use]
+    pub fn parameters(&self) -> Stated {
+        let [width, height, depth] = self.domain.size();
+        Stated::from([
+            ("width".to_owned(), width.into()),
+            ("height".to_owned(), height.into()),
+            ("depth".to_owned(), depth.into()),
+            ("radius".to_owned(), self.domain.radius().into()),
+            ("boundary".to_owned(), json!(self.domain.boundary())),
+            ("seed".to_owned(), self.seed.into()),
+        ])
+    }
+
+    /// Returns the verifier's box.
+    #[must_use]
+    pub fn region(&self) -> SolidRegion {
+        self.context().region()
+    }
+
+    /// Returns what the certificate of an export is to state.
+    #[must_use]
+    pub fn context(&self) -> SolidContext {
+        let [width, height, depth] = self.domain.size();
+        let is_periodic = self.domain.boundary() == Boundary::Periodic;
+        let base = Region::new([width, height], is_periodic);
+        SolidContext {
+            planar: ExportContext {
+                method: Self::METHOD.to_owned(),
+                parameters: self.parameters(),
+                made: self.made,
+                ..ExportContext::new(base, self.domain.radius())
+            },
+            depth,
+        }
+    }
+
+    /// Returns the verdict on the set, whatever it says.
+    ///
+    /// # Errors
+    ///
+    /// [`SolidError`] when there is no verdict.
+    pub fn judge(
+        &self,
+        options: &VerifyOptions,
+        control: Control<'_>,
+    ) -> Result<SolidVerdict, SolidError> {
+        let (region, radius) = (self.region(), self.domain.radius());
+        let is_prefix = self.made.is_some();
+        measure_solid(&self.points, region, radius, is_prefix, options, control)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use tilescope_core::Unobserved;
+
+    use super::*;
+
+    fn recipe(balls: BallSize, boundary: Boundary) -> SolidRecipe {
+        SolidRecipe {
+            size: [6.0, 5.0, 7.0],
+            boundary,
+            seed: 3,
+            balls,
+        }
+    }
+
+    #[test]
+    fn every_size_of_balls_makes_a_set_that_verifies() {
+        let go_on = |_| ControlFlow::Continue(());
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for balls in [
+                BallSize::Radius(1.0),
+                BallSize::Count(400),
+                BallSize::Exactly(401),
+            ] {
+                let made = recipe(balls, boundary).make(&mut Unobserved).unwrap();
+                let verdict = made.judge(&VerifyOptions::default(), &go_on).unwrap();
+                assert!(verdict.valid(), "{balls:?}: {verdict:?}");
+                let is_beginning = matches!(balls, BallSize::Exactly(_));
+                assert_eq!(made.made.is_some(), is_beginning, "{balls:?}");
+                assert_eq!(verdict.covering_factor.is_some(), is_beginning);
+
+                // A sample less is seen, but for the factor of a beginning.
+                let fewer = SolidMade {
+                    points: made.points[1..].to_vec(),
+                    made: None,
+                    ..made
+                };
+                let verdict = fewer.judge(&VerifyOptions::default(), &go_on).unwrap();
+                assert!(!verdict.valid(), "{balls:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_make_the_set_again() {
+        let made = recipe(BallSize::Count(300), Boundary::Bounded)
+            .make(&mut Unobserved)
+            .unwrap();
+        let radius = made.parameters()["radius"].as_f64().unwrap();
+        let again = recipe(BallSize::Radius(radius), Boundary::Bounded)
+            .make(&mut Unobserved)
+            .unwrap();
+        assert_eq!((again.points, again.domain), (made.points, made.domain));
+    }
+}

@@ -1,0 +1,339 @@
+//! Sets in space, end to end: made, saved, verified, converted, cut by planes, and refused.
+
+use std::fs;
+
+use predicates::str::contains;
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+use crate::support::tilescope;
+
+/// Runs the program and returns its one JSON object.
+fn run(folder: &TempDir, line: &str, code: i32) -> Value {
+    let line = format!("{line} --json");
+    let assert = tilescope(folder).args(line.split_whitespace()).assert();
+    let assert = assert.code(code);
+    serde_json::from_slice(&assert.get_output().stdout).expect("one JSON object")
+}
+
+/// Runs the program, and fails unless it ends with this code.
+fn ends(folder: &TempDir, line: &str, code: i32) -> String {
+    let assert = tilescope(folder).args(line.split_whitespace()).assert();
+    let assert = assert.code(code);
+    String::from_utf8(assert.get_output().stdout.clone()).expect("text")
+}
+
+/// Fails unless the program refuses a line with these words.
+fn refused(folder: &TempDir, line: &str, wanted: &str) {
+    let run = tilescope(folder).args(line.split_whitespace()).assert();
+    run.code(2).stderr(contains(wanted));
+}
+
+fn certificate(folder: &TempDir, name: &str) -> Value {
+    let path = folder.path().join(format!("{name}.certificate.json"));
+    serde_json::from_slice(&fs::read(path).expect("a certificate")).expect("JSON")
+}
+
+#[test]
+fn sets_are_made_saved_and_verified() {
+    let folder = tempdir().unwrap();
+    for (name, boundary) in [("a.ply", "periodic"), ("a.npy", "bounded")] {
+        let line =
+            format!("sample --size 6x5x7 --radius 1 --boundary {boundary} --seed 7 --out {name}");
+        let made = run(&folder, &line, 0);
+        assert_eq!(made["valid"], json!(true), "{made}");
+        assert_eq!(made["judges"], json!(["subdivision", "circles"]));
+        let stated = certificate(&folder, name);
+        assert_eq!(
+            (&stated["format_version"], &stated["depth"]),
+            (&json!(2), &json!(7.0))
+        );
+        assert_eq!(stated["parameters"]["depth"], json!(7.0));
+
+        let found = run(&folder, &format!("verify {name}"), 0);
+        assert_eq!(
+            (&found["differences"], &found["passed"]),
+            (&json!([]), &json!(true))
+        );
+        for field in ["count", "density", "covering_radius_r"] {
+            assert_eq!(found[field], made[field], "{field}");
+        }
+        for judge in ["subdivision", "circles", "both"] {
+            let found = run(&folder, &format!("verify {name} --judge {judge}"), 0);
+            assert_eq!(found["passed"], json!(true), "{judge}");
+        }
+        refused(
+            &folder,
+            &format!("verify {name} --judge delaunay"),
+            "knows of the plane alone",
+        );
+    }
+
+    // The side of --depth is over --width and --height; threads do not matter.
+    let one = run(
+        &folder,
+        "sample --width 6 --height 5 --depth 7 --radius 1 --seed 7 --threads 1",
+        0,
+    );
+    let two = run(
+        &folder,
+        "sample --size 6x5x7 --radius 1 --seed 7 --threads 3",
+        0,
+    );
+    assert_eq!(one["positions_digest"], two["positions_digest"]);
+    let text = ends(&folder, "sample --size 6x5x7 --radius 1 --seed 7", 0);
+    assert!(
+        text.contains("6 x 5 x 7, periodic, r = 1") && text.contains("N r^3 / volume"),
+        "{text}"
+    );
+}
+
+#[test]
+fn planted_faults_are_seen() {
+    let folder = tempdir().unwrap();
+    ends(&folder, "sample --size 5x5x5 --radius 1 --out a.csv", 0);
+    let path = folder.path().join("a.csv");
+    let text = fs::read_to_string(&path).unwrap();
+    let rows: Vec<&str> = text.lines().collect();
+
+    // One sample less: a hole; one sample twice as another: a conflict.
+    fs::write(&path, [&rows[..1], &rows[2..]].concat().join("\n") + "\n").unwrap();
+    let found = run(&folder, "verify a.csv", 1);
+    assert_eq!(
+        (&found["maximal"], &found["conflict_free"]),
+        (&json!(false), &json!(true))
+    );
+    assert!(ends(&folder, "verify a.csv", 1).contains("gap: ("));
+    let beside: Vec<f64> = rows[1]
+        .split(',')
+        .map(|field| field.parse().unwrap())
+        .collect();
+    let near = beside[0] + if beside[0] < 2.0 { 0.3 } else { -0.3 };
+    let more = format!("{text}{near},{},{}\n", beside[1], beside[2]);
+    fs::write(&path, more).unwrap();
+    let found = run(&folder, "verify a.csv", 1);
+    assert_eq!(
+        (&found["maximal"], &found["conflict_free"]),
+        (&json!(true), &json!(false))
+    );
+    let fields: Vec<&Value> = found["differences"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| &one["field"])
+        .collect();
+    assert!(
+        fields.contains(&&json!("digest")) && fields.contains(&&json!("count")),
+        "{fields:?}"
+    );
+    refused(
+        &folder,
+        "convert a.csv b.ply",
+        "its certificate is not true",
+    );
+}
+
+#[test]
+fn numbers_of_samples_are_met() {
+    let folder = tempdir().unwrap();
+    let made = run(
+        &folder,
+        "sample --size 1x1x2 --count 900 --boundary bounded --out a.xyz",
+        0,
+    );
+    let count = made["count"].as_i64().unwrap();
+    assert!(
+        (count - 900).abs() <= 9 && made["maximal"] == json!(true),
+        "{made}"
+    );
+
+    let made = run(&folder, "sample --size 1x1x2 --exactly 1001 --out a.ply", 0);
+    assert_eq!(
+        (&made["count"], &made["valid"]),
+        (&json!(1001), &json!(true))
+    );
+    let factor = made["covering_factor"].as_f64().expect("a factor");
+    assert!((1.0..1.6).contains(&factor), "{factor}");
+    let prefix = &certificate(&folder, "a.ply")["prefix"];
+    assert_eq!(
+        (&prefix["kept"], &prefix["made"]),
+        (&json!(1001), &made["made"])
+    );
+    let found = run(&folder, "verify a.ply", 0);
+    assert_eq!(found["differences"], json!([]));
+
+    // The control: a certificate that states a smaller factor is not true.
+    let path = folder.path().join("a.ply.certificate.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let stated = format!("\"factor\": {}", prefix["factor"]);
+    assert!(text.contains(&stated), "{text}");
+    fs::write(&path, text.replace(&stated, "\"factor\": 1.0001")).unwrap();
+    let found = run(&folder, "verify a.ply", 1);
+    assert_eq!(found["differences"][0]["field"], json!("prefix.factor"));
+}
+
+#[test]
+fn formats_are_converted_and_planes_are_cut() {
+    let folder = tempdir().unwrap();
+    let made = run(&folder, "sample --size 6x6x6 --radius 1 --out a.ply", 0);
+    for name in ["b.npy", "c.csv", "d.xyz", "e.bin", "f.dat"] {
+        ends(&folder, &format!("convert a.ply {name}"), 0);
+        let found = run(&folder, &format!("verify {name}"), 0);
+        assert_eq!(
+            (&found["count"], &found["differences"]),
+            (&made["count"], &json!([])),
+            "{name}"
+        );
+        let stated = certificate(&folder, name);
+        assert_eq!(stated["method"], json!("reference"), "{name}");
+    }
+    refused(
+        &folder,
+        "convert a.ply g.svg",
+        "SVG holds no third coordinate",
+    );
+    refused(
+        &folder,
+        "sample --size 6x6x6 --radius 1 --out g.json",
+        "JSON holds no third coordinate",
+    );
+
+    let said = ends(&folder, "convert a.ply disks.csv --slice z=3", 0);
+    assert!(said.contains("the plane z = 3 meets"), "{said}");
+    let table = fs::read_to_string(folder.path().join("disks.csv")).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("x,y,radius,depth"));
+    let mut count = 0;
+    for line in lines {
+        let row: Vec<f64> = line
+            .split(',')
+            .map(|field| field.parse().unwrap())
+            .collect();
+        assert!(
+            (row[2] * row[2] + row[3] * row[3] - 1.0).abs() < 1e-9,
+            "{line}"
+        );
+        count += 1;
+    }
+    // A ball of radius r meets a plane in 2 r: 1.47 disks for each r^2.
+    assert!((30..80).contains(&count), "{count}");
+
+    for picture in ["plane.png", "plane.svg"] {
+        ends(
+            &folder,
+            &format!("draw a.ply {picture} --slice x=2.5 --size 200"),
+            0,
+        );
+        assert!(folder.path().join(picture).exists());
+    }
+    refused(&folder, "draw a.ply plane.png", "--slice z=PLACE");
+    refused(
+        &folder,
+        "convert a.ply disks.csv --slice z=7",
+        "from 0 to 6",
+    );
+    refused(
+        &folder,
+        "convert a.ply disks.npy --slice z=3",
+        "written as csv",
+    );
+    refused(&folder, "convert a.ply disks.csv --slice w=3", "no plane");
+}
+
+#[test]
+fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
+    let folder = tempdir().unwrap();
+    // A body-centred lattice in a box of 3.
+    let mut text = String::new();
+    for index in 0..27 {
+        let corner = [index % 3, index / 3 % 3, index / 9].map(f64::from);
+        for half in [0.0, 0.5] {
+            let [x, y, z] = corner.map(|value| value + half);
+            text += &format!("{x} {y} {z}\n");
+        }
+    }
+    fs::write(folder.path().join("a.xyz"), text).unwrap();
+    refused(
+        &folder,
+        "verify a.xyz --radius 0.8",
+        "--depth gives a set in space its third side",
+    );
+    refused(&folder, "verify a.xyz --radius 0.8", "--slice");
+    refused(&folder, "thin a.xyz --radius 0.8 --out b.xyz", "--xy");
+    refused(
+        &folder,
+        "verify a.xyz --depth 3 --width 3 --height 3",
+        "give --radius",
+    );
+    let given = "--width 3 --height 3 --depth 3";
+    let found = run(&folder, &format!("verify a.xyz --radius 0.8 {given}"), 0);
+    assert_eq!(
+        (&found["passed"], &found["certificate"]),
+        (&json!(true), &json!(false))
+    );
+    assert_eq!(
+        run(&folder, &format!("verify a.xyz --radius 0.9 {given}"), 1)["passed"],
+        json!(false)
+    );
+    refused(
+        &folder,
+        "verify a.xyz --radius 0.3 --depth 2",
+        "--depth and --boundary state another domain",
+    );
+
+    // The smallest distance is the radius where none is known.
+    ends(&folder, &format!("convert a.xyz a.ply {given}"), 0);
+    let radius = certificate(&folder, "a.ply")["radius"].as_f64().unwrap();
+    assert!((radius - 0.75_f64.sqrt()).abs() < 1e-12);
+
+    // Three columns with z = 0 stay a planar set.
+    fs::write(folder.path().join("flat.xyz"), "0.25 0.25 0\n0.75 0.75 0\n").unwrap();
+    let found = run(&folder, "verify flat.xyz --radius 0.5", 0);
+    assert_eq!(found["region"]["width"], json!(1.0));
+}
+
+#[test]
+fn what_makes_no_set_in_space_is_refused_by_name() {
+    let folder = tempdir().unwrap();
+    let sample = |options: &str, wanted: &str| {
+        refused(&folder, &format!("sample --size 6x6x6 {options}"), wanted);
+    };
+    for (options, name) in [
+        ("--radius 1 --method kdrt", "--method kdrt"),
+        ("--radius 1 --method exact", "--method exact"),
+        ("--radius 1 --levels 3", "--levels"),
+        ("--radius 1 --engine gpu", "--engine gpu"),
+        ("--radius 1 --leaf 20", "--leaf"),
+        ("--radius 1 --window 0 0 1 1", "--window"),
+        ("--radius 1 --mask a.png", "--mask"),
+        ("--radius-expression 1+x", "--radius-expression"),
+        ("--radius 1 --origin 5 5", "--origin"),
+        ("--radius 1 --judge delaunay", "knows of the plane alone"),
+    ] {
+        sample(options, name);
+    }
+
+    sample(
+        "--radius 2",
+        "the width is 3 r long; it must be at least 4 r",
+    );
+    sample("--count 5", "5 samples were asked for");
+    refused(&folder, "sample --size 6x6x0 --radius 1", "the depth is 0");
+    refused(&folder, "sample --size 6x6 --radius 1", "three are needed");
+    refused(&folder, "sample --depth -1 --radius 0.1", "the depth is -1");
+    refused(
+        &folder,
+        "sample --size 1x1x1 --radius 1e-4",
+        "cubes of side r; it must hold at most",
+    );
+    refused(
+        &folder,
+        "sample --exactly 100",
+        "--exactly needs --levels K, or a third side",
+    );
+    refused(&folder, "analyze a.ply --depth 5", "--depth");
+    ends(&folder, "sample --size 5x5x5 --radius 1 --out a.ply", 0);
+    refused(&folder, "analyze a.ply", "third side, 5");
+    refused(&folder, "verify a.ply --prefix 5", "--prefix");
+    refused(&folder, "verify a.ply --origin 1 1", "--origin");
+}
