@@ -503,26 +503,19 @@ fn list() -> Result<()> {
     output::emit(&text)
 }
 
-/// Returns the content of the handout that the arguments ask for, with the translation if the language is not English.
-fn handout_content(arguments: &HandoutArguments) -> Result<Handout> {
-    let HandoutArguments {
-        lesson,
-        answers,
-        notes,
-        language,
-        ..
-    } = arguments;
+/// The texts of a lesson, as they stand in its files.
+struct LessonTexts {
+    name: String,
+    text: String,
+    /// The translation, if the language that was asked for is not English.
+    translation: Option<String>,
+}
+
+/// Returns the texts of a lesson: a file, or one that comes with the program.
+fn lesson_texts(lesson: &str, language: &str) -> Result<LessonTexts> {
     check_language(language)?;
 
     let is_translated = language != "en";
-    let of = |name: String, text: String, translation: Option<String>| Handout {
-        name,
-        text,
-        language: language.clone(),
-        translation,
-        answers: *answers,
-        notes: *notes,
-    };
     // A lesson of the program has its translation with it, and no files beside it in which others could be.
     if let Some(shipped) = shipped_lesson(lesson) {
         let translation = shipped.translation(language).map(str::to_owned);
@@ -530,7 +523,11 @@ fn handout_content(arguments: &HandoutArguments) -> Result<Handout> {
             !is_translated || translation.is_some(),
             "--language {language}: {lesson} comes in en and de"
         );
-        return Ok(of(lesson.clone(), shipped.text.into_owned(), translation));
+        return Ok(LessonTexts {
+            name: lesson.to_owned(),
+            text: shipped.text.into_owned(),
+            translation,
+        });
     }
 
     let file = Path::new(lesson);
@@ -538,7 +535,11 @@ fn handout_content(arguments: &HandoutArguments) -> Result<Handout> {
     let name = name_of(file)?;
     let beside = file.with_file_name(format!("{name}.{language}.md"));
     let translation = is_translated.then(|| read(&beside)).transpose()?;
-    Ok(of(name, read(file)?, translation))
+    Ok(LessonTexts {
+        name,
+        text: read(file)?,
+        translation,
+    })
 }
 
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
@@ -546,7 +547,15 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let is_html = out.extension().is_some_and(|extension| extension == "html");
     let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
-    let made = (window.handout)(handout_content(arguments)?);
+    let texts = lesson_texts(lesson, &arguments.language)?;
+    let made = (window.handout)(Handout {
+        name: texts.name,
+        text: texts.text,
+        language: arguments.language.clone(),
+        translation: texts.translation,
+        answers: arguments.answers,
+        notes: arguments.notes,
+    });
     let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
 
     check_inputs_stay(out, [Path::new(lesson)])?;

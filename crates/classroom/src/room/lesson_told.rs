@@ -10,7 +10,7 @@ use tilescope_session::words::quoted;
 
 use crate::graded::FULL_MARKS;
 use crate::lesson_labels::lesson_labels;
-use crate::lessons::{LessonCommand, Lessons, OpenLesson, WantedLesson};
+use crate::lessons::{LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
 use crate::room::{Classroom, Context, Effect};
 
 /// Why a request is refused that needs a lesson.

@@ -16,7 +16,7 @@ use tilescope_formats::write_whole;
 use tilescope_lessons::shipped::Shipped;
 use tilescope_lessons::{Lesson, Translation, plain};
 
-use super::lesson_named;
+use super::{LessonTexts, lesson_texts};
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::web;
 use manifest::Description;
@@ -231,9 +231,15 @@ pub fn package(arguments: &PackageArguments) -> Result<String> {
 
 /// Returns the lesson with the chosen steps, and its German translation, empty if it has none.
 fn source(arguments: &PackageArguments) -> Result<Shipped> {
-    let (name, text, translation) = lesson_named(&arguments.lesson, &arguments.language)?;
+    let asked = lesson_texts(&arguments.lesson, &arguments.language)?;
+    let LessonTexts {
+        name,
+        text,
+        translation,
+    } = asked;
     // In an English package German can be chosen, if there is a translation.
-    let german = translation.or_else(|| lesson_named(&arguments.lesson, "de").ok()?.2);
+    let in_german = || lesson_texts(&arguments.lesson, "de").ok()?.translation;
+    let german = translation.or_else(in_german);
 
     let text = if arguments.steps.is_empty() {
         text

@@ -145,7 +145,7 @@ impl VaryingRecipe {
     pub fn glance(&self) -> Result<f64, VaryingError> {
         self.radius.check()?;
         let frame = self.frame(&self.radius)?;
-        let Some((squares, pitch)) = frame.squares else {
+        let Some(squares) = frame.squares else {
             // One radius in a rectangle or a polygon.
             let radius = self.radius.constant().unwrap_or(1.0);
             Domain::from_size(frame.size, radius, self.boundary)?;
@@ -166,9 +166,13 @@ impl VaryingRecipe {
             | RadiusSource::Expression { .. }
             | RadiusSource::Grid { .. } => {
                 // The nodes of the field are so many times as dense.
-                let part = squares[0].max(squares[1]).div_ceil(GLANCE_NODES).max(1);
-                let few = squares.map(|count| count.div_ceil(part));
-                self.requests(&self.radius, &frame, few, pitch * part as f64)?
+                let [columns, rows] = squares.counts;
+                let part = columns.max(rows).div_ceil(GLANCE_NODES).max(1);
+                let few = Squares {
+                    counts: squares.counts.map(|count| count.div_ceil(part)),
+                    pitch: squares.pitch * part as f64,
+                };
+                self.requests(&self.radius, &frame, few)?
             }
         };
         let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
@@ -182,6 +186,7 @@ impl VaryingRecipe {
             });
         }
         // The lattice of the field, and the domain with the radius that stands for r in it.
+        let pitch = squares.pitch;
         let in_units = |bits: u32| least / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits) >= f64::from(R));
         let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;

@@ -1,5 +1,6 @@
 //! Sets in space, end to end: made, saved, verified, converted, cut by planes, and refused.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use predicates::str::contains;
@@ -249,7 +250,7 @@ fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
         let corner = [index % 3, index / 3 % 3, index / 9].map(f64::from);
         for half in [0.0, 0.5] {
             let [x, y, z] = corner.map(|value| value + half);
-            text += &format!("{x} {y} {z}\n");
+            let _ = writeln!(text, "{x} {y} {z}");
         }
     }
     fs::write(folder.path().join("a.xyz"), text).unwrap();

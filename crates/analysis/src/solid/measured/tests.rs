@@ -46,7 +46,8 @@ fn no_place_of_a_scan_is_farther() {
         let mut farthest: f64 = 0.0;
         for index in 0..steps * steps * steps {
             let at = [index % steps, index / steps % steps, index / steps / steps];
-            let place = [0, 1, 2].map(|axis| size[axis] * at[axis] as f64 / (steps - 1) as f64);
+            let place =
+                [0, 1, 2].map(|axis| size[axis] * f64::from(at[axis]) / f64::from(steps - 1));
             let distances = points.iter().map(|&point| region.distance(point, place));
             farthest = farthest.max(distances.fold(f64::INFINITY, f64::min));
         }

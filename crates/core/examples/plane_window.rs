@@ -1,4 +1,4 @@
-//! Prints the samples of a window of a plane of some 10^9 as `x,y` lines: `cargo run --release -p tilescope-core --example window --
+//! Prints the samples of a window of a plane of some 10^9 as `x,y` lines: `cargo run --release -p tilescope-core --example plane_window --
 //! LEFT BOTTOM SIDE`, in radii, 1000 2000 120 if they are not given.
 
 use tilescope_core::{Parameters, Pattern, Plane, SampleError, Unobserved, WindowMaker};
