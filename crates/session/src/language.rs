@@ -21,11 +21,17 @@ pub const TABLES: &[(&str, &str)] = if cfg!(target_arch = "wasm32") {
 /// The tags of all languages that the window can have, English first, in the order in which its button leads through them.
 pub const TAGS: [&str; 3] = ["en", "de", "es"];
 
-/// Returns the tag of the language behind a given one in [`TAGS`]; English follows the last one, and any other text.
+/// Returns the tag of the language behind a given one in [`TAGS`], English behind the last one. Any other text counts as English.
 #[must_use]
 pub fn next_tag(tag: &str) -> &'static str {
-    let at = TAGS.iter().position(|other| *other == tag);
-    at.and_then(|at| TAGS.get(at + 1)).unwrap_or(&TAGS[0])
+    let at = TAGS.iter().position(|other| *other == tag).unwrap_or(0);
+    TAGS[(at + 1) % TAGS.len()]
+}
+
+/// Returns whether a tag is that of English, or empty, as it is where no language was chosen.
+#[must_use]
+pub fn is_english(tag: &str) -> bool {
+    matches!(tag, "" | "en")
 }
 
 /// The number by which a table shows its separators of thousands and of decimals, and how it writes percent.
@@ -439,9 +445,13 @@ mod tests {
     }
 
     #[test]
-    fn the_button_leads_through_all_languages_and_from_an_unknown_one_to_english() {
+    fn the_button_leads_through_all_languages_and_begins_at_english() {
         assert_eq!(TAGS.map(next_tag), ["de", "es", "en"]);
-        assert_eq!(next_tag("xx"), "en");
+        assert_eq!(["", "xx"].map(next_tag), ["de", "de"]);
+        assert_eq!(
+            ["", "en", "de", "xx"].map(is_english),
+            [true, true, false, false]
+        );
     }
 
     #[test]

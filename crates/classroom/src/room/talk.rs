@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use tilescope_drawing::camera::Camera;
 use tilescope_lessons::results::ClassVote;
 use tilescope_lessons::{Lesson, Question, Vote, shipped};
+use tilescope_session::language::is_english;
 use tilescope_session::task;
 
 use crate::handout::HandoutTask;
@@ -587,7 +588,7 @@ impl Classroom {
         match (base, self.lessons.open_question()) {
             ("", _) => String::new(),
             // As in links to lessons, English is not named, so that readers of other languages get theirs.
-            (base, Some(_)) if self.lessons.language == "en" => format!("{base}#card"),
+            (base, Some(_)) if is_english(&self.lessons.language) => format!("{base}#card"),
             (base, Some(_)) => format!("{base}#card&language={}", self.lessons.language),
             (base, None) => format!("{base}#{fragment}"),
         }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use tilescope_classroom::lessons::{LessonSource, Lessons, WantedLesson};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
+use tilescope_session::language::is_english;
 use tilescope_session::words::{counted, grouped, quoted, slug, stage_name};
 
 use super::effects::{Context, Effect};
@@ -73,7 +74,7 @@ impl LinkSource<'_> {
 
         let lesson = Some(lesson);
         // Another language than English is part of the link. English is not, so that a reader of such a link gets a language of their own.
-        let language = Some(lessons.language.clone()).filter(|name| name != "en");
+        let language = Some(lessons.language.clone()).filter(|name| !is_english(name));
         Some(link::write(&LinkContent {
             lesson,
             language,
