@@ -25,7 +25,7 @@ function uuid() {
 /** @param {number} seconds */
 const duration = (seconds) => `PT${Math.max(0, seconds).toFixed(2)}S`;
 
-/** What this tab knows of the visit, as the page may be loaded again. @param {string} key @returns {any} */
+/** What this tab keeps of the visit, as the page may be loaded again. @param {string} key @returns {any} */
 function remembered(key) {
   try {
     return JSON.parse(sessionStorage.getItem(key) ?? "{}");

@@ -210,7 +210,7 @@ class Course {
   }
 
   /** Takes a message of the frame. @param {any} data */
-  hear(data) {
+  receive(data) {
     switch (data.event) {
       case "answered":
         this.#take(data);
@@ -269,7 +269,7 @@ async function main() {
 
   window.addEventListener("message", ({ source, origin, data }) => {
     if (source === frame.contentWindow && origin === location.origin && data?.tilescope === VERSION) {
-      course.hear(data);
+      course.receive(data);
     }
   });
 

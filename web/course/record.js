@@ -1,5 +1,5 @@
 // @ts-check
-// What a learner has done of a package's questions, and the score that counts. It knows no course system.
+// What a learner has done of a package's questions, and the score that counts. It does not depend on the course system.
 
 /** A score above this is full marks: scores are sums of fractions, which are rounded. */
 const FULL_MARKS = 0.999;

@@ -135,7 +135,7 @@ async function visit(context, address) {
   await page.goto(address);
   const named = (end) => until(end, async () => page.frames().find((frame) => new URL(frame.url(), course.address).pathname === end));
   const around = await named("/package/index.html");
-  // After this the page's own script hears an answer first.
+  // After this the page's own script receives an answer first.
   await until("the page", () => around.evaluate(() => document.getElementById("progress")?.textContent));
   await around.evaluate(() => {
     window.answers = 0;

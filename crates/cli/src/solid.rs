@@ -29,7 +29,7 @@ pub fn refuse(options: &[(&str, bool)], whose: &str) -> Result<()> {
     }
 }
 
-/// Refuses the judge that knows of planes alone, before anything is made or read.
+/// Refuses the judge of planar sets, before anything is made or read.
 pub fn check_judge(judge: &JudgeArguments) -> Result<()> {
     match judge.choice() {
         JudgeChoice::Delaunay => Err(SolidError::WrongJudge.into()),

@@ -387,7 +387,7 @@ impl Debugger {
             scenes: self.scenes.clone(),
             view: self.view.clone(),
             pattern: self.pattern.clone(),
-            // Its owner knows what the field was made from, and adds it.
+            // Its owner adds what the field was made from.
             ground: serde_json::Value::Null,
         }
     }

@@ -91,7 +91,7 @@ pub fn sample_solid<'py>(
         }
     };
 
-    // Memory is asked for by the sampler itself, which knows how many cells the box has.
+    // The sampler itself asks for memory, since it counts the cells of the box.
     let recipe = SolidRecipe {
         size,
         boundary: named::<Boundary>("boundary", boundary)?,

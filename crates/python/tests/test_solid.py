@@ -97,7 +97,7 @@ def test_sets_of_others_need_radius_and_box(balls, tmp_path):
         tilescope.verify_solid(balls.points)
     with pytest.raises(ValueError, match=r"it must be \(N, 3\)"):
         tilescope.SolidSet([[0.5, 0.5]], 1, (5, 5, 5))
-    with pytest.raises(ValueError, match="knows of the plane alone"):
+    with pytest.raises(ValueError, match="judges planar sets alone"):
         balls.verify(judge="delaunay")
     with pytest.raises(ValueError, match="holds no third coordinate"):
         balls.save(tmp_path / "set.svg")

@@ -80,9 +80,9 @@ pub enum SolidError {
         /// How far from a sample a place may be.
         limit: f64,
     },
-    /// The judge by triangulation knows of the plane alone.
+    /// The judge by triangulation is for planar sets alone.
     #[error(
-        "the judge delaunay knows of the plane alone: sets in space are judged by subdivision, circles or both"
+        "the judge delaunay judges planar sets alone: sets in space are judged by subdivision, circles or both"
     )]
     WrongJudge,
     /// The two judges differ on a set: one of them is wrong.

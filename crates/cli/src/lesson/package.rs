@@ -137,7 +137,7 @@ impl System {
     }
 }
 
-/// What the page knows of its lesson: the file `lesson.js`.
+/// What the page reads about its lesson: the file `lesson.js`.
 #[derive(Debug, Serialize)]
 struct PackagedLesson {
     system: System,
@@ -152,7 +152,7 @@ struct PackagedLesson {
     questions: Vec<PackagedQuestion>,
 }
 
-/// A question, as the page needs it to know when all are done.
+/// A question. From all of them the page sees when the lesson is done.
 #[derive(Debug, Serialize)]
 struct PackagedQuestion {
     gate: String,
@@ -259,7 +259,7 @@ fn source(arguments: &PackageArguments) -> Result<Shipped> {
     })
 }
 
-/// Returns what the page is told about its lesson.
+/// Returns what the page reads about its lesson.
 fn told(
     lesson: &Lesson,
     translation: &Translation,

@@ -242,7 +242,7 @@ pub(super) const FIELD: &str = "radius that varies";
 /// Says of a part that it is understood, but that no judge could confirm it beside a third side.
 pub(super) fn beyond_judging(part: &str) -> String {
     format!(
-        "the certificate has the part `{part}` beside `depth`: this version knows both but cannot judge them together"
+        "the certificate has the part `{part}` beside `depth`: this version can judge each, but not both together"
     )
 }
 

@@ -34,7 +34,7 @@ class SolidReport:
     """What the verifier found out about a set in space. Lengths are in the unit of the samples.
 
     Two judges, which share no search, decide: one cuts the box into cubes, one looks at the circles in which two spheres
-    meet. Neither knows the sampler.
+    meet. Neither shares code with the sampler.
     """
 
     valid: bool

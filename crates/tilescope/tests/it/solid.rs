@@ -66,7 +66,7 @@ fn sets_are_made_saved_and_verified() {
         refused(
             &folder,
             &format!("verify {name} --judge delaunay"),
-            "knows of the plane alone",
+            "judges planar sets alone",
         );
     }
 
@@ -309,7 +309,7 @@ fn what_makes_no_set_in_space_is_refused_by_name() {
         ("--radius 1 --mask a.png", "--mask"),
         ("--radius-expression 1+x", "--radius-expression"),
         ("--radius 1 --origin 5 5", "--origin"),
-        ("--radius 1 --judge delaunay", "knows of the plane alone"),
+        ("--radius 1 --judge delaunay", "judges planar sets alone"),
     ] {
         sample(options, name);
     }

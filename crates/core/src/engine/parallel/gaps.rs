@@ -84,7 +84,7 @@ pub(crate) struct GapBuffers {
     sites: [u8; MAX_SITES],
     candidates: Vec<RankedCandidate>,
     todo: Vec<(u32, u8)>,
-    /// Cells in which a detection found that it does not know enough.
+    /// Cells in which a detection found that samples it needs are missing.
     unsure: Vec<usize>,
     pub inserted: Vec<Inserted>,
     /// Cell and slot of the samples inserted in the last iteration, sorted.
