@@ -53,34 +53,11 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         }
         RunEvent::Wake { behind, .. } => Some(life(behind)?.lost),
 
-        // A dart is refused by a kept sample, whose id insertion by darts does not record. In exact tiling, a dart that is
-        // accepted when it arrives was expected since an event, and one thrown at an open place hits it since it is bare.
-        RunEvent::Dart {
-            verdict: Verdict::Covered { by },
-            ..
-        } if by != NONE => Some(life(by)?.kept),
-        // Where the radius depends on the place, the sample follows from the rule.
-        RunEvent::Dart {
-            point,
-            verdict: Verdict::Covered { .. },
-            ..
-        } if recording.run().locality.is_some() => {
-            Some(life(recording.covering(point, index)?)?.kept)
-        }
-        RunEvent::Dart {
-            point,
-            ranked: true,
-            ..
-        } if recording.is_exact() => recording.expected(point, index),
-        RunEvent::Dart { point, .. } if recording.is_exact() => bared(recording, point, index),
-
+        dart @ RunEvent::Dart { .. } => cause_of_dart(recording, dart, index),
         RunEvent::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
-        RunEvent::Rank { .. }
-        | RunEvent::IterationEnd { .. }
-        | RunEvent::Dart { .. }
-        | RunEvent::Cut { .. } => recording
-            .last_of(EventKind::Iteration, index)
-            .map(|i| i as u32),
+        RunEvent::Rank { .. } | RunEvent::IterationEnd { .. } | RunEvent::Cut { .. } => {
+            last_iteration(recording, index)
+        }
 
         RunEvent::Begin(_) | RunEvent::Iteration { .. } | RunEvent::Finish { .. } => None,
     };
@@ -157,6 +134,40 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     events.sort_unstable();
     events.dedup();
     events.into_iter().map(|event| event as usize).collect()
+}
+
+/// Returns the event by which a dart was refused, or had its chance.
+fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<u32> {
+    let RunEvent::Dart {
+        point,
+        verdict,
+        ranked,
+        ..
+    } = dart
+    else {
+        return None;
+    };
+    let kept = |sample: u32| recording.life(sample).map(|life| life.kept);
+
+    match verdict {
+        Verdict::Covered { by } if by != NONE => kept(by),
+        // Where the radius depends on the place, the sample is not recorded: it follows from the rule.
+        Verdict::Covered { .. } if recording.run().locality.is_some() => {
+            kept(recording.covering(point, index)?)
+        }
+        // In exact tiling, a dart that is accepted when it arrives was expected since an event, and one thrown at an open place
+        // hits it since it is bare.
+        _ if recording.is_exact() && ranked => recording.expected(point, index),
+        _ if recording.is_exact() => bared(recording, point, index),
+        // Insertion by darts does not record which kept sample refused one.
+        _ => last_iteration(recording, index),
+    }
+}
+
+/// Returns the event that began the iteration of an event.
+fn last_iteration(recording: &Recording, index: usize) -> Option<u32> {
+    let begun = recording.last_of(EventKind::Iteration, index);
+    begun.map(|event| event as u32)
 }
 
 fn at(events: &[u32], index: u32) -> Option<u32> {

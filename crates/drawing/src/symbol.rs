@@ -145,12 +145,8 @@ pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolS
         ],
 
         Layer::Conflicts => {
-            let stroke = Stroke::new(1.8, palette.conflict);
-            vec![dashed(
-                [vec2(-6.0, 4.0), vec2(6.0, -4.0)],
-                stroke,
-                [3.5, 2.0],
-            )]
+            let ends = [vec2(-6.0, 4.0), vec2(6.0, -4.0)];
+            vec![dashed(ends, Stroke::new(1.8, palette.conflict), [3.5, 2.0])]
         }
         Layer::Eliminated => [vec2(4.0, 4.0), vec2(4.0, -4.0)]
             .map(|end| line([-end, end], Stroke::new(1.6, palette.eliminated)))
@@ -171,20 +167,22 @@ pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolS
             .into(),
         Layer::Circumcircles => circumcircle(palette),
         Layer::CoveredCircles => covered_circle(palette),
-        // From a small radius on the left to a large one.
-        Layer::Field => [0.5, 0.3, 0.12]
-            .into_iter()
-            .zip([-4.0, 0.0, 4.0])
-            .map(|(shade, x)| {
-                let corners = rect(4.0, 10.0).map(|corner| corner + vec2(x, 0.0));
-                filled(corners, palette.accent.gamma_multiply(shade))
-            })
-            .collect(),
+        Layer::Field => field(palette),
         Layer::Inserted => {
             let [x, y] = [vec2(5.5, 0.0), vec2(0.0, 5.5)];
             vec![filled([-y, x, y, -x], palette.inserted)]
         }
     }
+}
+
+/// Returns the symbol of a field of radii: from a small radius on the left to a large one.
+fn field(palette: &Palette) -> Vec<SymbolShape> {
+    let shades = [0.5, 0.3, 0.12].into_iter().zip([-4.0, 0.0, 4.0]);
+    let shaded = shades.map(|(shade, x)| {
+        let corners = rect(4.0, 10.0).map(|corner| corner + vec2(x, 0.0));
+        filled(corners, palette.accent.gamma_multiply(shade))
+    });
+    shaded.collect()
 }
 
 /// Returns the line of most symbols.

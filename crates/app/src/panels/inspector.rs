@@ -200,11 +200,11 @@ fn sample(
         return;
     }
 
+    let own_radius = || significant(session.radius_of(id) * run.domain.radius());
     match run.samples.origins[id as usize] {
         // A large set in a field or a shape keeps nothing but its samples.
         Origin::Tiled { .. } if session.ground.is_some() => {
-            let radius = session.radius_of(id) * run.domain.radius();
-            row(ui, "Radius", &significant(radius), palette);
+            row(ui, "Radius", &own_radius(), palette);
         }
         Origin::Tiled {
             block,
@@ -227,19 +227,12 @@ fn sample(
         Origin::Inserted { iteration, sites } => {
             // In a field or a shape, iterations are the throws of darts, and samples have radii of their own.
             if session.ground.is_some() {
-                let radius = session.radius_of(id) * run.domain.radius();
-                row(ui, "Radius", &significant(radius), palette);
+                row(ui, "Radius", &own_radius(), palette);
                 row(ui, "From throw", &iteration.to_string(), palette);
             } else {
                 row(ui, "Inserted in iteration", &iteration.to_string(), palette);
             }
-            match sites {
-                Sites::Three(ids) => others(ui, "At the circumcentre of", &ids, palette, commands),
-                Sites::Border(ids) => others(ui, "On the border between", &ids, palette, commands),
-                Sites::Corner(id) => others(ui, "In the corner near", &[id], palette, commands),
-                Sites::Dart => row(ui, "By", "a dart", palette),
-                Sites::Unrecorded => row(ui, "Sites", "not kept in a large run", palette),
-            }
+            inserted_at(ui, sites, palette, commands);
         }
     }
 
@@ -257,6 +250,17 @@ fn sample(
         Fate::Kept => row(ui, "In the end", "kept", palette),
         Fate::Dropped => row(ui, "In the end", "dropped", palette),
         Fate::Eliminated { by } => others(ui, "Eliminated by", &[by], palette, commands),
+    }
+}
+
+/// Shows by which samples an inserted one was found.
+fn inserted_at(ui: &mut Ui, sites: Sites, palette: &Palette, commands: &mut Vec<Command>) {
+    match sites {
+        Sites::Three(ids) => others(ui, "At the circumcentre of", &ids, palette, commands),
+        Sites::Border(ids) => others(ui, "On the border between", &ids, palette, commands),
+        Sites::Corner(id) => others(ui, "In the corner near", &[id], palette, commands),
+        Sites::Dart => row(ui, "By", "a dart", palette),
+        Sites::Unrecorded => row(ui, "Sites", "not kept in a large run", palette),
     }
 }
 

@@ -22,13 +22,7 @@ impl Lessons {
     #[must_use]
     pub fn to_json(&self) -> Value {
         if self.shows_list {
-            return json!({
-                "list": self.list_json(),
-                "language": self.language,
-                "text_language": text_language(&self.language),
-                "next_language": next_tag(&self.language),
-                "labels": lesson_labels(&self.language),
-            });
+            return self.list_json();
         }
 
         let Some(open) = &self.open else {
@@ -96,7 +90,7 @@ impl Lessons {
         })
     }
 
-    /// Returns the list of lessons, and the learner's results in numbers.
+    /// Returns the list of lessons, the learner's results in numbers, and the words around them.
     fn list_json(&self) -> Value {
         let entries = self.shelf.iter().filter_map(|shipped| {
             // A lesson that cannot be read would be left out; tests read all that come with the program.
@@ -121,13 +115,20 @@ impl Lessons {
             }))
         });
 
-        json!({
+        let list = json!({
             "lessons": entries.collect::<Value>(),
             "answered": self.results.entries.len(),
             "votes": self.results.votes.len(),
             "share": self.results.share(),
             "learner": self.results.learner,
             "asked_to_clear": self.asks_to_clear,
+        });
+        json!({
+            "list": list,
+            "language": self.language,
+            "text_language": text_language(&self.language),
+            "next_language": next_tag(&self.language),
+            "labels": lesson_labels(&self.language),
         })
     }
 

@@ -206,17 +206,24 @@ impl<'a> Request<'a> {
         };
 
         let mut measured = watched("measure", measure)?;
-        // Sets of one radius have their distances in one unit: curves that jump at one distance would differ if they
-        // were cut at different ones.
         if self.radius.is_some() {
-            let own = largest_min_distance(samples, region.area());
-            let unit = self.unit.get().unwrap_or(own);
-            self.unit.set(Some(unit));
-            for point in &mut measured.pairs {
-                point[0] *= own / unit;
-            }
+            self.put_in_one_unit(&mut measured);
         }
         Ok(measured)
+    }
+
+    /// Gives distances in the unit of the first set: curves of sets of one radius, which jump at one distance, would differ if
+    /// each was cut at its own.
+    fn put_in_one_unit(&self, measured: &mut Measurement) {
+        let Member {
+            samples, region, ..
+        } = measured.member;
+        let own = largest_min_distance(samples, region.area());
+        let unit = self.unit.get().unwrap_or(own);
+        self.unit.set(Some(unit));
+        for point in &mut measured.pairs {
+            point[0] *= own / unit;
+        }
     }
 
     fn window(&self, samples: f64, region: Region) -> Result<FrequencyWindow, MeasureError> {

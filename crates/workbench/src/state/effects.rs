@@ -246,15 +246,7 @@ impl State {
                 Effect::Sample(which, recipe, engine) => {
                     self.start_sampling(which, *recipe, engine);
                 }
-                Effect::Make(made) => match *made {
-                    Made::Run(recipe) => {
-                        self.start_sampling(Which::First, recipe, self.gpu.engine);
-                    }
-                    Made::Combination(layout) => {
-                        self.files.stop_reading();
-                        self.with(|state, context| state.runs.combine(layout, context));
-                    }
-                },
+                Effect::Make(made) => self.make(*made),
                 Effect::StopMaking => self.stop_making(),
                 Effect::Show(session) => self.show(Which::First, *session),
                 Effect::Open(opened) => self.show_opened(*opened),
@@ -264,6 +256,17 @@ impl State {
                 Effect::StartTour => self.start_tour(),
                 Effect::EndTour => self.end_tour(),
                 Effect::GiveBack => self.give_back(),
+            }
+        }
+    }
+
+    /// Makes the run or the combination of a file.
+    fn make(&mut self, made: Made) {
+        match made {
+            Made::Run(recipe) => self.start_sampling(Which::First, recipe, self.gpu.engine),
+            Made::Combination(layout) => {
+                self.files.stop_reading();
+                self.with(|state, context| state.runs.combine(layout, context));
             }
         }
     }
