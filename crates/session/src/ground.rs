@@ -13,6 +13,13 @@ use crate::words::counted;
 /// cells, so that these are as many as a tape holds without leaving any out.
 pub const MAX_RECORDED: f64 = 50_000.0;
 
+/// Whether this program makes sets in fields and shapes. In a browser it does not: with their sampler, their judge and the readers of
+/// images it would take 110,000 bytes more than a page may take to start.
+pub const IS_OFFERED: bool = cfg!(not(target_arch = "wasm32"));
+/// Why they are refused where it does not.
+pub const NOT_OFFERED: &str =
+    "sets in fields and shapes are made by the program outside the browser alone";
+
 /// The most corners of a polygon in a saved session or a link.
 const MAX_PORTABLE_CORNERS: usize = 10_000;
 

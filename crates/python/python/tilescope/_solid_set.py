@@ -100,7 +100,9 @@ def solid_report_of(found: dict[str, Any], differences: list[str] | None = None)
         "covering_factor", "conflicts", "gaps", "density",
     )  # fmt: skip
     # JSON has no infinity.
-    lengths = {name: math.inf if found[name] is None else found[name] for name in ("min_distance", "relative_radius")}
+    lengths: dict[str, Any] = {
+        name: math.inf if found[name] is None else found[name] for name in ("min_distance", "relative_radius")
+    }
     return SolidReport(
         size=(region["width"], region["height"], region["depth"]),
         boundary=region["boundary"],
@@ -126,8 +128,8 @@ def sides(size: Any) -> tuple[float, float, float]:
 class SolidSet:
     """Positions in space with their box and radius.
 
-    :func:`tilescope.sample` with `size`, and :func:`tilescope.read` of a file in space, return one. Positions from elsewhere
-    become one here, and can then be verified and saved.
+    :func:`tilescope.sample` with `size` and :func:`tilescope.read_solid` return one. Positions from elsewhere become one
+    here, and can then be verified and saved.
 
     Parameters
     ----------
