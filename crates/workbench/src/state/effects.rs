@@ -158,6 +158,17 @@ impl Context {
     }
 }
 
+/// Makes the run or the combination of a file.
+fn make(state: &mut State, made: Made) {
+    match made {
+        Made::Run(recipe) => state.start_sampling(Which::First, recipe, state.gpu.engine),
+        Made::Combination(layout) => {
+            state.files.stop_reading();
+            state.with(|state, context| state.runs.combine(layout, context));
+        }
+    }
+}
+
 impl State {
     /// Runs `act`, and carries out the effects it asks for.
     pub(super) fn with<T>(&mut self, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
@@ -246,7 +257,7 @@ impl State {
                 Effect::Sample(which, recipe, engine) => {
                     self.start_sampling(which, *recipe, engine);
                 }
-                Effect::Make(made) => self.make(*made),
+                Effect::Make(made) => make(self, *made),
                 Effect::StopMaking => self.stop_making(),
                 Effect::Show(session) => self.show(Which::First, *session),
                 Effect::Open(opened) => self.show_opened(*opened),
@@ -256,17 +267,6 @@ impl State {
                 Effect::StartTour => self.start_tour(),
                 Effect::EndTour => self.end_tour(),
                 Effect::GiveBack => self.give_back(),
-            }
-        }
-    }
-
-    /// Makes the run or the combination of a file.
-    fn make(&mut self, made: Made) {
-        match made {
-            Made::Run(recipe) => self.start_sampling(Which::First, recipe, self.gpu.engine),
-            Made::Combination(layout) => {
-                self.files.stop_reading();
-                self.with(|state, context| state.runs.combine(layout, context));
             }
         }
     }
