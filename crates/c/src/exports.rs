@@ -161,7 +161,7 @@ pub unsafe extern "C" fn tilescope_plane_lost(
     capacity: usize,
     count: *mut usize,
 ) -> TilescopeStatus {
-    // What is lost on a way is gained on the way back.
+    // Samples that are lost on a way are gained on the way back.
     // SAFETY: the caller's guarantee is the same.
     unsafe { tilescope_plane_gained(plane, to, from, points, capacity, count) }
 }
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn tilescope_plane_contains(
         let window = unsafe { read(window, "window") }?;
 
         let nearest = plane.domain().plane_from_user([point.x, point.y]);
-        // What is no number lies nowhere, but would be rounded to 0.
+        // A coordinate that is no number lies nowhere, but would be rounded to 0.
         let is_somewhere = point.x.is_finite() && point.y.is_finite();
         *is_inside = window.on(plane)?.contains(nearest) && is_somewhere;
         Ok(())

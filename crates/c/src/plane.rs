@@ -103,7 +103,7 @@ impl ExactWindows {
         )?);
 
         #[expect(unsafe_code, reason = "the argument is at the head of this crate")]
-        // SAFETY: the history lies in the Arc's allocation, which stays where it is until the last Arc is dropped. Nobody
+        // SAFETY: the history lies in the Arc's allocation, which stays where it is until the last Arc is dropped. No code
         // changes it: an Arc gives shared references alone. The reference does not leave this struct, whose fields are private
         // and which drops the plane first.
         let borrowed: &'static PatternHistory = unsafe { &*Arc::as_ptr(&history) };
@@ -120,7 +120,7 @@ enum Windows {
     Exact(Box<ExactWindows>),
 }
 
-/// What is asked of a plane.
+/// A request to a plane.
 pub(crate) enum Asked {
     /// The samples in a window.
     Whole(Window),
@@ -131,7 +131,7 @@ pub(crate) enum Asked {
 /// A plane, as C holds it.
 pub struct TilescopePlane {
     windows: Windows,
-    /// Buffers that no call uses at the moment. There are as many as calls were in progress at once.
+    /// Buffers that no call uses at the moment. There is one for each call of those that were in progress at once.
     idle: Mutex<Vec<PlaceBuffers>>,
 }
 

@@ -84,7 +84,7 @@ thread_local! {
 fn keep(message: &str) {
     // A text for C ends at its first zero byte. No message of the library has one.
     let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-    // A thread that is ending has no message any longer, and nobody who could read it.
+    // A thread that is ending has no message any longer, and no code that could read it.
     let _ = MESSAGE.try_with(|message| message.replace(text));
 }
 

@@ -93,7 +93,7 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
         boundary: tilescope_analysis::Boundary::Periodic,
     };
 
-    // In the order of `TimedWork::ALL`: what is judged is what the first work made.
+    // In the order of `TimedWork::ALL`: the first work makes the set that is judged.
     let mut positions = Vec::new();
     for (work, seconds) in &mut timed.seconds {
         let began = Instant::now();

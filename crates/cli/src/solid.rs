@@ -1,4 +1,4 @@
-//! Sets in space: balls in a box, by the commands that make, verify, convert and draw sets. What is planar alone is refused by
+//! Sets in space: balls in a box, by the commands that make, verify, convert and draw sets. Options of planar sets are refused by
 //! name.
 //!
 //! [`make`] has `tilescope sample`, [`check`] `verify` and `convert`, [`plane`] the disks in which a plane meets the balls.

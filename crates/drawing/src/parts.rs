@@ -26,7 +26,7 @@ use crate::surface::Surface;
 pub enum Part {
     /// The radius at each place.
     Field,
-    /// What lies outside of a shape.
+    /// The area outside of a shape.
     Outside,
     /// The outline of a shape.
     Outline,

@@ -208,7 +208,7 @@ fn given(
     format_name: Option<&str>,
     stated: Option<&Certificate>,
 ) -> PyResult<(Overrides, Option<f64>)> {
-    // What is not given is as the certificate states, or as of the periodic unit square.
+    // A missing argument is as the certificate states, or as of the periodic unit square.
     let boundary = boundary.map(|name| named("boundary", name)).transpose()?;
     let base = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
     let [width, height] = size.map_or([base.width, base.height], |[width, height, _]| {
@@ -274,7 +274,7 @@ pub fn read_file_in_space<'py>(
     radius: Option<f64>,
     format_name: Option<&str>,
 ) -> PyResult<PythonSolid<'py>> {
-    // The certificate fills in what is not given, and is compared when the file is read.
+    // The certificate fills in missing arguments, and is compared when the file is read.
     let stated = solid_certificate(&path);
     let (overrides, depth) = given(size, boundary, radius, format_name, stated.as_ref())?;
     let read = run(py, None, |_| {

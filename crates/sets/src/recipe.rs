@@ -29,7 +29,7 @@ const LAW: &str = "exact in every window; averages over the set vary as those of
 /// were `given` are as asked.
 #[must_use]
 pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> PatternSpec {
-    // Side and seed always have values, so that those that nobody gave are told apart by `given`.
+    // Side and seed always have values, so that `given` says whether they were given.
     let mut pattern = PatternSpec::for_exact(samples, asked.seed);
     pattern.boundary = asked.pattern.boundary;
     if given.contains(&Parameter::PatternSide) {

@@ -224,7 +224,7 @@ fn meaning(key: &str) -> &'static str {
     found.map_or("", |number| number.meaning)
 }
 
-/// Shows what is measured of a set in a field or a shape, in the unit of its domain; all other measures need one radius.
+/// Shows the measures of a set in a field or a shape, in the unit of its domain; all other measures need one radius.
 fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let verdict = context.run.verdict();

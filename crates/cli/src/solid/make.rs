@@ -129,7 +129,7 @@ fn finish(
         warnings: Vec::new(),
         made,
     };
-    // What is saved is judged as the file holds it; otherwise the set in memory is.
+    // A saved set is judged as the file holds it, any other as it is in memory.
     match arguments.out.as_deref() {
         Some(path) if arguments.no_verify => {
             export_solid_unverified(path, &outcome.made.points, &context).in_file(path)?;

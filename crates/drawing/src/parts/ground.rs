@@ -1,4 +1,4 @@
-//! Sets in a field of radii or in a shape: the radius at each place as a shade, what lies outside, the outline of a polygon, and
+//! Sets in a field of radii or in a shape: the radius at each place as a shade, the area outside, the outline of a polygon, and
 //! the darts of the throw that is shown.
 
 use ecolor::Color32;
@@ -11,7 +11,7 @@ use tilescope_session::units::{position, radii};
 use crate::scene::Scene;
 use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
-/// The side of the squares that show what lies outside, in screen points: small enough to follow an outline.
+/// The side of the squares that show the area outside, in screen points: small enough to follow an outline.
 const OUTSIDE_SIDE: f32 = 2.0;
 
 /// The side of the squares that show the field, in screen points. A shade changes slowly, and larger ones are fewer.

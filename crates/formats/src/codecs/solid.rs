@@ -46,7 +46,7 @@ pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatEr
     let format = detection.format;
     check_format(format)?;
 
-    // Each reader refuses what is not finite, and files whose points have no third number.
+    // Each reader refuses numbers that are not finite, and files whose points have no third number.
     let (points, precision) = match format {
         Format::Npy => npy::read_solid(bytes)?,
         Format::UtkBinary => utk::read_solid_binary(bytes, hint.set)?,

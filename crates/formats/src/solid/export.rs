@@ -69,7 +69,7 @@ pub struct SolidExported {
     pub warnings: Vec<Warning>,
 }
 
-/// An export before it has its place: the certificate's bytes, and what is returned.
+/// An export before it has its place: the certificate's bytes, and the value to return.
 pub(crate) struct SolidBytes {
     pub certificate_bytes: Vec<u8>,
     pub certificate: Certificate,

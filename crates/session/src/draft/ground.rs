@@ -301,7 +301,7 @@ fn samples_in_polygon(recipe: &VaryingRecipe, rings: &[Vec<[f64; 2]>]) -> Option
         for column in 0..LOOKS {
             let x = left + (column as f64 + 0.5) * step[0];
             let y = bottom + (row as f64 + 0.5) * step[1];
-            // Holes and what lies beyond the outline ask for no samples.
+            // Holes and the area beyond the outline ask for no samples.
             if is_inside(rings, [x, y]) {
                 sum += radius_at(x, y)?.powi(-2);
             }

@@ -266,7 +266,7 @@ impl LinkReader {
             rings: rings.unwrap_or_default(),
             origin: origin.unwrap_or_default(),
         };
-        // A short look at the formula finds what is refused, and how many samples there would be.
+        // A short look at the formula finds why it is refused, or about how many samples there would be.
         let checked = portable.request().and_then(|request| {
             let samples = match &request {
                 Some(request) => request.recipe(parameters).glance()?,

@@ -207,7 +207,7 @@ fn cmi5(package: &Description<'_>) -> Element {
 
     let [course, unit] =
         ["course", "lesson"].map(|kind| format!("urn:tilescope:{kind}:{}", package.id));
-    // Without a score to pass with, nobody passes, and a system that waited for it would never go on.
+    // Without a score to pass with, no learner passes, and a system that waited for it would never go on.
     let mastery = package.mastery.map(|mastery| mastery.to_string());
     let mut attributes = vec![("id", &*unit)];
     match &mastery {

@@ -35,7 +35,7 @@ pub fn files(folder: &Path, lesson: Shipped) -> Result<BTreeMap<String, Vec<u8>>
 
     let mut found = BTreeMap::from([(INDEX.to_owned(), index.into_bytes())]);
     let mut open = vec![INDEX.to_owned()];
-    // Files name each other as they are served. What is named is needed, and may name more.
+    // Files name each other as they are served. A named file is needed, and may name more.
     while let Some(name) = open.pop() {
         if !TEXTS.contains(&&*extension(name.as_ref())) {
             continue;

@@ -166,7 +166,7 @@ impl RunView {
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
-            // What is measured at rest needs one radius, too.
+            // Measures at rest need one radius, too.
             let is_analysed = asked.is_analysed && session.ground.is_none();
             let wanted = Wanted {
                 spectrum: is_analysed,
