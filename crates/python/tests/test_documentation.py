@@ -147,4 +147,4 @@ def test_types_are_right(tmp_path):
     assert checked.returncode == 0, checked.stdout
     checked = mypy(bad)
     assert checked.returncode == 1
-    assert "incompatible type \"Literal['torus']\"" in checked.stdout.replace("\\", "")
+    assert 'No overload variant of "sample" matches argument types "int", "str"' in checked.stdout

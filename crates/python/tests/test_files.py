@@ -292,7 +292,7 @@ def test_a_set_without_an_origin_has_a_certificate_of_version_1(small, trees, tm
 @pytest.mark.parametrize(
     ("fields", "refusal"),
     [
-        ({"depth": 1.0}, "has a third side by its certificate"),
+        ({"depth": 1.0}, "has a third side"),
         ({"prefix": {"made": 0, "kept": 1, "factor": 1}}, "`prefix` is .*: from 1 to `made` points are kept"),
         ({"judges": ["subdivision"]}, "version 2 needs an origin, or another part that version 1 lacks"),
         (
