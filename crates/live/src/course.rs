@@ -116,6 +116,14 @@ impl Course {
             .partition_point(|change| (change.event as usize) < cursor)
     }
 
+    /// Returns the first cursor that has so many changes before it.
+    #[must_use]
+    pub fn cursor_after(&self, changes: usize) -> usize {
+        let last = changes.checked_sub(1);
+        // The event of the last change lies before the cursor, too.
+        last.map_or(0, |last| self.changes[last].event as usize + 1)
+    }
+
     /// Returns how many samples cover their disks after so many changes.
     #[must_use]
     pub fn count_after(&self, changes: usize) -> usize {

@@ -88,6 +88,11 @@ impl<M: Follows> Kept<M> {
         self.measure.as_ref().filter(|_| self.taken == changes)
     }
 
+    /// Returns the measure and how many changes it has taken.
+    pub fn latest(&self) -> Option<(usize, &M)> {
+        self.measure.as_ref().map(|measure| (self.taken, measure))
+    }
+
     /// Returns how many changes lie between the measure and the moment after `target` of them.
     pub const fn distance(&self, target: usize) -> usize {
         self.taken.abs_diff(target)

@@ -4,7 +4,7 @@
 //! Begin with [`Course`]: which sample comes or goes at which event. [`LiveMoment`] holds the measures of one moment,
 //! [`CurveMaker`] makes a [`Curve`] of all moments.
 //!
-//! Architecture invariant: no window, no thread, no clock. Work is bounded in counted steps.
+//! Architecture invariant: no window, no thread, no clock of its own. Work is bounded in counted steps.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -36,6 +36,7 @@ mod make;
 mod moment;
 mod numbers;
 mod spectra;
+mod timing;
 
 pub use course::{Change, Course, CourseRecorder};
 pub use curve::{Curve, CurveError, CurveMaker};
@@ -43,3 +44,4 @@ pub use expressions::MOMENT_NUMBERS;
 pub use make::CourseError;
 pub use moment::{FRAME_STEPS, LiveMoment, MAX_SAMPLES, Moved, Wanted};
 pub use numbers::{NumberError, is_of_spectrum, live_numbers, numbers_named};
+pub use timing::{FRAMES, JUMPS, Motion, STEPS, TIMED_RADII, Timed, timed};

@@ -130,6 +130,24 @@ impl LiveMoment {
         set
     }
 
+    /// Returns the cursor of another moment, whose spectrum has come nearest to this one, and the spectrum as part of the measures of
+    /// that moment. A run that is played faster than its spectrum can follow has this to show, under the name of its own moment.
+    /// `None` where the spectrum is this moment's, or that of no samples.
+    #[must_use]
+    pub fn measured_behind(&self) -> Option<(usize, MeasuredSet)> {
+        if self.spectrum().is_some() {
+            return None;
+        }
+        let (cursor, spectrum) = self.nearest_spectrum()?;
+        let spectrum = spectrum.spectrum().ok()?;
+
+        let course = self.course();
+        let count = course.count_after(course.changes_before(cursor));
+        let mut set = MeasuredSet::new(count, course.region(), Some(course.domain().radius()));
+        set.take_spectrum(spectrum);
+        Some((cursor, set))
+    }
+
     /// Returns the numbers of a verdict, without witnesses; `None` without samples, or while a measure is not the moment's.
     fn report(&self) -> Option<Report> {
         let (pairs, cover) = (self.pairs()?, self.cover()?);

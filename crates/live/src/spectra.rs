@@ -32,6 +32,13 @@ impl Spectra {
             .find_map(|kept| kept.after(changes))
     }
 
+    /// Returns the spectrum that has come nearest to the moment after so many changes, and how many it has taken.
+    pub fn nearest(&self, changes: usize) -> Option<(usize, &LiveSpectrum)> {
+        let all = self.kept.iter().filter_map(Kept::latest);
+        // Of several that are as near, the first one has the most frequencies.
+        all.min_by_key(|(taken, _)| taken.abs_diff(changes))
+    }
+
     /// Returns about the steps of reading the spectrum that has taken so many changes.
     pub fn cost_of_reading(&self, changes: usize) -> u64 {
         let shown = self.kept.iter().find(|kept| kept.after(changes).is_some());

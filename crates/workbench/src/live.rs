@@ -16,6 +16,22 @@ use tilescope_session::words::{counted, grouped, sentence};
 /// The counted steps that all watches have in a frame.
 pub const WATCH_STEPS: u64 = FRAME_STEPS;
 
+/// The time of the frame that has [`FRAME_STEPS`]: on a screen of 60 frames a second.
+const FRAME_SECS: f32 = 1.0 / 60.0;
+
+/// The most times [`FRAME_STEPS`] in a frame: of a frame of a quarter of a second they take about 40 ms.
+const MAX_LONGER: f32 = 8.0;
+
+/// Returns the counted steps of a frame after one of `dt_secs`. Where drawing takes long, a frame of play brings more changes, and
+/// with the steps of a short frame its measures would fall behind for good. They grow with half of the time: the steps of a
+/// short frame take 5 of its 17 ms, so that with all of the time each frame would be longer than the one before on a machine of
+/// less than a third of the speed.
+#[must_use]
+pub fn frame_steps(dt_secs: f32) -> u64 {
+    let longer = (0.5 * dt_secs / FRAME_SECS).clamp(1.0, MAX_LONGER);
+    (FRAME_STEPS as f64 * f64::from(longer)) as u64
+}
+
 /// Where the measures of a run are.
 #[derive(Default)]
 enum Followed {
@@ -30,6 +46,15 @@ enum Followed {
     Refused(String),
 }
 
+/// The spectrum of another moment of the run: the one that has come nearest to the shown moment, while the run is played faster
+/// than its spectrum can follow.
+pub struct Behind {
+    /// How many events lie before its moment.
+    pub cursor: usize,
+    /// The measures of its moment, of which there is the spectrum alone.
+    pub measured: Arc<MeasuredSet>,
+}
+
 /// The measures of the shown moment of a run, as far as something asks for them.
 #[derive(Default)]
 pub struct Live {
@@ -40,6 +65,7 @@ pub struct Live {
     measured: Option<(Key, Arc<MeasuredSet>)>,
     /// The share of the frequencies that its spectrum has.
     share: Option<f64>,
+    behind: Option<Behind>,
     steps: u64,
 }
 
@@ -55,6 +81,12 @@ impl Live {
     #[must_use]
     pub fn share(&self, shown: &ShownMoment<'_>) -> Option<f64> {
         self.of(shown).and(self.share)
+    }
+
+    /// Returns the spectrum of another moment, while that of this one is not there yet.
+    #[must_use]
+    pub fn behind(&self, shown: &ShownMoment<'_>) -> Option<&Behind> {
+        self.of(shown).and(self.behind.as_ref())
     }
 
     /// Returns the covered circles of a moment, if they were followed to it.
@@ -83,8 +115,7 @@ impl Live {
         self.steps
     }
 
-    /// Brings the wanted measures towards a moment, in at most about `steps` counted steps, whose number is the same on every
-    /// machine: no frame waits for more. A moment that is farther away is reached in later frames; `wake` asks for the next one.
+    /// Brings the wanted measures towards a moment, in at most about `steps` counted steps: no frame waits for more. A moment that is farther away is reached in later frames; `wake` asks for the next one.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -120,6 +151,11 @@ impl Live {
         if !is_known || moved.steps > 0 {
             self.measured = Some((key, Arc::new(measured(moment))));
             self.share = moment.spectrum().map(LiveSpectrum::share);
+            let behind = moment.measured_behind().filter(|_| wanted.spectrum);
+            self.behind = behind.map(|(cursor, measured)| Behind {
+                cursor,
+                measured: Arc::new(measured),
+            });
         }
 
         if !moved.arrived {

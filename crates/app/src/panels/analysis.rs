@@ -14,7 +14,7 @@ use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui,
 use tilescope_analysis::measures::{MeasuredSet, Spectrum};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
-use tilescope_session::words::capital;
+use tilescope_session::words::{capital, grouped};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
@@ -26,7 +26,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::live::ONE_RADIUS;
+use tilescope_workbench::live::{Live, ONE_RADIUS};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -62,7 +62,7 @@ struct RunMeasures<'a> {
     now: Option<&'a MeasuredSet>,
     /// Those that move with the run.
     live: Option<&'a MeasuredSet>,
-    /// The latest ones, of another moment, until those of this one are there; none in a run whose measures move.
+    /// Those of another moment, until those of this one are there. In a run whose measures move it is the spectrum alone.
     before: Option<&'a MeasuredSet>,
 }
 
@@ -73,12 +73,15 @@ impl<'a> RunMeasures<'a> {
         let is_whole = now.is_some_and(|now| missing(now).is_none());
         // Other measures stand in until those at rest are whole. Where measuring fails, they would hide the failure.
         let is_wanted = !is_whole && measuring.failure(shown).is_none();
-        let before = measuring.last(shown).map(|known| &*known.measured);
+        // A run whose measures move with it needs none of another moment, but for a spectrum that has not come so far.
+        let before = match run.live.refusal() {
+            Some(_) => measuring.last(shown).map(|known| &*known.measured),
+            None => run.live.behind(shown).map(|behind| &*behind.measured),
+        };
         Self {
             now,
             live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
-            // A run whose measures move with it needs none of another moment.
-            before: before.filter(|_| is_wanted && run.live.refusal().is_some()),
+            before: before.filter(|_| is_wanted),
         }
     }
 
@@ -244,8 +247,8 @@ fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_
     }
     // While the run moves, its live measures are of this moment already, though perhaps with fewer frequencies.
     if let Some(live) = measures.live {
-        let share = share_text(run.live.share(shown));
-        return format!("{name}: {} {share}", numbers::counts(live));
+        let spectrum = spectrum_text(&run.live, shown);
+        return format!("{name}: {} {spectrum}", numbers::counts(live));
     }
 
     // The measures of another moment are named only where they are drawn, faded.
@@ -263,10 +266,13 @@ fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_
     format!("{name}: {doing}{old} {why}")
 }
 
-/// Returns a sentence on the share of the frequencies that is shown while the run moves.
-fn share_text(shown: Option<f64>) -> String {
-    match shown.map(f64::recip) {
-        None => "The spectrum follows.".to_owned(),
+/// Returns a sentence on the spectrum that is shown while the run moves: its share of the frequencies, or its moment.
+fn spectrum_text(live: &Live, shown: &ShownMoment<'_>) -> String {
+    match live.share(shown).map(f64::recip) {
+        None => match live.behind(shown) {
+            Some(behind) => format!("Faded: the spectrum of event {}.", grouped(behind.cursor)),
+            None => "The spectrum follows.".to_owned(),
+        },
         // Rounded, the sentence would say "1 in 1".
         Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
         Some(in_all) => format!("1 in {in_all:.0} frequencies is shown."),

@@ -88,6 +88,49 @@ fn what_the_budget_does_not_reach_is_not_the_moments() {
     assert!(moment.pairs().is_none() && moment.measured().report.is_none());
 }
 
+/// A run that is played faster than its spectrum can follow has the spectrum of the moment that was reached, under that moment's
+/// cursor.
+#[test]
+fn a_spectrum_that_stays_behind_is_that_of_its_own_moment() {
+    let course = course(&variants()[0]);
+    let mut moment = LiveMoment::new(course.clone());
+    let wanted = Wanted {
+        spectrum: true,
+        ..Wanted::default()
+    };
+    moment.seek(course.events() / 4, wanted, u64::MAX).unwrap();
+    assert!(moment.measured_behind().is_none());
+
+    let mut behind = 0;
+    for part in 1..=20 {
+        let cursor = course.events() / 4 + part * course.events() / 40;
+        moment.seek(cursor, wanted, 500).unwrap();
+        let Some((reached, found)) = moment.measured_behind() else {
+            continue;
+        };
+        behind += 1;
+        let mut anew = LiveMoment::new(course.clone());
+        let mut power_at = |cursor| {
+            anew.seek(cursor, wanted, u64::MAX).unwrap();
+            anew.measured().spectrum.unwrap().picture.power.clone()
+        };
+        let furthest = |expected: &[f64], power: &[f64]| {
+            let each = power.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            each.fold(0.0, f64::max)
+        };
+        let power = &found.spectrum.as_ref().unwrap().picture.power;
+        // The sums of a spectrum that changes are rounded to single precision at each change.
+        assert!(furthest(&power_at(reached), power) < 1e-3, "{cursor}");
+        // The control: the moment that was asked for has another one.
+        assert!(furthest(&power_at(cursor), power) > 0.1, "{cursor}");
+        assert_ne!(
+            found.samples,
+            course.count_after(course.changes_before(cursor))
+        );
+    }
+    assert!(behind > 3, "{behind}");
+}
+
 /// No call does more than its budget and a slice, wherever it goes, and a moment that it reaches is that from nothing.
 #[test]
 fn a_far_moment_is_reached_in_slices_of_the_budget() {

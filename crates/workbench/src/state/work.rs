@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use tilescope_classroom::Classroom;
 use tilescope_debugger::Debugger;
-use tilescope_live::FRAME_STEPS;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::selection::Selection;
@@ -22,6 +21,7 @@ use crate::draft::Draft;
 use crate::files::{FileCommand, LAST_SESSION, Opened, SavedContent};
 use crate::layout::Panel;
 use crate::link::{self, Link};
+use crate::live::frame_steps;
 use crate::rules::UndoPart;
 use crate::scenes::SceneList;
 use crate::view::SavedView;
@@ -83,7 +83,7 @@ impl State {
 
         // Everything that follows the moment of the first run.
         let shows_events = self.window.shows(Panel::Events);
-        let asked = asked_of(self, Which::First);
+        let asked = asked_of(self, Which::First, dt_secs);
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
             if shows_events {
@@ -110,7 +110,7 @@ impl State {
         let made = self.runs.get_mut(Which::Second).and_then(RunView::made);
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
-        let asked = asked_of(self, Which::Second);
+        let asked = asked_of(self, Which::Second, dt_secs);
         let flies = self.with_of(Which::Second, |state, context| {
             state.runs.advance_second(dt_secs, asked, context)
         });
@@ -209,7 +209,7 @@ impl State {
 
         let made = self.runs.first.wait_made();
         self.finish_sampling(Which::First, made);
-        let asked = asked_of(self, Which::First);
+        let asked = asked_of(self, Which::First, 0.0);
         self.on(Which::First, |run, context| {
             run.settle(asked, context);
         });
@@ -224,7 +224,7 @@ impl State {
         let second = self.runs.get_mut(Which::Second);
         let made = second.and_then(RunView::wait_made);
         self.finish_sampling(Which::Second, made);
-        let asked = asked_of(self, Which::Second);
+        let asked = asked_of(self, Which::Second, 0.0);
         self.on(Which::Second, |run, context| {
             run.settle(asked, context);
         });
@@ -232,7 +232,7 @@ impl State {
         let wake = Wake::clone(&self.runs.jobs.wake);
         self.runs.settle_comparison(&wake);
         let run = &self.runs.first;
-        let is_analysed = asked_of(self, Which::First).is_analysed;
+        let is_analysed = asked_of(self, Which::First, 0.0).is_analysed;
         self.analysis.settle_with(run, is_analysed, &wake);
 
         self.time.follow_passes(&self.runs.first);
@@ -493,15 +493,15 @@ impl State {
     }
 }
 
-/// Returns what the window shows of a run. The curve is of the first one.
-fn asked_of(state: &State, which: Which) -> Asked {
+/// Returns what the window shows of a run, in a frame after one of `dt_secs`. The curve is of the first run.
+fn asked_of(state: &State, which: Which, dt_secs: f32) -> Asked {
     let is_first = which == Which::First;
     // Two runs share the time of a frame.
     let runs = if state.runs.second.is_some() { 2 } else { 1 };
     Asked {
         layers: state.appearance.layers(state.runs.first.current_stage()),
         is_analysed: state.window.shows(Panel::Analysis),
-        steps: FRAME_STEPS / runs,
+        steps: frame_steps(dt_secs) / runs,
         curve: state.appearance.curve.number.filter(|_| is_first),
     }
 }

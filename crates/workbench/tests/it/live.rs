@@ -18,7 +18,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::curve::{CurveFormat, CurveNumber};
 use tilescope_workbench::files::{Delivery, FileCommand};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::live::Live;
+use tilescope_workbench::live::{Live, frame_steps};
 use tilescope_workbench::state::{RunView, Settings};
 use tilescope_workbench::{Command, State};
 
@@ -164,6 +164,15 @@ fn the_steps_of_a_frame_are_bounded() {
         // The last change of each of the three measures may go beyond the limit.
         assert!(taken <= 2 * FRAME_STEPS, "{cursor}: {taken}");
     }
+}
+
+/// Where drawing takes long, each frame of play brings more changes.
+#[test]
+fn a_long_frame_has_more_steps_up_to_a_limit() {
+    let of = |frames: f32| frame_steps(frames * FRAME_SECS);
+    assert_eq!([of(0.0), of(1.0), of(2.0)], [FRAME_STEPS; 3]);
+    assert!(of(8.0).abs_diff(4 * FRAME_STEPS) < 10);
+    assert_eq!([of(16.0), of(1e9)], [8 * FRAME_STEPS; 2]);
 }
 
 /// On any machine, also one without threads: nothing waits in the background, and no frame does more than its part.

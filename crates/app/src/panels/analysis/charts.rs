@@ -75,7 +75,9 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
     let difference = |ui: &mut Ui| {
         let text = "B \u{2212} A";
         ui.label(RichText::new(text).size(12.0).color(palette.muted));
-        let both = spectra[0].zip(spectra[1]).map(|((a, _), (b, _))| [a, b]);
+        // A spectrum of another moment has no difference at this one.
+        let present = spectra.map(|shown| shown.filter(|(_, is_faded)| !is_faded));
+        let both = present[0].zip(present[1]).map(|((a, _), (b, _))| [a, b]);
         difference::show(ui, both, palette);
     };
 
