@@ -193,9 +193,13 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // A lesson beside the canvas, and files that were dropped, have issued commands already. Those that open what this
-            // part of the window does not show are left out.
-            self.commands.retain(|command| command.rules().in_frame);
+            // A lesson beside the canvas has issued commands already. Those that open what this part of the window does not show are
+            // left out, but not the files that were dropped on a small window with a lesson.
+            let takes_files = self.state.window().embedding.is_none();
+            let stays = |command: &Command| {
+                command.rules().in_frame || takes_files && matches!(command, Command::File(_))
+            };
+            self.commands.retain(stays);
             panels::show_embedded(
                 ui,
                 embedding,
@@ -204,7 +208,7 @@ impl App {
                 &mut self.commands,
             );
             // The canvas has issued commands since: a long press, for instance, would open a panel.
-            self.commands.retain(|command| command.rules().in_frame);
+            self.commands.retain(stays);
         } else if self.state.window().drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else if self.state.appearance().look.is_projector() {

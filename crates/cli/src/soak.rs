@@ -5,6 +5,7 @@ mod definition;
 mod exact;
 mod nested;
 mod solid;
+mod varying;
 
 use std::fmt::Write;
 
@@ -40,6 +41,9 @@ pub struct SoakArguments {
     /// What is made
     #[arg(long, value_enum, default_value = "kdrt")]
     method: SoakMethod,
+    /// Make this round alone, from 0: a round depends on --seed and its number
+    #[arg(long, value_name = "I", conflicts_with = "samples")]
+    round: Option<u32>,
     #[command(flatten)]
     judge: JudgeArguments,
     #[command(flatten)]
@@ -58,19 +62,25 @@ enum SoakMethod {
     Exact,
     /// Sets in space: balls in a box
     Solid,
+    /// Sets whose radius varies, and sets in shapes
+    Varying,
 }
 
 const EXAMPLES: &str = "\
-Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
-the sequential and with the parallel engine, compares the two point by point, compares four windows
-with the set, and verifies the set. Some rounds also make nested levels. Rounds of exact tiling check
-the counts, compare the samples of the first levels with the definition, and verify the set. Rounds of sets in space compare one
-thread with all threads, and cubes with covered circles. Exit code 1 if two sets differ, or if one is not valid.
+Each round switches off about half of the features, at random (a bounded domain or pattern, dihedral clips, unusual leaves
+and patterns, each order, insertion and search), draws the settings that are left, samples with the sequential and with the
+parallel engine, compares the two point by point, compares four windows with the set, and verifies the set. Some rounds also
+make nested levels. Rounds of exact tiling check the counts, compare the samples of the first levels with the definition, and
+verify the set. Rounds of sets in space compare one thread with all threads, and cubes with covered circles. Rounds of varying
+radii draw a field (a formula, an image, a density) and a shape (a polygon, perhaps with a hole, or a mask), compare the set
+with the recorded one, and verify it by subdivision. Exit code 1 if two sets differ, or if one is not valid.
 
 Examples:
   tilescope soak --samples 1000000000
   tilescope soak --samples 100000000 --method exact
-  tilescope soak --samples 10000000 --method solid";
+  tilescope soak --samples 10000000 --method solid
+  tilescope soak --samples 10000000 --method varying
+  tilescope soak --method varying --seed 1 --round 17";
 
 /// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
@@ -123,7 +133,11 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     arguments.threads.set()?;
     let bar = bar("soak", arguments.samples);
     let mut sum = Tally::default();
-    while sum.samples < arguments.samples
+    if let Some(number) = arguments.round {
+        sum.add(round_or_fault(arguments, number.into()));
+    }
+    while arguments.round.is_none()
+        && sum.samples < arguments.samples
         && sum.commands.len() < MAX_FAULTS
         && !interrupt::requested()
     {
@@ -155,10 +169,17 @@ fn text(sum: &Tally) -> String {
          samples            {}\n\
          conflicts          {}\n\
          gaps               {}\n\
-         covering radius    {:.9} r at most\n\
          unequal engines    {}\n",
-        sum.rounds, sum.samples, sum.conflicts, sum.gaps, sum.covering_radius_r, sum.unequal
+        sum.rounds, sum.samples, sum.conflicts, sum.gaps, sum.unequal
     );
+    // Where radii vary there is none.
+    if sum.covering_radius_r > 0.0 {
+        let _ = writeln!(
+            out,
+            "covering radius    {:.9} r at most",
+            sum.covering_radius_r
+        );
+    }
     if sum.failed > 0 {
         let _ = writeln!(out, "rounds that failed {}", sum.failed);
     }
@@ -173,7 +194,37 @@ fn text(sum: &Tally) -> String {
 /// Random draws of a round.
 struct Dice(Key);
 
+/// What a round may have besides the usual settings. Each is switched off in half of the rounds, so that there are rounds with
+/// few of them: where all settings are always mixed, one can hide the faults of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Feature {
+    Bounded,
+    BoundedPattern,
+    AnyPattern,
+    AnyLeaf,
+    Aspect,
+    Dihedral,
+    Order,
+    UniformInsertion,
+    TwoRadii,
+    Levels,
+    Field,
+    Image,
+    Density,
+    Polygon,
+    Hole,
+    Mask,
+}
+
+/// The first index of the draws of features, behind those of parameters and before those of windows.
+const OF_FEATURES: u32 = 60;
+
 impl Dice {
+    /// Returns whether the round has a feature.
+    fn has(&self, feature: Feature) -> bool {
+        self.share(OF_FEATURES + feature as u32) < 0.5
+    }
+
     fn share(&self, index: u32) -> f64 {
         f64::from(self.0.draw(Stream::Dart, index)[0]) / f64::from(u32::MAX)
     }
@@ -203,17 +254,25 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
     // r^2.
     let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
-    let aspect = dice.scale(1, [0.05, 20.0]);
+    let aspect = if dice.has(Feature::Aspect) {
+        dice.scale(1, [0.05, 20.0])
+    } else {
+        1.0
+    };
     // Neither side is too short. 111 is more than the square of the shortest, so that the range is not empty.
     let width = (area * aspect)
         .sqrt()
         .clamp(SHORTEST, area.max(111.0) / SHORTEST);
 
     // From the shortest leaf to those for which most of these domains are a single block.
-    let leaf = dice.scale(2, [MIN_LEAF_RADII, 120.0]);
-    let boundary = dice.pick(3, &[Boundary::Periodic, Boundary::Bounded]);
+    let leaf = if dice.has(Feature::AnyLeaf) {
+        dice.scale(2, [MIN_LEAF_RADII, 120.0])
+    } else {
+        Parameters::default().leaf
+    };
 
-    let pattern = if dice.share(4) < 0.15 {
+    // Such a pattern is made for this round alone, which takes longer than most rounds.
+    let pattern = if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
         // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
         // either side.
         PatternSpec {
@@ -224,7 +283,11 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     } else {
         // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
         let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
-        let side = dice.pick(10, &[20.0, 30.0, 50.0, 100.0, 200.0, any, any]);
+        let side = if dice.has(Feature::AnyPattern) {
+            dice.pick(10, &[20.0, 30.0, 50.0, 200.0, any, any])
+        } else {
+            100.0
+        };
         // The side that users have unless they ask for another is tried with eight seeds.
         let is_default = (side - 100.0).abs() < 1e-9;
         PatternSpec {
@@ -235,23 +298,33 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     };
 
     // A reach of two radii may leave gaps: an experiment of the paper, for a few rounds.
-    let mut search = Search::Complete;
-    if dice.share(9) < 0.1 {
-        search = Search::TwoRadii;
-    }
+    let has_two_radii = dice.has(Feature::TwoRadii) && dice.share(9) < 0.2;
+    let search = if has_two_radii {
+        Search::TwoRadii
+    } else {
+        Search::Complete
+    };
 
     Parameters {
         width,
         height: (area / width).max(SHORTEST),
         // The lattice depends on sides over radius alone: all lengths are in radii.
         radius: 1.0,
-        boundary,
+        boundary: Boundary::of(!dice.has(Feature::Bounded)),
         seed,
         leaf,
         pattern,
-        dihedral: dice.pick(6, &[false, true]),
-        order: dice.pick(7, &ORDERS),
-        insertion: dice.pick(8, &[Insertion::Circumcentre, Insertion::Uniform]),
+        dihedral: dice.has(Feature::Dihedral),
+        order: if dice.has(Feature::Order) {
+            dice.pick(7, &ORDERS)
+        } else {
+            Order::default()
+        },
+        insertion: if dice.has(Feature::UniformInsertion) {
+            Insertion::Uniform
+        } else {
+            Insertion::Circumcentre
+        },
         search,
         ..Parameters::default()
     }
@@ -268,11 +341,22 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
 
+    let command = || match arguments.method {
+        SoakMethod::Kdrt => command(&parameters),
+        SoakMethod::Exact => exact::command(&parameters),
+        SoakMethod::Solid => solid::command(&parameters, &dice),
+        // Its images and its polygon are in no file that a command could name.
+        SoakMethod::Varying => format!(
+            "tilescope soak --method varying --seed {} --round {index}",
+            arguments.seed
+        ),
+    };
     let options = arguments.judge.options();
     let made = match arguments.method {
         SoakMethod::Kdrt => round(&parameters, &dice, &options),
         SoakMethod::Exact => exact::round(&parameters, &dice, &options),
         SoakMethod::Solid => solid::round(&parameters, &dice, &options),
+        SoakMethod::Varying => varying::round(&parameters, &dice, &options, &command()),
     };
     match made {
         Ok(round) => round,
@@ -280,10 +364,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         Err(error) => Tally {
             rounds: 1,
             failed: 1,
-            commands: vec![format!(
-                "{error:#}: {}",
-                arguments.method.command(&parameters, &dice)
-            )],
+            commands: vec![format!("{error:#}: {}", command())],
             ..Tally::default()
         },
     }
@@ -388,17 +469,6 @@ fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
         at = wrapped.into();
     }
     (at.cmpge(I64Vec2::ZERO) & at.cmplt(max - min)).all()
-}
-
-impl SoakMethod {
-    /// Returns the command that makes the set of a round.
-    fn command(self, parameters: &Parameters, dice: &Dice) -> String {
-        match self {
-            Self::Kdrt => command(parameters),
-            Self::Exact => exact::command(parameters),
-            Self::Solid => solid::command(parameters, dice),
-        }
-    }
 }
 
 /// Returns the command that makes the set of a round of KDRT.

@@ -157,8 +157,8 @@ impl Evaluator {
 
     /// Returns a parsed expression.
     pub fn parse(&self, text: &str) -> Result<Expression, ExpressionError> {
-        if text.len() > MAX_LENGTH {
-            let (length, maximum) = (text.len(), MAX_LENGTH);
+        let (length, maximum) = (text.chars().count(), MAX_LENGTH);
+        if length > maximum {
             return Err(ExpressionError::TooLong { length, maximum });
         }
 

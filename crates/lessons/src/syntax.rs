@@ -29,11 +29,9 @@ static ENGINE: LazyLock<Engine> = LazyLock::new(|| {
 
 /// Checks an expression; `more` names are known besides those of every expression.
 pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), LessonError> {
-    if text.len() > MAX_LENGTH {
-        let message = format!(
-            "the expression has {} characters, more than {MAX_LENGTH}",
-            text.len()
-        );
+    let length = text.chars().count();
+    if length > MAX_LENGTH {
+        let message = format!("the expression has {length} characters, more than {MAX_LENGTH}");
         return Err(LessonError::new(line, message));
     }
 

@@ -1,11 +1,13 @@
 //! Saving and opening sessions, patterns from files, and errors in such files.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use serde_json::json;
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_core::Parameter;
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
@@ -263,6 +265,43 @@ fn a_dropped_file_is_opened_by_its_kind() {
     node(&other, "generated-pattern").click();
     other.run();
     assert!(other.state().state.form().own_pattern.is_none());
+}
+
+/// A file that is dropped on a window, by its path alone.
+#[derive(Debug)]
+struct DroppedPath(PathBuf);
+
+impl egui::DroppedFile for DroppedPath {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads files by their paths".to_owned())
+    }
+}
+
+/// Beside a lesson a small window shows a player alone, which has no sheets, and takes files nevertheless.
+#[test]
+fn a_file_dropped_beside_a_lesson_in_a_small_window_is_opened() {
+    let path = folder("dropped-beside").join("dropped.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let saved = SaveTask::of(&harness.state().state).run;
+
+    let mut other = opened();
+    other.set_size([700.0, 560.0].into());
+    let open = LessonCommand::Open("clips".to_owned());
+    apply(&mut other, Command::Lesson(open));
+    let window = other.state().state.window();
+    assert!(window.drawer.arrangement.is_compact() && window.embedding.is_none());
+    assert_ne!(SaveTask::of(&other.state().state).run, saved);
+
+    let dropped = Arc::new(DroppedPath(path));
+    other.input_mut().dropped_files.push(dropped);
+    other.step();
+    settle(&mut other);
+    assert_eq!(SaveTask::of(&other.state().state).run, saved);
 }
 
 #[test]

@@ -87,7 +87,7 @@ impl Gpu {
             frames,
             positions: sample_buffer(device, "samples: positions", 0),
             looks: sample_buffer(device, "samples: looks", 0),
-            ids: sample_buffer(device, "samples: ids", 0),
+            ids: vertex_buffer(device, "samples: ids", 0),
             stills: Stills::new(render),
         };
 
@@ -125,7 +125,7 @@ impl Gpu {
         let bytes = bytemuck::cast_slice(positions);
         self.render.queue.write_buffer(&self.positions, 0, bytes);
 
-        let id_buffer = sample_buffer(device, "samples: ids", ids.len());
+        let id_buffer = vertex_buffer(device, "samples: ids", ids.len() as u64 * BYTES_PER_ID);
         let bytes = bytemuck::cast_slice(ids);
         self.render.queue.write_buffer(&id_buffer, 0, bytes);
 
@@ -290,9 +290,14 @@ impl CallbackTrait for Drawing {
 }
 
 fn sample_buffer(device: &wgpu::Device, label: &str, count: usize) -> wgpu::Buffer {
+    vertex_buffer(device, label, count as u64 * BYTES_PER_SAMPLE)
+}
+
+fn vertex_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: count.max(1) as u64 * BYTES_PER_SAMPLE,
+        // A run without samples is drawn from buffers, too, and a buffer of no bytes cannot be bound.
+        size: bytes.max(BYTES_PER_SAMPLE),
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })

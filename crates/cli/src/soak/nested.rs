@@ -8,11 +8,11 @@ use tilescope_core::{
 };
 use tilescope_sets::region;
 
-use super::{Dice, Tally, command, windows_agree};
+use super::{Dice, Feature, Tally, command, windows_agree};
 use crate::interrupt;
 
-/// The share of rounds that also make levels.
-const SHARE: f64 = 0.25;
+/// The share of rounds with levels that make them.
+const SHARE: f64 = 0.5;
 
 /// Adds to some rounds a run of nested levels with the same sides, leaf, boundary and seed.
 pub fn add(
@@ -22,7 +22,7 @@ pub fn add(
     verify: &VerifyOptions,
 ) -> Result<()> {
     // A run of levels takes several times as long as one of a single level.
-    if dice.share(20) >= SHARE {
+    if !dice.has(Feature::Levels) || dice.share(20) >= SHARE {
         return Ok(());
     }
 

@@ -80,12 +80,11 @@ impl Expression {
             steps: Vec::new(),
         };
         // A text without end is refused before it is parsed.
-        if text.len() > MAX_EXPRESSION {
+        let length = text.chars().count();
+        if length > MAX_EXPRESSION {
             parser.at = MAX_EXPRESSION;
-            let reason = format!(
-                "it has {} characters; at most {MAX_EXPRESSION} are possible",
-                text.len()
-            );
+            let reason =
+                format!("it has {length} characters; at most {MAX_EXPRESSION} are possible");
             return Err(parser.fault(reason));
         }
 

@@ -479,6 +479,27 @@ fn a_soak_compares_and_verifies() {
 }
 
 #[test]
+fn a_soak_of_fields_and_shapes_compares_and_verifies() {
+    let folder = tempdir().unwrap();
+    let soak = |arguments: &[&str]| {
+        let words = [&["soak", "--method", "varying", "--seed", "3"], arguments].concat();
+        json(&folder, &words)
+    };
+    let found = soak(&["--samples", "5000"]);
+    assert!(found["rounds"].as_u64().unwrap() >= 16 && found["samples"].as_u64().unwrap() >= 5000);
+    for key in ["conflicts", "gaps", "unequal", "failed"] {
+        assert_eq!(found[key], 0, "{key}");
+    }
+
+    // A round can be made again alone.
+    let [first, second] = ["0", "1"].map(|round| soak(&["--round", round]));
+    assert_eq!(first["rounds"], 1);
+    assert_ne!(first["samples"], second["samples"]);
+    let sum = first["samples"].as_u64().unwrap() + second["samples"].as_u64().unwrap();
+    assert!(sum < found["samples"].as_u64().unwrap());
+}
+
+#[test]
 #[ignore = "takes long: tests/run --slow runs it"]
 fn a_soak_of_exact_tiling_compares_and_verifies() {
     let folder = tempdir().unwrap();

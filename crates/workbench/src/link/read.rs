@@ -520,10 +520,11 @@ fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
 
 /// Returns the layout of a combination, if a link may ask for it; otherwise why not.
 fn combination(text: &str) -> Result<Combination, String> {
-    if text.len() > MAX_COMBINATION {
+    let length = text.chars().count();
+    if length > MAX_COMBINATION {
         return Err(format!(
             "its layout has {} characters, and a link's has at most {}",
-            grouped(text.len()),
+            grouped(length),
             grouped(MAX_COMBINATION)
         ));
     }

@@ -372,9 +372,17 @@ impl Runs {
             Some(&Divergence::Ends { event, .. }) => [event, event],
             // Of runs without events, only the stage in which they differ is known.
             Some(&Divergence::Stage { stage, .. }) => {
-                let index = first.stages.iter().position(|&other| other == stage);
-                // A run without this stage shows its last one.
-                self.first.show_stage(index.unwrap_or(usize::MAX));
+                let index_in = |session: &Arc<Session>| {
+                    let index = session.stages.iter().position(|&other| other == stage);
+                    // A run without this stage shows its last one.
+                    index.unwrap_or(usize::MAX)
+                };
+                let [index_a, index_b] = [first, second].map(index_in);
+                self.first.show_stage(index_a);
+                // With linked playback it would follow anyway.
+                if let Some((side, _)) = &mut self.second {
+                    side.show_stage(index_b);
+                }
                 return;
             }
             // The runs are the same, or not compared yet, or their domains differ: there is no event to go to.

@@ -171,6 +171,8 @@ impl Change {
                     appearance.colouring,
                 ));
                 context.ask(Effect::Curve(appearance.curve));
+                // They come before the run, which takes over those that there are.
+                context.ask(Effect::Stops(memento.stops));
                 make_again(memento.made, made, context);
             }
         }

@@ -14,7 +14,7 @@ use tilescope_session::session::Session;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
-use tilescope_workbench::compare::ComparePreset;
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
@@ -424,6 +424,28 @@ fn undo_leads_back_to_the_run_and_redo_to_the_levels() {
     state.settle();
     assert!(session(&state).nested.is_some());
     assert_eq!(state.form().draft.levels, Some(4));
+}
+
+/// Nested levels have no events, so that a run diverges from them at a stage.
+#[test]
+fn both_of_two_runs_go_to_the_stage_at_which_they_diverge() {
+    let mut state = made();
+    form(&mut state, FormCommand::Choose(Choice::Levels(None)));
+    let comparing = [
+        CompareCommand::Start(ComparePreset::Typed),
+        CompareCommand::LinkPlayback(false),
+    ];
+    for command in comparing {
+        state.apply(Command::Compare(command));
+        state.settle();
+    }
+
+    let second = |state: &State| state.runs().get(Which::Second).unwrap().cursor();
+    let (at, end) = second(&state).unwrap();
+    assert_eq!(at, end);
+    state.apply(Command::Compare(CompareCommand::GoToDivergence));
+    let (at, _) = second(&state).unwrap();
+    assert!(at < end, "{at}");
 }
 
 #[test]

@@ -422,6 +422,30 @@ fn undo_restores_what_a_link_replaced() {
     assert_eq!(state.link(), before);
 }
 
+/// Scenes with captions are a lecturer's work, and the link of another lecture replaces them.
+#[test]
+fn undo_restores_the_breakpoints_watches_and_scenes_that_a_link_replaced() {
+    let mut state = state();
+    state.open_link("v=1&break=tile.1&watch=p&mark=5:mine");
+    settle(&mut state);
+    let before = state.link();
+    for text in ["break=tile.1", "watch=p", "mine"] {
+        assert!(before.fragment.contains(text), "{}", before.fragment);
+    }
+
+    state.open_link("v=1&seed=7&watch=distance");
+    settle(&mut state);
+    let after = state.link();
+    assert!(!after.fragment.contains("mine") && after.fragment.contains("watch=distance"));
+
+    state.apply(Command::Undo);
+    settle(&mut state);
+    assert_eq!(state.link(), before);
+    state.apply(Command::Redo);
+    settle(&mut state);
+    assert_eq!(state.link(), after);
+}
+
 #[test]
 fn the_camera_of_the_pattern_is_not_linked() {
     let mut state = state();

@@ -1,0 +1,207 @@
+//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use anyhow::Result;
+use tilescope_analysis::VerifyOptions;
+use tilescope_core::{
+    Boundary, Locality, MIN_SIDE_RADII_PERIODIC, Parameters, Unobserved, Unrecorded,
+    varying_recorded,
+};
+use tilescope_sets::{
+    Expression, GrayImage, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+};
+
+use super::{Dice, Feature, Tally};
+use crate::interrupt;
+
+/// The smallest and the largest area of a round in squares of the largest radius; where radii differ there are up to hundreds of
+/// samples in each.
+const AREAS: [f64; 2] = [150.0, 6_000.0];
+
+/// The width of a domain over its height, to within whole pixels.
+const ASPECTS: [f64; 2] = [0.3, 3.0];
+
+/// The largest radius over the least.
+const CONTRASTS: [f64; 2] = [1.05, 16.0];
+
+/// The pixels along a side of an image: from a few steps across the domain to noise that is finer than most disks.
+const PIXELS: [f64; 2] = [2.0, 60.0];
+
+/// Pixels are at most so wide: 32 of a density's least radii, each 0.22 of the largest one, are wider.
+const WIDEST_PIXEL: f64 = 6.0;
+
+/// The lightest grey of an image, of white.
+const LIGHTEST: f64 = 0.95;
+
+/// The corners of a polygon.
+const CORNERS: [f64; 2] = [3.0, 40.0];
+
+/// The first indices of long rows of draws: two images and the corners of a polygon, which have up to 3,600 draws each.
+const OF_FIELD: u32 = 10_000;
+const OF_MASK: u32 = 20_000;
+const OF_CORNERS: u32 = 30_000;
+
+/// Makes a round of the seed that was drawn; the other parameters have no meaning here. Faults are reported with `command`.
+pub fn round(
+    parameters: &Parameters,
+    dice: &Dice,
+    options: &VerifyOptions,
+    command: &str,
+) -> Result<Tally> {
+    let recipe = recipe(parameters.seed, dice)?;
+    let made = match recipe.make(&mut Unobserved) {
+        // A mask may have no pixel of the shape, which is refused rightly.
+        Err(VaryingError::Nothing | VaryingError::Shape(_)) => {
+            return Ok(Tally {
+                rounds: 1,
+                ..Tally::default()
+            });
+        }
+        made => made?,
+    };
+
+    let ground = recipe.ground()?;
+    let domain = *ground.field.domain();
+    let locality = Arc::new(Locality {
+        field: ground.field,
+        shape: ground.shape,
+    });
+    let run = varying_recorded(&locality, parameters, &mut Unobserved, &mut Unrecorded)?;
+    let recorded_agrees = domain.users_from_lattice(&run.points()) == made.set.points;
+
+    let report = made.judge(options, &|_| interrupt::flow())?;
+    let checks = [
+        (recorded_agrees, "the recorded set differs: "),
+        (report.valid(), "not valid: "),
+    ];
+    let faults: String = (checks.into_iter())
+        .filter(|(is_fine, _)| !is_fine)
+        .map(|(_, fault)| fault)
+        .collect();
+    Ok(Tally {
+        rounds: 1,
+        samples: report.count as u64,
+        conflicts: report.conflicts,
+        gaps: report.gaps,
+        unequal: u64::from(!recorded_agrees),
+        commands: (!faults.is_empty())
+            .then(|| faults + command)
+            .into_iter()
+            .collect(),
+        ..Tally::default()
+    })
+}
+
+/// The domain of a round, in the largest radius.
+struct Frame {
+    size: [f64; 2],
+    /// The pixels of a row and of a column of each image, which are squares that fill the domain.
+    pixels: [usize; 2],
+}
+
+impl Frame {
+    fn draw(dice: &Dice) -> Self {
+        let columns = dice.scale(1, PIXELS);
+        let rows = (columns / dice.scale(2, ASPECTS)).max(2.0);
+        let mut pixels = [columns, rows].map(|count| count as usize);
+
+        // A periodic domain has to have room for the largest radius along both sides.
+        let shortest = MIN_SIDE_RADII_PERIODIC + 0.5;
+        let aspect = pixels[0] as f64 / pixels[1] as f64;
+        let width = (dice.scale(0, AREAS) * aspect).sqrt();
+        let width = width.max(shortest).max(shortest * aspect);
+        while width / pixels[0] as f64 > WIDEST_PIXEL {
+            pixels = pixels.map(|count| 2 * count);
+        }
+        Self {
+            size: [width, width / aspect],
+            pixels,
+        }
+    }
+
+    /// Returns an image of noise, from black to a light grey.
+    fn image(&self, first: u32, dice: &Dice) -> Result<GrayImage> {
+        let [columns, rows] = self.pixels;
+        let pixel =
+            |index: u32| (dice.share(first + index) * LIGHTEST * f64::from(u16::MAX)) as u16;
+        let grey = (0..(columns * rows) as u32).map(pixel).collect();
+        Ok(GrayImage::from_grey(columns, grey)?)
+    }
+
+    /// Returns radii up to 1.
+    fn radius(&self, dice: &Dice) -> Result<RadiusSource> {
+        if !dice.has(Feature::Field) {
+            return Ok(RadiusSource::Constant(1.0));
+        }
+        // Nodes are at most 32 of the least radii apart, and those of an image and of a mask are pixels.
+        let pitch = self.size[0] / self.pixels[0] as f64;
+        let least = dice.scale(3, CONTRASTS).recip().max(pitch / 31.0);
+        if dice.has(Feature::Image) {
+            let (image, radii) = (self.image(OF_FIELD, dice)?, [least, 1.0]);
+            return Ok(RadiusSource::Image { image, radii });
+        }
+        if dice.has(Feature::Density) {
+            // The radius goes with the root of the darkness, of which the lightest grey has the least.
+            let (image, black) = (self.image(OF_FIELD, dice)?, (1.0 - LIGHTEST).sqrt());
+            return Ok(RadiusSource::Density { image, black });
+        }
+
+        // Whole waves along each side, so that the field goes around as a periodic domain does.
+        let waves = [4, 5].map(|index| dice.pick(index, &[1.0, 2.0, 3.0, 5.0]));
+        let [along_x, along_y] = [0, 1].map(|axis| TAU * waves[axis] / self.size[axis]);
+        let (middle, half) = (0.5 * (1.0 + least), 0.5 * (1.0 - least));
+        let text = format!("{middle} + {half}*sin({along_x}*x)*cos({along_y}*y)");
+        Ok(RadiusSource::Expression {
+            expression: Expression::parse(&text)?,
+            scale: 1.0,
+        })
+    }
+
+    fn shape(&self, dice: &Dice) -> Result<Option<ShapeSource>> {
+        Ok(if dice.has(Feature::Polygon) {
+            Some(ShapeSource::Polygon(self.polygon(dice)?))
+        } else if dice.has(Feature::Mask) {
+            Some(ShapeSource::Mask(self.image(OF_MASK, dice)?))
+        } else {
+            None
+        })
+    }
+
+    /// Returns a polygon around the middle of the domain, whose corners lie in all directions in turn, so that no edges cross;
+    /// with a hole of the same form in rounds that have holes.
+    fn polygon(&self, dice: &Dice) -> Result<PlanarPolygon> {
+        let corners = dice.scale(6, CORNERS) as u32;
+        let corner = |index: u32, part: f64| {
+            let angle = TAU * f64::from(index) / f64::from(corners);
+            let reach = part * (0.25 + 0.75 * dice.share(OF_CORNERS + index));
+            let [x, y] = [angle.cos(), angle.sin()].map(|share| 0.5 + 0.5 * reach * share);
+            [self.size[0] * x, self.size[1] * y]
+        };
+        let ring = |part: f64| (0..corners).map(|index| corner(index, part)).collect();
+
+        let mut rings: Vec<Vec<[f64; 2]>> = vec![ring(1.0)];
+        if dice.has(Feature::Hole) {
+            rings.push(ring(0.5));
+        }
+        Ok(PlanarPolygon::from_rings("soak", rings)?)
+    }
+}
+
+/// Returns what a round makes: a set in a field, in a shape, in both or in neither.
+fn recipe(seed: u64, dice: &Dice) -> Result<VaryingRecipe> {
+    let frame = Frame::draw(dice);
+    let shape = frame.shape(dice)?;
+    // A shape does not go around.
+    let is_periodic = shape.is_none() && !dice.has(Feature::Bounded);
+    Ok(VaryingRecipe {
+        radius: frame.radius(dice)?,
+        shape,
+        size: frame.size.map(Some),
+        origin: Some([0.0; 2]),
+        boundary: Boundary::of(is_periodic),
+        seed,
+        count: None,
+    })
+}
