@@ -37,8 +37,8 @@ const SWATCH: f32 = 5.0;
 /// A stage or a level on the track.
 pub(super) struct Segment {
     pub index: usize,
-    /// Its name, and a shorter one.
-    names: [String; 2],
+    /// Its name, and two shorter ones.
+    names: [String; 3],
     /// Its name in ids.
     key: String,
     /// What a click does.
@@ -49,10 +49,11 @@ pub(super) struct Segment {
 }
 
 /// Returns the names of a stage, its name in ids, and what a click on it does.
-fn of_stage(session: &Session, stage: Stage, events: usize) -> ([String; 2], String, String) {
+fn of_stage(session: &Session, stage: Stage, events: usize) -> ([String; 3], String, String) {
     let name = name_in(session, stage);
     let tip = format!("To the end of stage {name}: {} events", grouped(events));
-    ([name.clone(), short(&name)], Kebab(stage).to_string(), tip)
+    let names = [name.clone(), short(&name), number(&name)];
+    (names, Kebab(stage).to_string(), tip)
 }
 
 /// Returns the same of a level.
@@ -60,14 +61,19 @@ fn of_level(
     session: &Session,
     nested: &NestedLevels,
     level: usize,
-) -> ([String; 2], String, String) {
+) -> ([String; 3], String, String) {
     let claim = nested.claims[level];
     let radius = claim.distance / session.run().domain.radius();
     let tip = format!(
         "To the end of level {level}: {} samples",
         grouped(claim.count)
     );
-    let names = [format!("Level {level}: {radius:.2} r"), level.to_string()];
+    let number = level.to_string();
+    let names = [
+        format!("Level {level}: {radius:.2} r"),
+        number.clone(),
+        number,
+    ];
     (names, format!("level-{level}"), tip)
 }
 
@@ -221,7 +227,7 @@ fn show_segment(
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let [name, shorter] = segment.names.each_ref().map(|name| ui.words(name));
+    let names = segment.names.each_ref().map(|name| ui.words(name));
     // A point is left free at both ends, so that neighbouring bars stand apart.
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
@@ -247,7 +253,7 @@ fn show_segment(
         ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
-    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &names[0]));
     response.known_as(format_args!("stage.{}", segment.key));
 
     let is_hot = response.hovered() || response.has_focus();
@@ -262,10 +268,9 @@ fn show_segment(
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
 
-    // A name that does not fit is left out rather than cut off; the tooltip has it.
-    let galleys = [laid(&name), laid(&shorter)];
-    let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
-    if let Some(galley) = galleys.into_iter().find(fits) {
+    // A name that does not fit is left out rather than cut off; the tooltip has it. Names of neighbours stay apart.
+    let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() - 2.0;
+    if let Some(galley) = names.iter().map(|name| laid(name)).find(fits) {
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
         ui.painter().galley(at, galley, ink);
     }
@@ -378,6 +383,13 @@ fn marks(
         let flag = [vec2(0.0, -5.0), vec2(4.0, 1.0), vec2(-4.0, 1.0)].map(|v| at + v);
         painter.add(Shape::convex_polygon(flag.to_vec(), color, Stroke::NONE));
     }
+}
+
+/// Returns the number at the end of a stage's name, or else its short name.
+fn number(name: &str) -> String {
+    let last = name.rsplit(' ').next();
+    let digits = last.filter(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
+    digits.map_or_else(|| short(name), str::to_owned)
 }
 
 /// Returns the short name of a stage.
