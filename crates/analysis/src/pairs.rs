@@ -283,20 +283,24 @@ impl<'a> Scan<'a> {
         used
     }
 
-    /// The cell indices along an axis that touch `index`, each once, with their shift.
+    /// Returns the cell indices along an axis that touch `index`, each once, with their shift as in [`Stretch`].
     fn near(&self, index: usize, axis: usize) -> [Option<(usize, Option<f64>)>; 3] {
         let cells = self.grid.cells[axis];
         let period = self.grid.domain.extent[axis];
         let periodic = self.grid.domain.periodic;
-        let unwrapped = |step: usize| match (index + step).checked_sub(1) {
+        // In fewer than three cells around a torus, all cells touch, and a sample may be nearest on either side.
+        if periodic && cells < 3 {
+            return std::array::from_fn(|other| (other < cells).then_some((other, None)));
+        }
+
+        // Step 0 is the cell before, 1 the cell itself, 2 the cell behind. Beyond a border a torus goes on at its other
+        // side.
+        let neighbour = |step: usize| match (index + step).checked_sub(1) {
             None => periodic.then_some((cells - 1, -period)),
             Some(next) if next == cells => periodic.then_some((0, period)),
             Some(next) => Some((next, 0.0)),
         };
-        if periodic && cells < 3 {
-            return std::array::from_fn(|other| (other < cells).then_some((other, None)));
-        }
-        [0, 1, 2].map(|step| unwrapped(step).map(|(other, shift)| (other, Some(shift))))
+        [0, 1, 2].map(|step| neighbour(step).map(|(other, shift)| (other, Some(shift))))
     }
 
     /// Compares a sample with those of a stretch.
@@ -306,7 +310,8 @@ impl<'a> Scan<'a> {
         if run.len() > LONG_RUN
             && let Some(shift) = stretch.shift
         {
-            // Clustered samples can fill a cell: skip those too far off along x.
+            // Clustered samples can fill a cell: those too far off along x are skipped. The factor covers the rounding
+            // of `along`, so that no pair within reach is lost.
             let reach = self.reach * (1.0 + 1e-9);
             let along = |other: &Entry| other.position.x + shift - entry.position.x;
             let start = run.partition_point(|other| along(other) < -reach);
@@ -322,12 +327,15 @@ impl<'a> Scan<'a> {
         }
     }
 
+    /// Records a pair within the threshold. Such pairs are few once the closest ones are found.
     #[cold]
     fn pair(&mut self, entry: &Entry, other: &Entry, offset: DVec2) {
         let distance = length(offset);
         let closer = distance < self.pairs.min_distance;
         self.pairs.add([entry, other], distance, self.radius);
         if closer {
+            // Pairs that are farther apart are neither conflicts nor the closest pair. The factor covers the rounding
+            // of squares: a pair near the limit is still compared by its distance.
             let limit = distance.max(self.radius);
             self.reach = self.reach.min(limit);
             self.threshold = limit * limit * (1.0 + 1e-12);
@@ -354,7 +362,7 @@ fn offset(periods: DVec2, entry: &Entry, other: &Entry) -> DVec2 {
 /// The length of an offset.
 fn length(offset: DVec2) -> f64 {
     let square = offset.length_squared();
-    // The square root is correctly rounded, hypot is not; hypot does not underflow.
+    // The square root is correctly rounded, and hypot is not. But squares of tiny numbers lose bits, which hypot keeps.
     if square > 1e-280 {
         square.sqrt()
     } else {

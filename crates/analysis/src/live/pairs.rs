@@ -17,12 +17,13 @@ use crate::witness::Conflict;
 use crate::worst::Witness;
 
 /// Bins in a radius, as the pair correlation of a set of one radius has them.
-const EACH: f64 = 40.0;
+const BINS_PER_RADIUS: f64 = 40.0;
 
 /// Bins at most: they end at 5 radii.
 const MAX_BINS: f64 = 200.0;
 
-/// How many cells away all samples are whose distances are kept. Fewer and larger cells than these make a change no quicker.
+/// Samples whose distance is kept are at most that many cells apart. Fewer and larger cells than these make a change no
+/// quicker.
 const REACH: usize = 2;
 
 /// The weight of a pair in a bounded plane is the area over that in which its first sample can lie when both are moved together,
@@ -39,8 +40,9 @@ const STEPS_OF_SAMPLE: u64 = 80;
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Histogram {
     plane: Plane,
-    /// Of each bin the pairs exactly where it begins, which rounding may put into the bin before, and all others. The last but
-    /// one has the pairs at the end of the one before, the last one all that are farther.
+    /// Two counts for each bin: of the pairs exactly where the bin begins, which rounding may put into the bin before,
+    /// and of all others. The last bin but one has only the pairs exactly at its beginning, and the last one has all
+    /// that are farther.
     counts: Vec<[u64; 2]>,
     /// The sums of their weights, in a bounded plane.
     weights: Vec<[u128; 2]>,
@@ -51,9 +53,11 @@ struct Histogram {
 
 impl Histogram {
     fn new(plane: Plane) -> Self {
-        // As `PairCorrelation::in_units_of` has them, of sets that are not too dense.
+        // The bins of `PairCorrelation::in_units_of`, for sets that are not too dense: they end just below half of the
+        // shorter side, since beyond that a torus shows a pair twice.
         let half = 0.499 * plane.region_in_radii().shorter_side();
-        let bins = (EACH * half).floor().min(MAX_BINS) as usize + 2;
+        // One more bin holds the pairs exactly at the end, and one more those that are farther.
+        let bins = (BINS_PER_RADIUS * half).floor().min(MAX_BINS) as usize + 2;
         let weights = match plane.boundary {
             Boundary::Periodic => 0,
             Boundary::Bounded => bins,
@@ -69,19 +73,21 @@ impl Histogram {
 
     /// The distance beyond which no pair matters, in units.
     fn reach(&self) -> f64 {
-        let farthest = (self.counts.len() - 2) as f64 / EACH;
-        // Conflicts are looked for in a plane of any size.
+        let farthest = (self.counts.len() - 2) as f64 / BINS_PER_RADIUS;
+        // Conflicts are looked for in a plane of any size, so that the reach is a radius at least. One unit more covers
+        // the rounding of the product.
         farthest.max(1.0) * f64::from(self.plane.radius) + 1.0
     }
 
     /// Adds a pair that comes, or takes one that goes.
     #[inline]
     fn change(&mut self, offset: [i32; 2], square: u64, comes: bool) {
-        // Half of the pairs are farther, so a branch for them would be mispredicted as often.
+        // Half of the pairs are farther than all bins. They are counted, too, since a branch that leaves them out would
+        // be mispredicted for half of the pairs.
         let (bin, part) = self.bin(square);
         let step = |count: &mut u64| *count = if comes { *count + 1 } else { *count - 1 };
         step(&mut self.counts[bin][part]);
-        // On a torus all pairs weigh the same, and counts suffice.
+        // On a torus all pairs weigh the same, and counts suffice. The last bin is never shown and needs no weights.
         if !self.weights.is_empty() && bin + 1 < self.counts.len() {
             let weight = self.weight(offset);
             let sum = &mut self.weights[bin][part];
@@ -101,29 +107,33 @@ impl Histogram {
     #[inline]
     fn bin(&self, square: u64) -> (usize, usize) {
         let radius = f64::from(self.plane.radius);
-        let at = (square as f64).sqrt() * (EACH / radius);
+        let at = (square as f64).sqrt() * (BINS_PER_RADIUS / radius);
         let bin = (at as usize).min(self.counts.len() - 1);
-        let beyond = at - bin as f64;
-        // The rounding of `at` is far less than this doubt. Farther pairs are in the last bin, wherever they are.
-        if (1e-9..1.0 - 1e-9).contains(&beyond) || bin + 1 == self.counts.len() {
+        let within_bin = at - bin as f64;
+        // `at` is at most 200 where it matters, so that its rounding is far less than 1e-9 of a bin, and such a pair is
+        // certainly in this bin. Farther pairs are in the last bin, wherever they are.
+        if (1e-9..1.0 - 1e-9).contains(&within_bin) || bin + 1 == self.counts.len() {
             return (bin, 1);
         }
 
-        let nearest = if beyond < 0.5 { bin } else { bin + 1 };
+        // Near an edge between two bins integers decide: `at` = `nearest` if 40^2 square = (nearest radius)^2.
+        let nearest = if within_bin < 0.5 { bin } else { bin + 1 };
         let edge = nearest as u64 * u64::from(self.plane.radius);
-        match ((EACH * EACH) as u64 * square).cmp(&(edge * edge)) {
+        match ((BINS_PER_RADIUS * BINS_PER_RADIUS) as u64 * square).cmp(&(edge * edge)) {
             Ordering::Less => (nearest - 1, 1),
             Ordering::Equal => (nearest, 0),
             Ordering::Greater => (nearest, 1),
         }
     }
 
+    /// Returns the weight of a pair in a bounded plane, in [`WEIGHT_UNITS`].
     fn weight(&self, offset: [i32; 2]) -> u128 {
-        let share = |axis: usize| {
+        // Along an axis, a pair that is moved as a whole can begin on all of the side but the length of its offset.
+        let factor = |axis: usize| {
             let size = f64::from(self.plane.size[axis]);
             size / (size - f64::from(offset[axis].abs()))
         };
-        (share(0) * share(1) * WEIGHT_UNITS).round() as u128
+        (factor(0) * factor(1) * WEIGHT_UNITS).round() as u128
     }
 }
 
@@ -139,11 +149,11 @@ pub struct LivePairs {
     /// Of each sample the squared distance to the nearest other one, if that is at most `certain`: its complement, so that the
     /// largest number is that of the smallest distance.
     nearest: Tournament,
-    /// All pairs at most that far apart, squared, are seen.
+    /// The square of a distance: the search around a sample finds all samples that are at most that far away.
     certain: u64,
     count: usize,
-    /// Slots whose nearest sample went, a buffer.
-    widowed: Vec<u32>,
+    /// A buffer for the slots whose nearest sample was removed.
+    to_search: Vec<u32>,
 }
 
 impl LivePairs {
@@ -165,34 +175,39 @@ impl LivePairs {
             nearest: Tournament::new(0),
             certain: (certain * certain) as u64,
             count: 0,
-            widowed: Vec::new(),
+            to_search: Vec::new(),
         })
     }
 
     /// Adds a sample at a place of the plane. Returns the counted steps.
     pub fn insert(&mut self, id: u32, place: [i32; 2]) -> u64 {
+        // The slot of a removed sample is used again, so that the memory follows the samples and not the changes.
         let slot = self.free.pop().unwrap_or_else(|| {
             self.samples.push((0, [0; 2]));
             self.samples.len() as u32 - 1
         });
         self.samples[slot as usize] = (id, place);
 
-        // Squared distances are kept as complements: the largest is that of the closest pair, and 0 is none.
-        let mut own = 0;
+        // Of each sample `nearest` keeps the complement of the squared distance to the nearest one: the largest
+        // complement is that of the closest pair, and 0 stands for no sample.
+        let comes = true;
+        let mut largest_complement = 0;
         let steps = self.grid.around(place, REACH, |other, offset| {
-            let (square, comes) = (square(offset), true);
-            self.histogram.change(offset, square, comes);
-            // Farther pairs are not all seen, and decide no smallest distance.
-            if square <= self.certain {
-                own = own.max(!square);
-                if !square > self.nearest.at(other.slot) {
-                    self.nearest.set(other.slot, !square);
+            let distance_squared = square(offset);
+            self.histogram.change(offset, distance_squared, comes);
+            // The search finds only some of the pairs that are farther apart: they cannot tell which sample is the
+            // nearest.
+            if distance_squared <= self.certain {
+                let complement = !distance_squared;
+                largest_complement = largest_complement.max(complement);
+                if complement > self.nearest.at(other.slot) {
+                    self.nearest.set(other.slot, complement);
                 }
             }
             ControlFlow::Continue(())
         });
 
-        self.nearest.set(slot, own);
+        self.nearest.set(slot, largest_complement);
         self.grid.insert(Occupant { place, slot });
         self.count += 1;
         steps
@@ -212,22 +227,24 @@ impl LivePairs {
         self.free.push(slot);
         self.count -= 1;
 
-        let mut widowed = std::mem::take(&mut self.widowed);
-        widowed.clear();
+        let comes = false;
+        let mut to_search = std::mem::take(&mut self.to_search);
+        to_search.clear();
         let mut steps = self.grid.around(place, REACH, |other, offset| {
-            let (square, comes) = (square(offset), false);
-            self.histogram.change(offset, square, comes);
-            // The other's nearest sample was this one, or is as near as this one was: it looks again below.
-            if self.nearest.at(other.slot) == !square {
-                widowed.push(other.slot);
+            let distance_squared = square(offset);
+            self.histogram.change(offset, distance_squared, comes);
+            // The removed sample was the other's nearest one, or another is as near: the nearest one is searched again
+            // below.
+            if self.nearest.at(other.slot) == !distance_squared {
+                to_search.push(other.slot);
             }
             ControlFlow::Continue(())
         });
 
-        for &other in &widowed {
+        for &other in &to_search {
             steps += self.find_nearest(other);
         }
-        self.widowed = widowed;
+        self.to_search = to_search;
         steps
     }
 
@@ -238,7 +255,7 @@ impl LivePairs {
         each.map(|&(id, place)| self.insert(id, place)).sum()
     }
 
-    /// Removes all samples, and makes room for so many.
+    /// Removes all samples, and makes room for `room` new ones.
     fn clear(&mut self, room: usize) {
         self.grid.clear();
         self.samples.clear();
@@ -254,24 +271,26 @@ impl LivePairs {
         STEPS_OF_CHANGE
     }
 
-    /// Returns about how many counted steps it takes to make all anew, of so many samples.
+    /// Returns about how many counted steps it takes to add `count` samples in place of all.
     #[must_use]
     pub const fn cost_of_rebuild(&self, count: usize) -> u64 {
         STEPS_OF_SAMPLE * count as u64
     }
 
+    /// Searches the nearest sample to that of a slot again. Returns the counted steps.
     fn find_nearest(&mut self, slot: u32) -> u64 {
-        let mut found = 0;
+        let mut largest_complement = 0;
         let place = self.samples[slot as usize].1;
         let steps = self.grid.around(place, REACH, |other, offset| {
-            let square = square(offset);
-            if other.slot != slot && square <= self.certain {
-                found = found.max(!square);
+            let distance_squared = square(offset);
+            // As in `insert`: only pairs that the search finds for certain count.
+            if other.slot != slot && distance_squared <= self.certain {
+                largest_complement = largest_complement.max(!distance_squared);
             }
             ControlFlow::Continue(())
         });
 
-        self.nearest.set(slot, found);
+        self.nearest.set(slot, largest_complement);
         steps
     }
 
@@ -313,7 +332,7 @@ impl LivePairs {
     /// Returns the smallest distance between two samples, in radii: [`Report::min_distance`](crate::Report::min_distance).
     /// Infinite if there is none.
     ///
-    /// It is kept from change to change, but where no two samples are within 5 r: sets so sparse are searched.
+    /// It is kept from change to change. Where no two samples are within 5 r, however, all samples are searched.
     #[must_use]
     pub fn smallest_distance_in_radii(&self) -> f64 {
         let least = match self.nearest.largest() {
@@ -332,24 +351,28 @@ impl LivePairs {
     /// None if there is no pair.
     #[must_use]
     pub fn closest(&self) -> Option<Conflict> {
+        // 0 if no two samples are near each other, otherwise the complement of the smallest squared distance.
         let kept = self.nearest.largest();
-        let mut pairs: Vec<(u64, [u32; 2])> = Vec::new();
+        let mut candidates: Vec<(u64, [u32; 2])> = Vec::new();
         if kept == 0 {
-            pairs.extend(self.closest_of_sparse());
+            candidates.extend(self.closest_of_sparse());
         }
 
+        // All pairs of the smallest distance: their order by ids decides below.
         for slot in self.nearest.winners() {
-            self.each_nearer(slot, !kept + 1, |other| pairs.push((!kept, [slot, other])));
+            self.each_nearer(slot, !kept + 1, |other| {
+                candidates.push((!kept, [slot, other]));
+            });
         }
         // The smallest id is searched only where no pair is closer than a sample and its copy.
         let own = self.period_square();
         if let Some(square) = own.filter(|&square| kept == 0 || square <= !kept) {
             let slots = self.grid.all().map(|occupant| occupant.slot);
             let first = slots.min_by_key(|&slot| self.samples[slot as usize].0);
-            pairs.extend(first.map(|slot| (square, [slot; 2])));
+            candidates.extend(first.map(|slot| (square, [slot; 2])));
         }
 
-        let pairs = pairs.into_iter();
+        let pairs = candidates.into_iter();
         pairs
             .map(|(square, slots)| self.pair(square, slots))
             .min_by(Witness::rank)
@@ -375,8 +398,8 @@ impl LivePairs {
         });
     }
 
-    /// Returns the closest pair where no two samples are near each other, by the square of its distance and its slots. Such samples
-    /// are few, and the nearest to each is looked for in the grid's pyramid.
+    /// Returns the closest pair where no two samples are near each other: the square of its distance, and its slots.
+    /// Samples that are so far apart are few, and the nearest to each is searched in the grid's pyramid.
     fn closest_of_sparse(&self) -> Option<(u64, [u32; 2])> {
         let size = self.histogram.plane.size.map(i64::from);
         let mut closest: Option<(u64, [u32; 2])> = None;
@@ -416,7 +439,7 @@ impl LivePairs {
         let (end, period) = (self.radius_square(), self.period_square());
         let mut found = Vec::new();
         for &Occupant { slot, place } in self.grid.all() {
-            // Samples without a conflict are passed over.
+            // A larger complement is a smaller distance: samples without a conflict are passed over.
             if self.nearest.at(slot) > !end {
                 self.each_nearer(slot, end, |other| {
                     let offset = self.grid.offset(place, self.samples[other as usize].1);
@@ -451,7 +474,7 @@ impl LivePairs {
                 limit: MIN_SAMPLES,
             });
         }
-        // If all pairs are at one place, so are all samples.
+        // If the two samples of every pair are at one place, so are all samples.
         if self.histogram.coincident == count as u64 * (count as u64 - 1) / 2 {
             let place = self
                 .grid
@@ -475,7 +498,7 @@ impl LivePairs {
         for (index, in_bin) in self.histogram.counts.iter().enumerate() {
             // Pairs exactly at the beginning of a bin go into it or into the one before, by the same rounded numbers as in
             // `PairCorrelation`.
-            let edge = index as f64 / EACH * domain.scale;
+            let edge = index as f64 / BINS_PER_RADIUS * domain.scale;
             let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
             for part in [0, 1] {
                 counts[to[part]] += in_bin[part];

@@ -218,23 +218,26 @@ impl LiveSpectrum {
 
     /// Returns samples as a transform takes them, and the sum of their squared weights.
     fn all_weighed(&self, samples: &[LiveSample]) -> (Vec<Sample>, i128) {
-        let (stride, mut squares) = (i64::from(self.stride), 0);
+        let stride = i64::from(self.stride);
+        let mut squares = 0;
         let weighed = samples.iter().map(|(_, place)| {
             let (_, weights) = self.weighed(*place);
             squares += squared(weights);
-            // Each stride-th frequency of the plane is a frequency of the plane that is folded so many times.
+            // Frequency `stride` k at a place x has the phase of frequency k at `stride` x: with the places multiplied,
+            // the frequencies k of the transform are those that are kept.
             let at = [0, 1].map(|axis| {
                 let size = i64::from(self.plane.size[axis]);
                 (i64::from(place[axis]) * stride).rem_euclid(size) as f64 / size as f64
             });
-            let weight = weights[0] * weights[1];
-            let at = DVec2::from(at);
-            Sample { at, weight }
+            Sample {
+                at: DVec2::from(at),
+                weight: weights[0] * weights[1],
+            }
         });
         (weighed.collect(), squares)
     }
 
-    /// Notes that the sums are those of so many samples, without rounding.
+    /// Records that the sums are those of `count` samples, without rounding.
     fn begin_with(&mut self, count: usize, squares: i128) {
         self.squares = squares;
         self.count = count;
@@ -249,7 +252,7 @@ impl LiveSpectrum {
         WaveSums::products(columns, rows)
     }
 
-    /// Returns about the steps of a new beginning with so many samples.
+    /// Returns about how many steps it takes to replace all samples by `samples` others.
     #[must_use]
     pub fn cost_of_rebuild(&self, samples: usize) -> u64 {
         let by_changes = self.cost_of_change() * samples as u64;
@@ -266,7 +269,8 @@ impl LiveSpectrum {
     /// which is `sqrt(N)` on a torus.
     #[must_use]
     pub fn error(&self) -> f64 {
-        // What comes and goes leaves nothing: at most the samples of both ends differ.
+        // A sample that is added and removed again leaves no rounding, so that the samples at the renewal and those of
+        // now are the most that can be rounded.
         let [before, changes] = self.renewed;
         let rounded = changes.min(before + self.count) as f64;
         if rounded == 0.0 {
@@ -312,12 +316,13 @@ impl LiveSpectrum {
         }
 
         let [column, row] = frequency.map(|k| k / stride);
-        // Opposite frequencies have the same power.
-        let column = if row < 0 { -column } else { column };
+        // Opposite frequencies have the same power, and only rows from zero on are kept.
+        let column_above = if row < 0 { -column } else { column };
         let mut reader = RowReader::new(self);
         let powers = reader.row(row.unsigned_abs() as usize);
+        // Column zero is in the middle of a row.
         powers
-            .get((powers.len() / 2).checked_add_signed(column as isize)?)
+            .get((powers.len() / 2).checked_add_signed(column_above as isize)?)
             .copied()
     }
 
@@ -423,11 +428,11 @@ impl LiveSpectrum {
 pub struct SpectrumWork(Work);
 
 enum Work {
-    /// So many samples were added by changes, which is quicker for few.
+    /// Samples are added by changes, which is quicker for few: how many of them are added.
     Changes(usize),
     /// A transform of all samples.
     Transform(Box<SlicedTransform>),
-    /// So many rows of sums have taken their values.
+    /// The sums take their values from a transform: how many rows of them have done so.
     Rows(Transform, usize),
 }
 
@@ -487,11 +492,11 @@ impl Renew for LiveSpectrum {
                 Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
                 Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
                 None => {
-                    // To finish the transform, it is taken out of `work`, where a finished work stands in for it meanwhile. Its
-                    // rows follow.
-                    let transform = std::mem::replace(work, Work::Changes(samples.len()));
-                    if let Work::Transform(made) = transform {
-                        *work = Work::Rows(made.finish(), 0);
+                    // `finish` needs the transform by value: it is taken out of `work`, which meanwhile holds changes
+                    // of which none is left to do.
+                    let taken = std::mem::replace(work, Work::Changes(samples.len()));
+                    if let Work::Transform(complete) = taken {
+                        *work = Work::Rows(complete.finish(), 0);
                     }
                     Some(0)
                 }
@@ -538,7 +543,8 @@ impl<'a> RowReader<'a> {
         let spectrum = self.spectrum;
         let mut sums = spectrum.sums.row(row);
         let stride = spectrum.stride as usize;
-        // The mean density reaches no farther than the first frequencies.
+        // The mean density is subtracted. It changes no frequency beyond the first one along each axis, as the taper's
+        // transform ends there.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
             sums.to_mut()[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);

@@ -26,15 +26,19 @@ impl Peaks {
     /// Returns the peaks of a mean periodogram.
     #[must_use]
     pub fn of(periodogram: &Periodogram) -> Self {
-        let rings = rings(periodogram);
-        let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
-        let whole = || rings.iter().filter(|ring| ring.len() >= MIN_FREQUENCIES);
-        let frequencies: usize = whole().map(Vec::len).sum();
+        let all_rings = rings(periodogram);
+        let means: Vec<FrequencyPower> = all_rings.iter().filter_map(|ring| mean(ring)).collect();
 
+        // The mean of a ring of few frequencies is not known well enough for a frequency to be compared with it.
+        let large_rings = || {
+            let rings = all_rings.iter();
+            rings.filter(|ring| ring.len() >= MIN_FREQUENCIES)
+        };
+        let frequencies: usize = large_rings().map(Vec::len).sum();
         let limit = limit(periodogram.sets as f64, frequencies as f64);
-        let ratio = |[length, power]: &[f64; 2]| power / between(&means, *length);
-        let ratios: Vec<f64> = whole().flatten().map(ratio).collect();
 
+        let ratio = |one: &FrequencyPower| one.power / mean_at(&means, one.length);
+        let ratios: Vec<f64> = large_rings().flatten().map(ratio).collect();
         let above = ratios.iter().filter(|ratio| **ratio > limit).count();
         Self {
             highest: ratios.into_iter().fold(0.0, f64::max),
@@ -50,41 +54,56 @@ impl Peaks {
     }
 }
 
+/// The length of a frequency, and the power there; of a ring, the means of both.
+#[derive(Clone, Copy)]
+struct FrequencyPower {
+    length: f64,
+    power: f64,
+}
+
 /// Limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees of freedom.
 fn limit(sets: f64, frequencies: f64) -> f64 {
+    // The probability that one frequency is above the limit: the sum over all of them is at least that of any.
     let tail = CHANCE / frequencies.max(1.0);
     chi_square_quantile(tail, 2.0 * sets) / (2.0 * sets)
 }
 
-/// Mean length and power of a ring.
-fn mean(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
-    let mean_of = |axis: usize| ring.iter().map(|one| one[axis]).sum::<f64>() / ring.len() as f64;
-    (!ring.is_empty()).then(|| [mean_of(0), mean_of(1)])
+/// Returns the mean length and power of a ring; none for a ring without frequencies.
+fn mean(ring: &[FrequencyPower]) -> Option<FrequencyPower> {
+    let mean_of =
+        |part: fn(&FrequencyPower) -> f64| ring.iter().map(part).sum::<f64>() / ring.len() as f64;
+    (!ring.is_empty()).then(|| FrequencyPower {
+        length: mean_of(|one| one.length),
+        power: mean_of(|one| one.power),
+    })
 }
 
-/// Power by linear interpolation and extrapolation of the ring means, since a steep power varies within a ring.
-fn between(means: &[[f64; 2]], length: f64) -> f64 {
+/// Returns the mean power at a length by linear interpolation and extrapolation of the ring means, since a steep power
+/// varies within a ring.
+fn mean_at(means: &[FrequencyPower], length: f64) -> f64 {
+    // The means on both sides of the length; before the first and beyond the last one, the two that are nearest.
     let after = means
-        .partition_point(|mean| mean[0] <= length)
+        .partition_point(|mean| mean.length <= length)
         .min(means.len().saturating_sub(1))
         .max(1);
     match (means.get(after - 1), means.get(after)) {
         (Some(low), Some(high)) => {
-            let part = (length - low[0]) / (high[0] - low[0]);
-            low[1] + part * (high[1] - low[1])
+            let part = (length - low.length) / (high.length - low.length);
+            low.power + part * (high.power - low.power)
         }
-        (Some(only), None) => only[1],
+        (Some(only), None) => only.power,
         _ => f64::NAN,
     }
 }
 
-/// Lengths and powers by ring of width 2, one of each pair of opposite frequencies, within the window's largest circle.
-fn rings(periodogram: &Periodogram) -> Vec<Vec<[f64; 2]>> {
+/// Returns the frequencies by ring of width 2, one of each pair of opposite ones, within the window's largest circle.
+fn rings(periodogram: &Periodogram) -> Vec<Vec<FrequencyPower>> {
     let most = periodogram.window.x.end - 1;
     let mut rings = vec![Vec::new(); (most / 2) as usize];
     for [length, power] in periodogram.half_plane(most, 0..most + 1) {
+        // Frequencies in the corners of the window are beyond the last ring.
         if let Some(ring) = rings.get_mut((0.5 * length) as usize) {
-            ring.push([length, power]);
+            ring.push(FrequencyPower { length, power });
         }
     }
     rings
