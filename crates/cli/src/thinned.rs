@@ -35,7 +35,7 @@ pub fn run(
     let (Some(stated), Some(thinned)) = (&certificate, thinned) else {
         bail!("--source is for sets whose certificate states that they were thinned");
     };
-    // By the certificate's own values the points were chosen, and by no others can the choice be judged.
+    // The points were chosen by the certificate's own values: the choice cannot be judged by others.
     refuse_others(set)?;
 
     let verdict = verdict(
@@ -54,7 +54,7 @@ pub fn run(
     Ok(verdict_code(verdict.passed()))
 }
 
-/// Refuses what would be another set than that of the certificate.
+/// Refuses arguments that would describe another set than the certificate.
 fn refuse_others(set: &SetArguments) -> Result<()> {
     let given = [
         ("--radius", set.radius.is_some()),
@@ -93,7 +93,8 @@ fn verdict(
     let as_stated: Option<Vec<String>> = (stated.parameters.get(COLUMNS))
         .and_then(|names| serde_json::from_value(names.clone()).ok());
     let (bytes, name) = (read_whole(path)?, file_name(path));
-    // The certificate is about the choice, and compared below; no reader of single sets can check it.
+    // The reader leaves the certificate out: it is about the choice of points, which one file alone cannot show. It is
+    // compared below.
     let hint = Hint {
         name: &name,
         format: set.format,
@@ -110,7 +111,7 @@ fn verdict(
         return alone(&chosen, &recipe, stated, thinned).in_file(path);
     };
     let (bytes, name) = (read_whole(source)?, file_name(source));
-    // The thinned file has one set, whichever of the source's it was chosen from.
+    // A source may have several sets. The certificate states which of them was thinned.
     let of_set = stated
         .parameters
         .get(SET)
@@ -135,16 +136,18 @@ fn alone(
     let with_ranks = false;
     let thinning = recipe.prepare(chosen, with_ranks)?;
     let all = vec![true; chosen.points().len()];
-    let found = verifying(|control| thinning.judge(chosen.points(), &all, control))?;
+    let judged = verifying(|control| thinning.judge(chosen.points(), &all, control))?;
     // What only the source could show is taken as stated, and the report says so.
     let report = ThinnedReport {
         given: thinned.given,
         uncovered: stated.gaps,
-        ..found
+        ..judged
     };
-    let found = thinning.certificate_of(chosen, &report, thinned.source.clone(), thinned.given);
+
+    // The certificate is made anew, and every number compared.
+    let made = thinning.certificate_of(chosen, &report, thinned.source.clone(), thinned.given);
     Ok(Verdict {
-        differences: stated.thinned_differences(&found),
+        differences: stated.thinned_differences(&made),
         report,
         has_source: false,
     })
@@ -162,7 +165,8 @@ fn against(
     let points = given.points();
     let mut differences = Vec::new();
     let implied = implied_kept(points, chosen.points(), thinning.ranks());
-    // A point of another origin is a finding. The judge still goes on, over a choice of none.
+    // A point that is not one of the source is a finding. The judge goes on as if no point had been kept, so that the
+    // report has its other numbers.
     let kept = implied.unwrap_or_else(|index| {
         let [x, y] = chosen.points()[index];
         differences.push(CertificateDifference {
@@ -173,7 +177,7 @@ fn against(
         vec![false; points.len()]
     });
 
-    // What stands beside the points is compared as a whole.
+    // Other columns, and the order of the rows, are compared as bytes.
     if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
         differences.push(CertificateDifference {
             field: "rows",
@@ -184,8 +188,8 @@ fn against(
 
     // The certificate is made anew, and every number compared.
     let report = verifying(|control| thinning.judge(points, &kept, control))?;
-    let found = thinning.certificate(points, chosen, &report);
-    differences.extend(stated.thinned_differences(&found));
+    let made = thinning.certificate(points, chosen, &report);
+    differences.extend(stated.thinned_differences(&made));
     Ok(Verdict {
         report,
         differences,

@@ -99,55 +99,68 @@ impl Certificate {
         list.exact("radius", &self.radius, &found.radius);
         list.exact("conflicts", &self.conflicts, &found.conflicts);
         list.exact("gaps", &self.gaps, &found.gaps);
-        // A set that measures nothing states nothing.
+        // These measures are defined for maximal sets alone, so that a certificate that states one of them is not true.
         list.measure("min_distance", self.min_distance, None);
         list.measure("covering_radius", self.covering_radius, None);
         list.measure("relative_radius", self.relative_radius, None);
-        if let (Some(stated), Some(found)) = (&self.thinned, &found.thinned) {
-            list.exact("thinned.source", &stated.source, &found.source);
-            list.exact("thinned.given", &stated.given, &found.given);
+        // The priority is not compared, as `found` was made by the stated one.
+        if let (Some(stated), Some(made)) = (&self.thinned, &found.thinned) {
+            list.exact("thinned.source", &stated.source, &made.source);
+            list.exact("thinned.given", &stated.given, &made.given);
         }
         list.0
     }
 }
 
-/// Returns which of the points given are those of a thinned file; of copies of a point, the one of the least rank. The error is
-/// the index of the first point of the file that is not one of them, or that stands there a second time.
+/// Returns for each of the points given whether it is a point of a thinned file; of several points at one place, only
+/// that of the least rank is.
 ///
 /// # Errors
 ///
-/// See above.
+/// The index of a point of the file that is not one of those given, or that the file has a second time.
 pub fn implied_kept(
     given: &[[f64; 2]],
     thinned: &[[f64; 2]],
     ranks: Option<&[u32]>,
 ) -> Result<Vec<bool>, usize> {
+    // Rows are kept unchanged, so that coordinates are compared by their bits, which sort, too: 0 and -0 differ.
     let bits = |point: &[f64; 2]| point.map(f64::to_bits);
-    let mut sorted: Vec<([u64; 2], usize)> = thinned.iter().map(bits).zip(0..).collect();
+    let points = thinned.iter().map(bits).zip(0..);
+    let mut sorted: Vec<FilePoint> = points
+        .map(|(bits, index)| FilePoint { bits, index })
+        .collect();
     sorted.sort_unstable();
-    // A thinned set has no point twice, as copies are nearer to each other than any radius.
-    if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        return Err(pair[1].1);
+    // A thinned set has no point twice, as the distance of two points at one place is below any radius.
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0].bits == pair[1].bits) {
+        return Err(pair[1].index);
     }
 
-    // Of copies among the points given, only the one of the least rank can have been kept, as it is near all others.
+    // Of several points at one place, only that of the least rank can have been kept: it is decided first, and excludes
+    // the others.
     let rank = |index: usize| ranks.map_or(index as u32, |ranks| ranks[index]);
-    let mut found: Vec<Option<usize>> = vec![None; sorted.len()];
+    let mut sources: Vec<Option<usize>> = vec![None; sorted.len()];
     for (index, point) in given.iter().enumerate() {
-        if let Ok(at) = sorted.binary_search_by_key(&bits(point), |&(bits, _)| bits) {
-            let is_first = found[at].is_none_or(|other| rank(index) < rank(other));
+        if let Ok(at) = sorted.binary_search_by_key(&bits(point), |point| point.bits) {
+            let is_first = sources[at].is_none_or(|other| rank(index) < rank(other));
             if is_first {
-                found[at] = Some(index);
+                sources[at] = Some(index);
             }
         }
     }
 
-    // The error is the index in the file of a point that is not among those given.
+    // A point of the file without a source is not one of those given.
     let mut kept = vec![false; given.len()];
-    for (found, (_, place)) in found.iter().zip(&sorted) {
-        kept[found.ok_or(*place)?] = true;
+    for (source, point) in sources.iter().zip(&sorted) {
+        kept[source.ok_or(point.index)?] = true;
     }
     Ok(kept)
+}
+
+/// A point of a thinned file: the bits of its coordinates, and its index in the file.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct FilePoint {
+    bits: [u64; 2],
+    index: usize,
 }
 
 #[cfg(test)]

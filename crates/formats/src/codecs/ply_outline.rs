@@ -13,7 +13,7 @@ use crate::text::words;
 #[derive(Clone, Copy, Debug)]
 enum Stored {
     Scalar(Scalar),
-    /// A number of items, and so many of them.
+    /// A number, and as many items.
     List {
         count: Scalar,
         item: Scalar,
@@ -37,7 +37,8 @@ impl OutlinedElement {
         self.name == b"vertex"
     }
 
-    /// Returns how many of the bytes, which begin with its rows, are its rows; in text, how many lines.
+    /// Returns how many of `bytes`, which begin with the rows of the element, belong to these rows; in a text file, how
+    /// many lines do.
     pub fn length(&self, bytes: &[u8], encoding: Encoding) -> Result<usize, FormatError> {
         let Encoding::Binary(endian) = encoding else {
             return Ok(usize::try_from(self.count).unwrap_or(usize::MAX));
@@ -72,11 +73,12 @@ impl OutlinedElement {
 
 /// Returns the elements of a header, which was read without a fault.
 pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElement>, FormatError> {
-    let (mut elements, mut begin) = (Vec::<OutlinedElement>::new(), 0);
+    let mut elements = Vec::<OutlinedElement>::new();
+    let mut begin = 0;
     for (row, line) in header.split_inclusive(|&b| b == b'\n').zip(1..) {
         let at = begin..begin + row.len();
         begin = at.end;
-        // Reading points does not look at the types of lists, so that an unknown one shows only here.
+        // Reading points does not look at the types of lists, so that an unknown one is found only here.
         let scalar = |name: &[u8]| {
             Scalar::from_name(name).ok_or_else(|| FormatError::Header {
                 format,
@@ -88,6 +90,7 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
         let fields: Vec<&[u8]> = words(row).collect();
         let (stored, name) = match fields[..] {
             [b"element", name, count] => {
+                // The count is a number, as a header with another one was refused.
                 let count = std::str::from_utf8(count)
                     .ok()
                     .and_then(|it| it.parse().ok());
@@ -104,7 +107,8 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
                 let (count, item) = (scalar(count)?, scalar(item)?);
                 (Stored::List { count, item }, name)
             }
-            [b"property", of, name] => (Stored::Scalar(scalar(of)?), name),
+            [b"property", kind, name] => (Stored::Scalar(scalar(kind)?), name),
+            // Other lines, such as comments, are of no element, and stay as they are.
             _ => continue,
         };
 
@@ -112,6 +116,7 @@ pub(super) fn elements(header: &[u8], format: Format) -> Result<Vec<OutlinedElem
         if let Some(element) = elements.last_mut() {
             element.stored.push(stored);
             element.lines.push(at);
+            // Programs name such properties `vertex_index`, `vertex_indices`, `vertex1` or `vertex2`.
             element.numbers_vertices |= !element.is_vertex() && name.starts_with(b"vertex");
         }
     }

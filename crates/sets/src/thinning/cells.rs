@@ -43,7 +43,7 @@ impl Place {
     }
 }
 
-/// A run of neighbouring numbers of rows or columns, both ends included.
+/// The first and the last of rows or columns that follow each other, both included.
 type Span = (u32, u32);
 
 impl Grid {
@@ -81,16 +81,19 @@ impl Grid {
     /// Returns the numbers along an axis that are at most `steps` from `at`: on a torus there may be two runs of them.
     fn around(&self, axis: usize, at: u32, steps: u32) -> [Option<Span>; 2] {
         let count = self.cells[axis];
-        let (low, high) = (at.checked_sub(steps), at + steps);
-        // Numbers beyond the last cell do no harm: there are no points.
+        let high = at + steps;
         if !self.is_periodic {
-            return [Some((low.unwrap_or(0), high)), None];
+            // A span may end beyond the last cell, as there are no points.
+            return [Some((at.saturating_sub(steps), high)), None];
         }
-        // So many steps meet on the other side, where no cell may come twice.
+
+        // Steps that reach around the whole torus meet on its other side: one span of all cells has each of them once.
         if 2 * steps + 1 >= count {
             return [Some((0, count - 1)), None];
         }
-        match low {
+
+        // A span that crosses the seam goes on at the other side.
+        match at.checked_sub(steps) {
             None => [Some((0, high)), Some((at + count - steps, count - 1))],
             Some(low) if high >= count => [Some((low, count - 1)), Some((0, high - count))],
             Some(low) => [Some((low, high)), None],
@@ -187,7 +190,7 @@ impl Layer {
 
     /// Returns the first point of a cell that is not decided, if there is one.
     ///
-    /// Of what another thread has kept, [`Self::kept`] then returns at least all that came before.
+    /// After that, [`Self::kept`] returns all points before it that were kept, also by another thread.
     pub fn head(&self, cell: u32) -> Option<u32> {
         let head = self.heads[cell as usize].load(Ordering::Acquire);
         (head < self.starts[cell as usize + 1]).then_some(head)
@@ -264,14 +267,15 @@ impl Layer {
 
 /// Returns where the cells of each row begin; nothing if most rows would be empty, as where a point lies far from all others.
 fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
-    // The row of the upper border, and the end of that.
-    let count = count as usize + 2;
-    // Four bytes a row are then less than the cells themselves take; the rest makes small clouds quick.
-    if count > 4 * keys.len() + 1024 {
+    // The upper border is a row of its own, and one number more is the end of that.
+    let ends = count as usize + 2;
+    // Up to four rows a cell, 16 bytes, the table takes less than the cell itself. The constant lets small clouds have
+    // one.
+    if ends > 4 * keys.len() + 1024 {
         return None;
     }
 
-    let mut rows = Vec::with_capacity(count);
+    let mut rows = Vec::with_capacity(ends);
     for (cell, &key) in keys.iter().enumerate() {
         let row = Place::of(key).row as usize;
         // A row without cells begins, and ends, where the next one begins.
