@@ -11,7 +11,7 @@ use tilescope_session::sentence::{name_in, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
 use tilescope_ui::theme::row_height;
-use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
+use tilescope_ui::widgets::{Kebab, Known, heading, row as name_and_value};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
@@ -119,23 +119,28 @@ fn levels(
 fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Palette) {
     ui.add_space(6.0);
     heading(ui, "At the seams");
+
     let summary = &session.summary;
     let inserted: usize = summary.inserted.iter().sum();
-    // Eliminated samples are a share of all that the sets had, and inserted ones of the result.
-    let of = |part: usize, whole: usize| format!("{}  {}", grouped(part), share(part, whole));
+    let count_and_share =
+        |part: usize, whole: usize| format!("{}  {}", grouped(part), share(part, whole));
+
     let length = combination.length;
     let seams = grouped(combination.seams.len());
+    // The share of the domain that is near enough to a seam to be changed by gluing.
+    let in_reach = format!("{:.1}%", 100.0 * combination.in_reach);
     for (name, value) in [
-        ("Eliminated", of(summary.eliminated, summary.tiled)),
-        ("Inserted", of(inserted, summary.count)),
-        ("Seams", format!("{seams}  {length:.1} r")),
+        // Samples are eliminated from all that the sets had, but the inserted ones are a part of the result.
         (
-            "Area in reach",
-            format!("{:.1}%", 100.0 * combination.in_reach),
+            "Eliminated",
+            count_and_share(summary.eliminated, summary.tiled),
         ),
+        ("Inserted", count_and_share(inserted, summary.count)),
+        ("Seams", format!("{seams}  {length:.1} r")),
+        ("Area in reach", in_reach),
         ("Sets from files", grouped(combination.files)),
     ] {
-        pair(ui, name, &value, palette);
+        name_and_value(ui, name, &value, palette);
     }
 }
 
@@ -260,15 +265,20 @@ fn row_texts(
 /// Returns the text positions of a row: name on the left, number on the right, and the change before the number; in a
 /// narrow panel the number makes room for the name.
 fn column_ends(width: f32, [name, change, number]: [f32; 3]) -> [f32; 3] {
+    // The room at both sides of the row and between its texts, in screen points.
     const BESIDE: f32 = 8.0;
-    let name = BESIDE + name;
-    let before = (width - BESIDE - number - BESIDE).min(width - 82.0);
-    let change = if change > 0.0 {
-        before.max(name + BESIDE + change)
+    let end_of_name = BESIDE + name;
+    // Short numbers take 82 points at the right, so that the changes of all rows end at one line; longer numbers push
+    // them left.
+    let before_number = (width - BESIDE - number - BESIDE).min(width - 82.0);
+    // Without a change the number follows the name.
+    let end_of_change = if change > 0.0 {
+        before_number.max(end_of_name + BESIDE + change)
     } else {
-        name
+        end_of_name
     };
-    [name, change, (width - BESIDE).max(change + BESIDE + number)]
+    let end_of_number = (width - BESIDE).max(end_of_change + BESIDE + number);
+    [end_of_name, end_of_change, end_of_number]
 }
 
 #[cfg(test)]

@@ -178,9 +178,10 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
         (("kept", "Go to where it was kept"), life.kept),
         (("lost", "Go to where it was eliminated"), life.lost),
     ] {
-        // An inserted sample is kept, and one outside the domain lost, by the event of its birth: one entry tells it.
-        let is_told = event != life.born || id == birth;
-        if event != NONE && is_told {
+        // An inserted sample is kept, and one outside the domain is lost, by the same event that made it. Such an event
+        // has one entry only, that of the birth.
+        let is_first_entry = event != life.born || id == birth;
+        if event != NONE && is_first_entry {
             let cursor_behind = event as usize + 1;
             let jump = Command::Time(TimeCommand::Jump(cursor_behind));
             entries.push(MenuEntry::new(id, name, vec![pick.clone(), jump]));
@@ -197,7 +198,7 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
 fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry> {
     let shown = subject.shown;
     let size = shown.session.size_radii();
-    // A place beyond the domain lies in a copy, or nowhere: it has no history.
+    // A place beyond the domain has no history, even where a copy of the domain is drawn.
     if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
         return Vec::new();
     }
@@ -213,6 +214,7 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry>
     let view = |command| Command::View(which, command);
     let pick = view(ViewCommand::Pick(Selection::Place(place)));
     let inspect = vec![pick, view(ViewCommand::Inspect)];
+    // One command serves both names: it flies to the gap at the place, or else to the block there.
     let zoom = vec![view(ViewCommand::FlyToBlock(place))];
     vec![
         MenuEntry::new("place", history, inspect),

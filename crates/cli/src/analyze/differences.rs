@@ -32,21 +32,24 @@ impl Differences {
         let [power, pairs] = subject.minus(reference)?;
 
         let difference = |measure: &Measure| {
-            // Averages have measures that single sets lack, so that places in the list do not match.
-            let same = |other: &&Measure| other.key == measure.key;
-            let base = reference.measures.iter().find(same);
+            // Found by its key: averages have measures that single sets lack, so that the same measure may have another
+            // index.
+            let is_same = |other: &&Measure| other.key == measure.key;
+            let base = reference.measures.iter().find(is_same);
             let error = |measure: &Measure| measure.spread.map(|spread| spread.standard_error);
             let values = measure.value.zip(base.and_then(|base| base.value));
             let errors = error(measure).zip(base.and_then(error));
             Difference {
                 measure: measure.clone(),
                 value: values.map(|(value, base)| value - base),
-                // The sets are independent, so that their errors add in quadrature.
+                // The sets are independent, so that their errors add in quadrature. Without a difference there is no
+                // error of it.
                 standard_error: errors.map(|(a, b)| a.hypot(b)).filter(|_| values.is_some()),
             }
         };
 
         let [power_key, pairs_key] = ["power_difference", "pair_correlation_difference"];
+        // The labels of each curve: its name, what its points are called, and the unit of its x.
         let of_power = of_curve(&power, power_key, "radial mean power", "annuli", "nu");
         let of_pairs = of_curve(&pairs, pairs_key, "pair correlation", "bins", "r_max");
 
@@ -69,14 +72,11 @@ fn of_curve(
     points: &str,
     unit: &'static str,
 ) -> [Measure; 4] {
-    let (at, largest) = (
-        curve.largest().map(|[x, _]| x),
-        curve.largest().map(|[_, y]| y),
-    );
-    let outside = curve.outside().map(|share| 100.0 * share);
+    let (x_of_largest, largest) = curve.largest().map(|[x, y]| (x, y)).unzip();
+    let outside_percent = curve.outside().map(|share| 100.0 * share);
 
     let (rms_label, at_label) = ("RMS difference", "position of the largest difference");
-    // Of equal curves the band holds a point with probability 0.95.
+    // Where two curves differ by chance alone, a point is in the band with probability 0.95.
     let outside_label = format!("{points} outside the band (5 by chance)");
     let measure = |end: &str, label: &str, unit, decimals, value| {
         let form = Form { unit, decimals };
@@ -85,8 +85,8 @@ fn of_curve(
     [
         measure("rms", &format!("{name}: {rms_label}"), "", 4, curve.rms()),
         measure("largest", "largest difference", "", 4, largest),
-        measure("largest_at", at_label, unit, 3, at),
-        measure("outside", &outside_label, "%", 1, outside),
+        measure("largest_at", at_label, unit, 3, x_of_largest),
+        measure("outside", &outside_label, "%", 1, outside_percent),
     ]
 }
 

@@ -25,8 +25,8 @@ const SOLID_POISSON: [u32; 13] = [
     0xffff_fff1,
 ];
 
-/// Keys of planes that are kept: cubes come cell by cell, and the planes of a cell of side R are that many or fewer up to
-/// level 5, at which nearly all cubes are gone.
+/// How many keys of planes are kept. Cubes come cell by cell, and a cell of side R has 2^level planes of cubes: up to
+/// level 5, at which nearly all cubes are gone, the keys of all of them are kept.
 const KEPT_PLANES: usize = 32;
 
 /// A dart that no sample covered when it was thrown.
@@ -76,23 +76,27 @@ impl SolidThrow {
     pub fn uncovered(&self, cubes: &[Place], balls: &BallGrid, out: &mut Vec<SolidDart>) {
         let last = balls.frame().last();
         let mut planes = PlaneKeys::new(self.key);
+        // The sides of cubes are powers of two: a shift divides by them.
+        let log2_of_side = R.ilog2() - self.level;
         for &[x, y, z] in cubes {
-            let cube = planes.of(z >> (R.ilog2() - self.level), z).derive_at(x, y);
-            // A cube of one place throws exactly it, so that the process ends.
+            // Cubes are given by their lowest places.
+            let cube_key = planes.of(z >> log2_of_side, z).derive_at(x, y);
+            // A cube of side 1 has one place, which gets exactly one dart: after it no cube is left, so that the
+            // process ends.
             let count = if self.side() == 1 {
                 1
             } else {
-                poisson(cube.words()[0])
+                poisson(cube_key.words()[0])
             };
 
             for index in 0..count {
-                let [right, up, deep] = self.offset(cube.draw(Stream::Dart, index));
+                let [right, up, deep] = self.offset(cube_key.draw(Stream::Dart, index));
                 let place = [x + right, y + up, z + deep];
                 // A cube at an upper side may reach beyond it.
                 let is_inside = (0..3).all(|axis| place[axis] <= last[axis]);
                 if is_inside && !balls.covers(place) {
-                    // Nine of ten darts are covered, and need no rank.
-                    let [rank, _] = cube.draw(Stream::Rank, index);
+                    // The rank is drawn only now, since nine of ten darts are covered and need none.
+                    let [rank, _] = cube_key.draw(Stream::Rank, index);
                     out.push(SolidDart { rank, place });
                 }
             }

@@ -32,47 +32,53 @@ fn groups(settings: &Settings) -> Vec<SetGroup> {
     radii.iter().map(group).collect()
 }
 
-/// The control stands with the smallest radius alone: what it shows does not depend on it.
-fn methods(last: bool) -> Vec<Method> {
-    // Two groups of reference sets: what tells them apart is chance.
+/// Returns the methods that are measured for a radius. The control, copies side by side, is measured for the last and
+/// smallest radius alone (`is_last_radius`), since what it shows does not depend on the radius.
+fn methods(is_last_radius: bool) -> Vec<Method> {
+    // Two groups of reference sets, which differ by chance alone: how much they differ is the measure of chance.
     let mut methods = vec![Method::Reference, Method::Again];
     for leaf in LEAVES {
-        let default = Method::Kdrt {
+        methods.push(Method::kdrt(leaf));
+        // For large leaves the pattern of usual size is measured, too. It is periodic, so that runs succeed, but it is
+        // smaller than the largest blocks, which then contain parts of it twice.
+        let with_usual_pattern = Method::Kdrt {
             leaf,
             side: PATTERN,
         };
-        methods.push(Method::kdrt(leaf));
-        // The smaller pattern is looked at, too: it is periodic, so that runs succeed, but their blocks contain parts of it
-        // twice.
-        if !default.fits() {
-            methods.push(default);
+        if !with_usual_pattern.fits() {
+            methods.push(with_usual_pattern);
         }
     }
 
-    // It has the most seams with the smallest blocks.
+    // Exact tiling is measured with the smallest leaf, with which it has the most seams.
     methods.push(Method::Exact { leaf: LEAVES[0] });
     methods.push(Method::OnePattern { leaf: ONE_LEAF });
-    if last {
+    if is_last_radius {
         methods.push(Method::Copies);
     }
     methods
 }
 
+/// Returns each radius with each method that is measured for it.
 fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
     let groups = groups(settings);
-    let each = (1..).zip(&groups);
+    let numbered = (1..).zip(&groups);
     let with_methods = |(number, group): (usize, &SetGroup)| {
-        let (group, methods) = (*group, methods(number == groups.len()));
-        methods.into_iter().map(move |method| (group, method))
+        let is_last_radius = number == groups.len();
+        let group = *group;
+        let methods = methods(is_last_radius).into_iter();
+        methods.map(move |method| (group, method))
     };
-    each.flat_map(with_methods).collect()
+    numbered.flat_map(with_methods).collect()
 }
 
+/// Returns how the engines are timed: how many samples a set has, and in how many rounds each of them makes one.
 fn plan(settings: &Settings) -> TimingPlan {
     let (samples, rounds) = settings.pick((2_000_000, 10), (50_000, 2));
     TimingPlan { samples, rounds }
 }
 
+/// Returns in how many units of work [`run`] measures.
 pub fn units(settings: &Settings) -> usize {
     spectra_units(settings).len() + plan(settings).rounds as usize
 }
@@ -114,13 +120,15 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 /// Returns the pictures of spectra. Each shows one set of each of its methods, made anew, as sets are not kept.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
-    // A column is of a method, whose curves are drawn over those of another one. It is left out if one of them was not
-    // measured. The set that it shows is the first.
-    let picture = |group: SetGroup, name: &str, title: &str, columns: Vec<(Method, Method)>| {
+    // Each column shows a method, whose curves are drawn over those of another one. It is left out if one of the two
+    // was not measured.
+    let picture = |group: SetGroup, name: &str, title: &str, methods: Vec<(Method, Method)>| {
         let spectra_of = |method: Method| spectra::find(found, group.radius, method);
         let spectra_of_column = |(one, below)| Some((spectra_of(one)?, spectra_of(below)?));
-        let columns: Vec<_> = columns.into_iter().filter_map(spectra_of_column).collect();
-        let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);
+        let columns: Vec<_> = methods.into_iter().filter_map(spectra_of_column).collect();
+        // The set that a column shows is the first of its method.
+        let first = 0;
+        let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, first, &control);
         let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;
         shown::spectra(name, title, &columns, &sets)
     };
@@ -159,7 +167,8 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
         notes.push(text("fig13/whole", &json!({ "methods": whole.join(", ") })));
     }
 
-    // Sets that share one pattern repeat each other, not only themselves, so that no verdict rests on them.
+    // Sets that share one pattern have parts of it in common, so that their mean has fewer independent samples than it
+    // seems to have, and no verdict rests on them.
     let shared = (found.iter())
         .filter(|one| matches!(one.method, Method::OnePattern { .. }))
         .map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));

@@ -198,7 +198,7 @@ impl Writer {
         }
 
         let playback = &content.view.playback;
-        // Passes of the GPU are no part of a link, so that a clock of passes is not either.
+        // A link has no passes of the GPU, and so no clock that counts them.
         let clock = playback.clock_of_events();
         let is_default_clock = clock == empty_link.view.playback.clock;
         if !is_default_clock {
@@ -207,8 +207,8 @@ impl Writer {
 
         match playback.whole_run_secs {
             None => self.put("speed", playback.speed.to_string()),
-            // Without a clock and a speed a link plays the whole run in the default time. A clock would end that, so that behind one
-            // the time is written even if it is the default.
+            // A link without a clock and a speed plays the whole run in the default time, which need not be written. A
+            // link with a clock plays at a speed unless a time is written, even if it is the default time.
             secs if is_default_clock && secs == empty_link.view.playback.whole_run_secs => {}
             Some(secs) => self.put("whole-run", secs.to_string()),
         }

@@ -18,7 +18,7 @@ use crate::texts::{chart, table};
 /// Classes whose middle is farther from a border than this, in radii, are not drawn.
 const FAR: f64 = 10.0;
 
-/// Sets with the number of their curve.
+/// Sets of one way to make them, with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
 /// Returns the charts by distance from borders and within gaps, and the maps.
@@ -112,9 +112,10 @@ fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     chart
 }
 
+/// Returns the chart of the share of inserted samples that are within each distance from a block's border.
 fn inserted(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
-        // Nothing inserted is a flat curve, not a division by zero.
+        // Without inserted samples the curve is flat. The 1 keeps it from a division by zero.
         let total = subject.inserted.iter().sum::<u64>().max(1) as f64;
 
         let mut sum = 0;
@@ -222,11 +223,16 @@ fn distances(found: &UniformityResults) -> Table {
         |(one, border, class, deviation)| {
             let off = one.against(deviation);
             let [low, high] = off.interval.map(|end| 100.0 * end);
+            // The test expects as many samples as these sets have. The table compares with the reference sampler, whose
+            // sets have fewer or more by the factor of the density.
+            let expected = deviation.expected * one.density.recip();
+            // Inserted samples are counted by distance from the borders of blocks alone.
+            let inserted = one.inserted.get(class).filter(|_| border == "block");
             json!({
                 "sets_by": one.name, "border": border, "from_r": EDGES[class],
-                "observed": deviation.observed, "expected": deviation.expected * one.density.recip(),
+                "observed": deviation.observed, "expected": expected,
                 "deviation_percent": 100.0 * off.relative, "low_percent": low, "high_percent": high,
-                "inserted": one.inserted.get(class).filter(|_| border == "block"),
+                "inserted": inserted,
             })
         },
     )
@@ -259,9 +265,11 @@ const COLORS: [[u8; 3]; 5] = [
 const MAPS: usize = 3;
 const SIDE: f64 = 380.0;
 
+/// Returns the colour of a deviation: between two of [`COLORS`] by linear interpolation, and that of an end beyond it.
 fn color(deviation: f64) -> [u8; 3] {
     let steps = (COLORS.len() - 1) as f64;
     let at = (0.5 * (deviation / END).clamp(-1.0, 1.0) + 0.5) * steps;
+    // The last colour has none behind it: at the upper end it is reached from the one before.
     let from = (at as usize).min(COLORS.len() - 2);
     let part = at - from as f64;
     [0, 1, 2].map(|k| {

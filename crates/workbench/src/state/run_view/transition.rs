@@ -57,13 +57,15 @@ impl RunView {
             elapsed_secs,
             is_wanted,
         } = self.transition;
-        // A command may have moved the cursor since the last frame.
+        // A command may have moved the cursor since the last frame. A transition then begins, if one is wanted, or the
+        // event is drawn at once.
         let is_new = cursor.is_some() && cursor != self.cursor().map(|(cursor, _)| cursor);
         let share = match elapsed_secs {
             _ if is_new && is_wanted => 0.0,
             Some(elapsed) if !is_new => elapsed / self.transition_secs(),
             _ => 1.0,
         };
+        // Smoothstep: the motion begins and ends slowly.
         share * share * (3.0 - 2.0 * share)
     }
 }
