@@ -223,15 +223,17 @@ impl<'a> Neighbours<'a> {
         if count <= 3 {
             return (0..count).collect();
         }
-        // Numbered from one round further on, so that none is below 0.
+        // `count` is added to all numbers, so that none is below 0, and taken off by the remainder below.
         let around = cell + count - 1..=cell + count + 1;
         let is_inside = |at: &usize| self.region.is_periodic() || (count..2 * count).contains(at);
         around.filter(is_inside).map(|at| at % count).collect()
     }
 
+    /// Appends a sample `index` as seen from the sample `own`, and each of its images, if it is nearer than the reach.
     fn add_images(&self, own: usize, index: usize, near: &mut Vec<Other>) {
         let (center, size) = (self.points[own], self.region.size());
-        // A period is longer than the reach, so that at most two images are near on an axis.
+        // A period is longer than the reach, so that on an axis only two images can be near: the sample itself, and the
+        // one a period closer, which lies on the other side of `own`.
         let offsets = [0, 1, 2].map(|axis| {
             let plain = self.points[index][axis] - center[axis];
             let image = plain - size[axis].copysign(plain);
@@ -242,7 +244,7 @@ impl<'a> Neighbours<'a> {
         for (y, z) in planes.flat_map(|z| rows.clone().map(move |y| (y, z))) {
             for offset in columns.clone().map(|x| [x, y, z]) {
                 let distance = dot(offset, offset).sqrt();
-                // Its own images are a period away.
+                // A sample is not near itself, and its own images are a period away, beyond the reach.
                 if distance < self.reach && index != own {
                     near.push(Other {
                         index,

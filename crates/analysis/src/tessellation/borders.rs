@@ -129,15 +129,19 @@ impl Runs<'_> {
     /// The border line that begins where another ends: around a corner, or in the next cell along.
     fn after_corner(&self, part: Part, shift: IVec2) -> Option<(Piece, IVec2)> {
         let cells = self.cells;
-        let (mut side, mut shift) = (cells.next(part / 2), shift);
-        // Rarely more than two cells meet at one place of the border, and never all.
+        // The half of a part's number is its side (see `Part`).
+        let mut side = cells.next(part / 2);
+        let mut total_shift = shift;
+        // From cell to cell around the place, up to the next side on the border. Rarely more than two cells meet there,
+        // and never all: the bound only keeps the loop from being endless.
         for _ in 0..cells.sides.len() {
             let Some(beyond) = cells.sides[side].beyond else {
+                // Twice the side is the number of its head, the part at which the line goes on.
                 return cells.sides[side]
                     .head
-                    .map(|_| (Piece::Line(2 * side), shift));
+                    .map(|_| (Piece::Line(2 * side), total_shift));
             };
-            shift += beyond.shift;
+            total_shift += beyond.shift;
             side = cells.next(cells.sides[side].twin?);
         }
         None

@@ -116,7 +116,7 @@ impl Gpu {
 
     /// Creates buffers for samples at `positions` with their ids; their styles are written later.
     pub fn replace(&mut self, positions: &[[i32; 2]], ids: &[u32]) {
-        // Pictures that are kept are of the samples before.
+        // The pictures that are cached show the samples before: another revision makes them anew.
         self.revision.update(|revision| revision + 1);
 
         let device = &self.render.device;

@@ -77,9 +77,9 @@ pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)
     let bar = bar("pieces", placed.pieces.len() as u64);
     let made = |count: usize| bar.inc(count as u64);
     let pieces = placed.pieces(|source| set(source, folder), made);
-    // The bar goes first, so that an error stands in a line of its own.
+    // The bar is cleared before an error is printed, which then stands in a line of its own.
     bar.finish_and_clear();
-    // As the layout's JSON counts its pieces.
+    // An error names the piece by its place in the JSON of the layout, from 0.
     let of_piece = |PieceError { piece, error }: PieceError<anyhow::Error>| {
         error.context(format!("pieces[{piece}]"))
     };

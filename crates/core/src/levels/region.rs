@@ -147,8 +147,8 @@ impl LevelRegion {
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             let fits = self.grid.insert(sample.at);
             debug_assert!(fits, "the samples are conflict-free");
-            // It may be in conflict with the pattern of the block around it: pattern samples in the cells that it reaches are
-            // tested, and not copied.
+            // A foreign sample may be in conflict with the pattern of the block around it: the pattern's samples in the
+            // cells that it reaches are tested, and not copied.
             if sample.foreign {
                 self.flags
                     .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
@@ -163,7 +163,8 @@ impl LevelRegion {
         self.frame = frame;
 
         for unknown in before {
-            // A disk that a sample covers whole holds no other sample. A unit less, since `units` is rounded up.
+            // A disk that a sample covers whole holds no other sample. One unit is taken off, since `units` is rounded
+            // up.
             let inner = i64::from(radius.units - 1 - unknown.radius);
             let covered = self.grid.any_near(unknown.at, radius.units, |offset| {
                 inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
@@ -249,9 +250,10 @@ impl LevelRegion {
                 continue;
             };
 
-            // A tiled sample deeper than r in its block, which is half open, is copied: other samples within r of it are of
-            // the block's own pattern, or of margins, which yield. Where there are others, foreign samples of coarser
-            // levels and unknowns, the cells are contested.
+            // A tiled sample deeper than r in its block is kept without a comparison. Other samples within r of it are
+            // of the block's own pattern, which has no conflicts, or of the margins of other blocks, which come later
+            // in the order. A foreign sample of a coarser level, or an unknown, may also cover it: the cells near these
+            // are contested. The block is half open, so that one unit more is taken off at its lower sides.
             let deep = block.rect.grown(-reach - 1, -reach).within(&inside);
             let safe = deep.unwrap_or_default();
 
@@ -272,8 +274,8 @@ impl LevelRegion {
             meter.ask()?;
         }
 
-        // Samples that were not kept at coarser levels are decided again. A margin is narrower than at the level before, and
-        // so is the frame: samples that now lie outside are let go.
+        // Samples that were not kept at coarser levels are decided again. The margins of blocks and the frame are
+        // narrower than at the level before: samples that lie outside of them now are left out for good.
         claimants.extend(self.waiting.drain(..).filter(|claimant| {
             let block = &blocks[claimant.block as usize];
             let [width, height] = [0, 1].map(|axis| block.rect.max[axis] - block.rect.min[axis]);
@@ -312,12 +314,13 @@ impl LevelRegion {
                     self.keep(p, claimant.in_margin);
                     return;
                 }
-                // Near the frame's edge a sample beyond it may cover this one, and so may an unlisted one.
+                // A sample beyond the frame's edge, or one in an unknown disk, may cover this one: whether it is kept
+                // is not known.
                 self.doubt(UnknownDisk { at: p, radius: 0 });
             }
         }
 
-        // What it covered may now be a gap.
+        // The place of a sample that is not kept, and the places around it, may now be a gap.
         self.waiting.push(*claimant);
         let mark = |cell| self.dirty.push(cell as u32);
         self.flags.set_near(&self.grid, p, units, flag::DIRTY, mark);

@@ -303,7 +303,7 @@ const TEXT: f64 = 14.0;
 
 /// Adds a line below the picture that says what its marks are. `close` is whether the picture shows a part from near.
 fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
-    let at = scene.height + 0.5 * LINE - 8.0;
+    let middle = scene.height + 0.5 * LINE - 8.0;
     let colors = [
         palette.block_borders[0],
         palette.inserted,
@@ -312,6 +312,8 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
 
     let [sample, inserted, eliminated] = colors.map(Style::filled);
     let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
+    // The text of each entry, its mark and the size of that, in marks. The disk is larger than a sample, as in the
+    // picture.
     let entries = [
         ("sample, in the colour of its set", Marker::Dot, 1.0, sample),
         ("inserted", Marker::Diamond, 1.0, inserted),
@@ -325,9 +327,9 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
     for (name, kind, size, style) in entries.into_iter().take(if close { 4 } else { 2 }) {
         group
             .shapes
-            .push(Shape::marker(kind, [x, at], size * MARK, style));
+            .push(Shape::marker(kind, [x, middle], size * MARK, style));
 
-        let mut text = Text::new([x + MARK + 4.0, at], name, TEXT, palette.text);
+        let mut text = Text::new([x + MARK + 4.0, middle], name, TEXT, palette.text);
         text.baseline = Baseline::Middle;
         x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;
         group.shapes.push(Shape::Text(text));

@@ -202,7 +202,8 @@ impl RadiusSource {
                 ("radius-expression", value)
             }
 
-            // Images are named by their content.
+            // A certificate names an image by its file and digest, or by its digest alone, since it cannot hold the
+            // image.
             Self::Image { image, radii } => {
                 let mut value = image.stated();
                 value["radii"] = json!(radii);
@@ -218,7 +219,8 @@ impl RadiusSource {
                 ("density-image", value)
             }
             Self::Grid { grid, scale } => {
-                // Only of a density radii beyond the limit are made as large as possible.
+                // Radii beyond the limit are refused, but those that follow from a density are made as large as
+                // possible: the mark of a capped grid shows from which of the two it was made.
                 let name = if grid.is_capped {
                     DENSITY_GRID
                 } else {
@@ -238,13 +240,13 @@ fn number(value: &Value, what: &str) -> Result<f64, VaryingError> {
     value.as_f64().ok_or_else(unstated)
 }
 
-/// Returns the radius of the mean of so many grey values, of which the sum is given.
+/// Returns the radius of the mean of `count` grey values, whose sum is `sum`.
 pub(super) fn radius_of_grey([black, white]: [f64; 2], sum: u32, count: u32) -> f64 {
     let share = f64::from(sum) / f64::from(count * WHITE);
     black + (white - black) * share
 }
 
-/// Returns the radius at which samples are as dense as the mean of so many grey values is dark.
+/// Returns the radius at which samples are as dense as the mean of `count` grey values, whose sum is `sum`, is dark.
 pub(super) fn radius_of_darkness(black: f64, sum: u32, count: u32) -> f64 {
     let darkness = f64::from(count * WHITE - sum) / f64::from(count * WHITE);
     // White has no density, and an infinite radius.

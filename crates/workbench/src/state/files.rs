@@ -49,13 +49,13 @@ impl SaveTask {
             run: run.map(|(debugger, session)| {
                 let mut saved = debugger.session();
                 saved.view = view;
-                // The debugger knows no talks, so that their record goes with the view.
+                // A session of the debugger has no field for the record of a talk, which is stored with the view.
                 if let (Some(record), Some(view)) = (record, saved.view.as_object_mut()) {
                     view.insert("talk".to_owned(), json!(record));
                 }
                 saved.pattern = session.own.as_ref().map(|own| own.file.clone());
                 if let Some(made) = &session.ground {
-                    // The parameters as asked for, from which the field is made again.
+                    // The field is made again from the parameters that were asked for, not from those of the run.
                     let (parameters, request) = &made.asked;
                     saved.parameters = *parameters;
                     saved.ground = json!(PortableGround::of(request));

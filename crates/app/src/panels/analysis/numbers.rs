@@ -67,9 +67,10 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads: Vec<&str> = (columns.iter())
         .map(|column| column.head(is_compared))
         .collect();
-    // Heads have no values, differences are of this moment alone, and the reference and the file have no moments.
+    // Only a number of a run can be that of an earlier moment (`now`). Heads are no numbers, a difference is shown only
+    // if both numbers are of this moment, and the reference and the file do not change.
     let is_outdated = false;
-    // A row without a name is that of the heads.
+    // `row` takes a row without a name for that of the heads.
     let of_heads = heads.iter().map(|head| ((*head).to_owned(), is_outdated));
     row(
         ui,
@@ -208,7 +209,8 @@ pub fn counts(set: &MeasuredSet) -> String {
     }
 }
 
-/// Shows a row; of each text also whether it is outdated.
+/// Shows a row: its key and name, a text for each column with whether it is outdated, and an explanation of the number.
+/// A row without a name is that of the heads.
 fn row(
     ui: &mut Ui,
     sets: &Sets<'_>,

@@ -143,7 +143,7 @@ fn row(
     response.known_as(format_args!("row-{number}"));
 
     if is_changed {
-        ground(ui, rect, palette);
+        mark_changed(ui, rect, palette);
     }
     if is_picked {
         let stroke = Stroke::new(1.5, palette.accent);
@@ -180,7 +180,8 @@ fn row(
     response
 }
 
-fn ground(ui: &Ui, rect: Rect, palette: &Palette) {
+/// Draws the background and the bar of a row or line that the pass changed.
+fn mark_changed(ui: &Ui, rect: Rect, palette: &Palette) {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, palette.accent.gamma_multiply(0.10));
     let bar = Rect::from_min_size(rect.min, vec2(3.0, rect.height()));
@@ -232,6 +233,7 @@ fn field_ends(rect: Rect) -> [f32; 2] {
     [260.0_f32, 390.0].map(|end| end.min(rect.width() - 20.0))
 }
 
+/// Shows a line with the name of a column and its value before and after the pass.
 fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let name = &table.columns[column];
@@ -240,10 +242,11 @@ fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     let [before, after] =
         [PassSide::Before, PassSide::After].map(|side| table.cell(side, 0, column));
 
-    let mut color = palette.text;
+    // Where the pass changed the value, the line is marked, and the new value has the accent colour.
+    let mut color_after = palette.text;
     if before != after {
-        ground(ui, rect, palette);
-        color = palette.accent;
+        mark_changed(ui, rect, palette);
+        color_after = palette.accent;
     }
 
     let font = TextStyle::Monospace.resolve(ui.style());
@@ -254,5 +257,5 @@ fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     let ends = field_ends(rect).map(at);
     let right = Align2::RIGHT_CENTER;
     painter.text(ends[0], right, before, font.clone(), palette.text);
-    painter.text(ends[1], right, after, font, color);
+    painter.text(ends[1], right, after, font, color_after);
 }

@@ -82,8 +82,10 @@ pub struct EventQuery {
 }
 
 impl RunView {
+    /// Applies a command to the debugger, and updates what depends on the moment, since some commands move to another
+    /// one.
     pub(in crate::state) fn apply_to_debugger(&mut self, command: DebugCommand, context: &Context) {
-        let before = self.stage;
+        let stage_before = self.stage;
         match command {
             DebugCommand::Query(text) => self.look_for(text, context),
             DebugCommand::SelectEvent(event) => self.select_event(event),
@@ -93,6 +95,7 @@ impl RunView {
                     rows.toggle(outline, event);
                 }
             }
+            // The others concern the debugger alone: breakpoints, watches, and the jump to a cause.
             command => {
                 if let Some(debugger) = &mut self.debugger {
                     change(debugger, command);
@@ -101,7 +104,7 @@ impl RunView {
         }
 
         self.follow_cursor();
-        self.moved(before);
+        self.moved(stage_before);
     }
 
     /// Returns breakpoints, watches and scenes.

@@ -37,7 +37,8 @@ enum Known {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Adds a place to the candidates if it satisfies the definition.
+    /// Adds a place, which the samples `sites` make, to the candidates if it satisfies the definition. Where that
+    /// depends on the plane beyond the frame, adds the cell to `unsure`.
     pub(super) fn try_place<S: Simd>(
         &self,
         simd: S,
@@ -48,9 +49,10 @@ impl<const TAGS: bool> Region<TAGS> {
         unsure: &mut Vec<usize>,
     ) {
         let (left, bottom) = corner(searched.number);
-        let inside = |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
+        let is_in_pixel =
+            |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
         // A place in another pixel is found when that one is searched.
-        if !inside(place.x, left) || !inside(place.y, bottom) {
+        if !is_in_pixel(place.x, left) || !is_in_pixel(place.y, bottom) {
             return;
         }
 
@@ -67,6 +69,8 @@ impl<const TAGS: bool> Region<TAGS> {
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
+        // Squares are whole numbers: a sample covers the place if its square is at most R^2, so that one search with
+        // the larger limit decides about both.
         let limit = (nearest_square - NEARER_SLACK).max(R_SQUARED + 1);
 
         let gathered = if searched.wide {
