@@ -4,8 +4,8 @@ use crate::judge::Judge;
 use crate::witness::{Conflict, Gap};
 use crate::worst::Worst;
 
-/// Pairs in conflict are counted up to so many: a set with more was misread or has another radius, and counting them
-/// all would take a time that grows with the square of its samples.
+/// Pairs in conflict are counted up to this number: a set with more was misread or has another radius, and counting
+/// them all would take a time that grows with the square of its samples.
 pub const MAX_CONFLICTS: u64 = 1_000_000;
 
 /// What a judge found, in the domain's unit.

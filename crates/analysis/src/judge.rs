@@ -55,10 +55,10 @@ pub enum JudgeChoice {
 }
 
 impl JudgeChoice {
-    /// Sets of so many samples or fewer are judged twice.
+    /// Sets of this many samples or fewer are judged twice.
     pub const BOTH_UP_TO: usize = 1 << 20;
 
-    /// Whether the first and the second judge are asked about so many samples.
+    /// Whether the first and the second judge are asked about the given number of samples.
     pub(crate) const fn asked(self, count: usize) -> [bool; 2] {
         match self {
             Self::Automatic => [count <= Self::BOTH_UP_TO, true],

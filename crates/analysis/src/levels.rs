@@ -1,5 +1,5 @@
-//! Judges sequences of samples whose prefixes are sets: of nested levels, the first so many samples are maximal for one
-//! radius, the first so many more for a smaller one. Each set is judged afresh by [`verify`].
+//! Judges sequences of samples whose prefixes are sets: of nested levels, the first samples are maximal for one
+//! radius, and with those that follow for a smaller one. Each set is judged afresh by [`verify`].
 
 use crate::error::VerifyError;
 use crate::monitor::Control;

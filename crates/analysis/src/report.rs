@@ -140,7 +140,8 @@ impl Report {
         self.gaps == 0 && (self.is_of_squares() || self.covering_radius <= limit)
     }
 
-    /// Whether the counts alone decide: where the radius varies, no single distance tells conflicts and gaps.
+    /// Whether the counts alone decide: where the radius varies, no single distance says whether there are conflicts or
+    /// gaps.
     fn is_of_squares(&self) -> bool {
         self.judges == [Judge::Subdivision]
     }

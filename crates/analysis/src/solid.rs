@@ -266,7 +266,7 @@ impl SolidQuestion<'_> {
     }
 }
 
-/// Whether cubes and circles are asked about so many samples. Refuses the judge of planar sets.
+/// Whether cubes and circles are asked about the given number of samples. Refuses the judge of planar sets.
 fn asked(choice: JudgeChoice, count: usize) -> Result<[bool; 2], SolidError> {
     match choice {
         JudgeChoice::Automatic => Ok([true, count <= JudgeChoice::BOTH_UP_TO]),

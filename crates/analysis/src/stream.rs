@@ -208,8 +208,8 @@ impl StreamVerifier {
 
         for piece in points.chunks(PIECE) {
             let first = self.intake.count;
-            // Samples are checked before any judge sees them, so that findings are of good samples alone. No index is
-            // beyond 32 bits from here on.
+            // Samples are checked before they are given to a judge, so that findings are of good samples alone. No
+            // index is beyond 32 bits from here on.
             self.intake.take(piece, &self.search)?;
 
             if let Some(bands) = &mut self.bands {

@@ -13,7 +13,7 @@ use crate::error::VerifyError;
 use crate::findings::MAX_CONFLICTS;
 use crate::monitor::{Control, Monitor};
 
-/// A part with so few points is looked at point by point.
+/// A part with this few points is looked at point by point.
 const FEW: usize = 16;
 
 /// Parts with fewer points are searched on one thread.

@@ -62,7 +62,7 @@ impl<T: Witness> Worst<T> {
         self.prune();
     }
 
-    /// The mildest of `limit` witnesses, once there are so many: only worse ones are kept from then on.
+    /// The mildest of `limit` witnesses, once there are that many: from then on only worse ones are kept.
     pub fn mildest(&self) -> Option<&T> {
         self.mildest.as_ref()
     }

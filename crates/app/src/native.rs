@@ -146,7 +146,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
 
     let (light, link) = (options.light, options.link.clone());
     let commands = options.commands.clone();
-    // The number of frames tells, after an error, whether the window was open.
+    // After an error, the number of frames shows whether the window was open.
     let frames = Arc::new(Frames::default());
     let counter = Arc::clone(&frames);
 

@@ -41,7 +41,7 @@ impl PixelGrid {
         self.camera.scale * f64::from(self.pixels_per_point)
     }
 
-    /// Returns the position, in r, that lies so many pixels right of and below the upper left corner.
+    /// Returns the position, in r, of a place on the picture, in pixels right of and below the upper left corner.
     #[must_use]
     pub fn domain_from_pixel(&self, pixel: [f64; 2]) -> DVec2 {
         let half = self.viewport.size() * self.pixels_per_point * 0.5;

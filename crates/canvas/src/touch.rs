@@ -38,7 +38,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Returns the touch state on the canvas of `response`; remembers whether a gesture is under way.
+    /// Returns the touch state on the canvas of `response`; stores whether a gesture is under way.
     #[must_use]
     pub fn follow(ui: &Ui, response: &Response) -> Self {
         let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {

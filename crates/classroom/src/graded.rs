@@ -62,7 +62,7 @@ impl Lessons {
         let lesson = learner.lesson();
 
         let is_over = learner.index() + 1 == lesson.steps.len() && !learner.is_open();
-        // A lesson that was presented has no results of a learner, and a form tells nothing about its answers.
+        // A lesson that was presented has no results of a learner, and a form shows nothing about its answers.
         if !is_over || open.was_presented || lesson.form.is_some() {
             return None;
         }

@@ -109,7 +109,7 @@ pub struct TalkPart {
 }
 
 impl TalkPart {
-    /// Returns a part of so many minutes; of the lesson's own if none are given.
+    /// Returns a part that takes `minutes`; as long as the lesson says if none are given.
     #[must_use]
     pub fn of(lesson: &Lesson, minutes: Option<u32>) -> Self {
         let scale = minutes.map_or(1.0, |minutes| {

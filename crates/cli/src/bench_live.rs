@@ -81,7 +81,7 @@ fn to_text(rows: &[Timed]) -> String {
     out
 }
 
-/// The time that this thread computes. Other programs do not count, where the system tells.
+/// The time that this thread computes. Other programs do not count, where the system measures the time of threads.
 struct Clock {
     began: Instant,
     computed: Option<f64>,

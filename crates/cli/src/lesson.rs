@@ -404,7 +404,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
     let original = lesson.texts().concat();
     let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
 
-    // Without a window the other rules are checked all the same, and the author learns which one was not.
+    // Without a window the other rules are checked all the same, and the report names the one that was not.
     let leaks = (window.leaks)(&lesson.name, &source.text).unwrap_or_else(|why| {
         warnings.push(format!(
             "{name}: warning: the texts of the window are not searched for answers: {why}"

@@ -207,7 +207,7 @@ impl SetArguments {
         if self.no_certificate {
             return Ok(None);
         }
-        // A file that cannot be read in pieces is read as a whole; that also tells why, if it cannot be read at all.
+        // A file that cannot be read in pieces is read as a whole; if it cannot be read at all, the error says why.
         if let Ok(reader) = StreamReader::open(path, self.format) {
             return Ok(reader.certificate().cloned());
         }

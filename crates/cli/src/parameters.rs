@@ -128,7 +128,7 @@ fn refuse_sizes(
     greatest: Option<f64>,
     has_count: bool,
 ) -> Result<(), clap::Error> {
-    // Commands without images do not know the id, which means that it is not given.
+    // Commands without images have no argument of this id, which means that it is not given.
     let is_given = |id: &str| matches.try_get_raw(id).is_ok_and(|values| values.is_some());
     let has_image = is_given("radius_image");
     // The conflicts of clap have no exceptions, and with an image a radius and a count go together: they are refused here, in

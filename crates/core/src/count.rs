@@ -11,7 +11,7 @@ use crate::parameters::{MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Parameters, Var
 use crate::pattern::Pattern;
 use crate::progress::Observer;
 
-/// The result's count may differ from the wanted one by one part in so many, or by one sample.
+/// The result's count may differ from the wanted one by one part in this many, or by one sample.
 const TOLERANCE: u64 = 100;
 
 /// The most runs made in search of a count. Large sets need one or two, since their count hardly
@@ -29,7 +29,7 @@ const BORDER_WIDTH: f64 = 0.45;
 /// few samples that seams add, and those that a closed border adds.
 ///
 /// Fails when anything but the radius is wrong with the parameters, and when no radius within the
-/// limits gives so many samples.
+/// limits gives the given number of samples.
 pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, ParameterError> {
     parameters.validate_but_radius()?;
     let [shortest, longest] = radius_limits(parameters);

@@ -188,8 +188,8 @@ impl Rect64 {
     }
 }
 
-/// How many sides away from the domain a window may begin. So many of the longest sides are less than 2^41 units, at which
-/// an `f64` still tells 2^-12 units apart.
+/// How many sides away from the domain a window may begin. This many of the longest sides are less than 2^41 units, at
+/// which an `f64` still tells 2^-12 units apart.
 const MAX_WINDOW_SIDES: f64 = 1_000.0;
 
 /// A rectangle of lattice points of the plane; in a periodic domain the plane repeats.

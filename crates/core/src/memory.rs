@@ -50,7 +50,7 @@ impl Making {
     }
 }
 
-/// Returns an error if the system does not give so many bytes now. They are given back at once.
+/// Returns an error if the system does not give this number of bytes now. They are given back at once.
 ///
 /// Limits of a process or of the system are found; that other programs take the memory meanwhile is not.
 pub fn ask(bytes: u64) -> Result<(), NoMemory> {
@@ -66,7 +66,8 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     Ok(())
 }
 
-/// Returns an error if the system does not give so many bytes for each of about so many samples.
+/// Returns an error if the system does not give that much memory for about this number of samples. It is given back at
+/// once.
 pub fn ask_for(samples: f64, bytes_a_sample: f64) -> Result<(), NoMemory> {
     ask((samples * bytes_a_sample) as u64)
 }

@@ -74,7 +74,7 @@ pub enum Search {
     /// As far as the proof needs: 4r, and 7r in a bounded domain.
     #[default]
     Complete,
-    /// 2r, which the paper believes to suffice: an experiment that leaves gaps.
+    /// 2r, which the paper takes to suffice: an experiment that leaves gaps.
     TwoRadii,
 }
 

@@ -53,7 +53,8 @@ impl Symmetry {
         }
     }
 
-    /// Returns how far a turned pattern of so many columns and rows moves to have its lowest corner at 0 again.
+    /// Returns how far a turned pattern of the given number of columns and rows moves to have its lowest corner at 0
+    /// again.
     #[must_use]
     pub const fn corner(self, extent: Point) -> IVec2 {
         let right = if self.0 & 1 == 0 { 0 } else { extent.x - 1 };

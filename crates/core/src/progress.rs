@@ -87,14 +87,15 @@ impl<'a> Meter<'a> {
         self.count(1)
     }
 
-    /// Counts so many pieces, and asks the observer if it is due.
+    /// Counts pieces, and calls the observer if it is time to.
     #[inline]
     pub(crate) fn count(&mut self, pieces: u64) -> Result<(), SampleError> {
         self.progress.done += pieces;
         self.work(pieces)
     }
 
-    /// Tells of work as long as so many usual pieces, which is not counted: the observer is called as often as if it were.
+    /// Reports work that takes as long as `pieces` usual pieces but is not counted: the observer is called as often as
+    /// if it were.
     #[inline]
     pub(crate) fn work(&mut self, pieces: u64) -> Result<(), SampleError> {
         self.since += pieces;

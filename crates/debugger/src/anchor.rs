@@ -157,8 +157,8 @@ impl Recording {
             return None;
         }
 
-        // `before` never falls, so that a binary search finds the lowest end with so many events before it. The wanted
-        // event is the last one before this end.
+        // `before` never falls, so that a binary search finds the lowest end with the wanted number of events before
+        // it. The wanted event is the last one before this end.
         let (mut low, mut high) = (events.start, events.end);
         while low + 1 < high {
             let middle = usize::midpoint(low, high);

@@ -172,7 +172,7 @@ impl Debugger {
     }
 
     /// Returns every watched expression with its value at the cursor, or the error: [`ExpressionError::Pending`] for one whose
-    /// numbers of the moment take more than its part of about so many counted steps. Calls that follow come nearer.
+    /// numbers of the moment take more than its part of about `steps` counted steps. Calls that follow come nearer.
     #[must_use]
     pub fn watch_values(&self, steps: u64) -> Vec<(&str, Result<String, ExpressionError>)> {
         let each = steps / self.watches.len().max(1) as u64;

@@ -19,8 +19,8 @@ pub const MAX_LENGTH: usize = 1_000;
 /// How deep an expression may nest.
 pub const MAX_DEPTH: usize = 32;
 
-/// The first so many of [`NAMES`] describe the event that is about to happen; the rest describe the state after the
-/// last event.
+/// The first names of [`NAMES`], this many, describe the event that is about to happen; the rest describe the state
+/// after the last event.
 pub const NAMES_OF_NEXT: usize = 11;
 
 /// The names in scope, each with its meaning. Lengths and positions are in r; a value that does not exist is `()`.
@@ -209,8 +209,8 @@ impl Evaluator {
         Ok(shown(&self.evaluate(expression, state, |_| {})?))
     }
 
-    /// Returns the value of an expression at a state, as text, where its numbers take no more than about so many counted steps;
-    /// otherwise [`ExpressionError::Pending`], and calls that follow come nearer.
+    /// Returns the value of an expression at a state, as text, where its numbers take no more than about `steps`
+    /// counted steps; otherwise [`ExpressionError::Pending`], and calls that follow come nearer.
     pub fn value_within(
         &self,
         expression: &Expression,

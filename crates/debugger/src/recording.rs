@@ -47,8 +47,9 @@ pub enum NumberValue {
     Pending,
 }
 
-/// Returns a number, by its name, after the events before a cursor, in about so many counted steps at most; an error where it
-/// cannot be measured. Watches are evaluated in every frame, of which they take a part; conditions wait, at every breakpoint.
+/// Returns a number, by its name, after the events before a cursor, in about this many counted steps at most; an error
+/// where it cannot be measured. Watches are evaluated in every frame, of which they take a part; conditions wait, at
+/// every breakpoint.
 pub type NumberAt = Box<dyn FnMut(&str, usize, u64) -> Result<NumberValue, String> + Send>;
 
 /// Numbers that can be had at every moment of a recording.

@@ -342,7 +342,7 @@ pub fn significant(number: f64) -> String {
     if number == 0.0 {
         return "0".to_owned();
     }
-    // The first digit is so many places behind the point, or before it.
+    // Three significant digits: the last one is two places behind the first, whose place the logarithm gives.
     let decimals = (2.0 - number.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{number:.decimals$}")
 }

@@ -40,7 +40,8 @@ impl Counts {
             RunEvent::Detect { .. } => self.detectors += 1,
             RunEvent::Rank { candidates } => self.candidates = candidates as usize,
 
-            // Algorithm 4 as printed inserts in iteration 1 without an event that begins it: the insertion tells of it.
+            // Algorithm 4 as printed inserts in iteration 1 without an event that begins it: the insertion shows that
+            // it has begun.
             RunEvent::Insert { iteration, .. } => {
                 (self.samples, self.inserted) = (self.samples + 1, self.inserted + 1);
                 self.iterations = self.iterations.max(iteration as usize);

@@ -30,7 +30,7 @@ impl Ages {
 
         // Ids are in the order of making, so that the first inserted one is found by bisection.
         Self {
-            // Without stages samples are ordered by position, and only their block tells their age.
+            // Without stages samples are ordered by position, so that only the age of their block is known.
             tiled: if session.has_stages() {
                 Ok(origins.partition_point(is_tiled) as u32)
             } else {

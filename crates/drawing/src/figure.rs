@@ -45,7 +45,7 @@ pub fn figure(layer: Layer, palette: &Palette) -> Option<Vec<SymbolShape>> {
     })
 }
 
-/// Returns two samples so many r apart.
+/// Returns two samples at this distance, in r.
 fn pair(apart: f32) -> [Vec2; 2] {
     let x = apart * R / 2.0;
     [vec2(-x, 0.0), vec2(x, 0.0)]

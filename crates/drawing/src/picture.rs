@@ -347,7 +347,7 @@ fn moment_sentence(shown: &ShownMoment<'_>) -> String {
         return happened(Some(shown));
     }
 
-    // At the end of a stage the whole stage is told, as it is shown.
+    // At the end of a stage the text is about the whole stage, as the picture is.
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);
     match (shown.debugger, last) {

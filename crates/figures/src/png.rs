@@ -113,7 +113,7 @@ pub(crate) fn text_chunk(key: &str, value: &str) -> (String, String) {
     (keyword(key), value.replace('\0', " "))
 }
 
-/// `key` as the specification wants keywords: 1 to 79 printable characters without outer spaces.
+/// `key` as the specification requires keywords: 1 to 79 printable characters without outer spaces.
 fn keyword(key: &str) -> String {
     let printable: String = key
         .chars()

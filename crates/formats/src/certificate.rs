@@ -313,7 +313,7 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
-    /// Returns the density of so many points in the region.
+    /// Returns the density of the given number of points in the region.
     pub(crate) fn implied_density(&self, count: u64) -> f64 {
         let (radius, area) = (self.radius.least(), self.region.area());
         match self.depth {
@@ -347,7 +347,7 @@ impl Certificate {
         })
     }
 
-    /// Refuses such a certificate for a reader that knows of one radius and of rectangles only, which are to be covered.
+    /// Refuses such a certificate for a reader that can judge only sets of one radius that cover a rectangle.
     pub(crate) fn refuse_varying(&self, name: &str) -> Result<(), FormatError> {
         let what = if self.thinned.is_some() {
             "its points were chosen from another set"

@@ -96,7 +96,7 @@ pub(crate) fn sync_folder(of: &Path) -> io::Result<()> {
     let folder = of.parent().filter(|folder| *folder != Path::new(""));
     let synced = step(|| File::open(folder.unwrap_or(Path::new(".")))?.sync_all());
     match synced.map_err(|error| error.kind()) {
-        // Some network file systems do not know this.
+        // Some network file systems do not support this.
         Err(io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
         outcome => outcome.map_err(io::Error::from),
     }

@@ -176,7 +176,7 @@ enum NamedText {
     Cloud,
     /// Anything: `.txt`, which is also psa's, and `.dat`, which is also UTK's.
     Any,
-    /// The name tells no format of text.
+    /// The name is not that of a text format.
     Unknown,
 }
 
@@ -195,9 +195,9 @@ impl NamedText {
 /// What the first lines of a text hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TextShape {
-    /// Numbers between blanks, so many in a line.
+    /// Numbers between blanks, this many in a line.
     Numbers(usize),
-    /// A number alone in its line, then so many numbers a line.
+    /// A number alone in its line, then this many numbers a line.
     Counted(usize),
     /// Numbers between other separators, names of coordinates, or a line that states the separator.
     Table,
@@ -300,7 +300,7 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
 }
 
 impl Format {
-    /// The format to write a file called `path` in: `told`, or the one that its extension stands for.
+    /// The format to write a file called `path` in: `told` if there is one, or the one that its extension stands for.
     ///
     /// # Errors
     ///

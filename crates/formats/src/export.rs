@@ -545,7 +545,7 @@ pub(crate) fn certificate(
     .with_version()
 }
 
-/// Returns what the user has to know of a written file: conflicts, gaps, and provenance that it could not hold.
+/// Returns the warnings about a written file: conflicts, gaps, and provenance that it could not hold.
 pub(crate) fn warnings(
     has_provenance: bool,
     format: Format,

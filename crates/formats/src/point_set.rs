@@ -115,7 +115,7 @@ impl PointSet {
     }
 }
 
-/// Brings so many things into an order drawn from `seed`, by swaps of two of them: Fisher-Yates.
+/// Brings things into an order drawn from `seed`, by swaps of two of them: Fisher-Yates.
 pub(crate) fn shuffle(seed: u64, count: usize, mut swap: impl FnMut(usize, usize)) {
     let mut state = seed;
     for last in (1..count).rev() {

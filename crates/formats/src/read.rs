@@ -33,7 +33,7 @@ pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 /// takes precedence over one inside; [`Hint::certificate`] says how it is used.
 ///
 /// By default the returned certificate is that of these bytes: its digests, its count and the numbers that follow from
-/// others are compared. Whether the set is as valid as it states, only [`check_bytes`](crate::check_bytes) tells.
+/// others are compared. Only [`check_bytes`](crate::check_bytes) decides whether the set is as valid as it states.
 ///
 /// # Errors
 ///
@@ -65,7 +65,7 @@ pub fn read_bytes(
     if hint.certificate == CertificateUse::Checked
         && let Some(stated) = &read.certificate
     {
-        // A caller that knows of one radius only would be wrong about a set whose radius varies.
+        // A caller that uses one radius only would be wrong about a set whose radius varies.
         if !hint.varying {
             stated.refuse_varying(name)?;
         }

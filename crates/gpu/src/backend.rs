@@ -81,7 +81,7 @@ impl Backend {
             return Self::new(Engine::Sequential, reason);
         }
 
-        // Opening a driver takes as long as the threads need for so many samples (see the constant).
+        // Opening a driver takes as long as the threads need for `WORTH_A_GPU` samples.
         if expected < WORTH_A_GPU {
             let millions = WORTH_A_GPU / 1e6;
             let reason = format!("a GPU is worth its start from {millions} million samples on");

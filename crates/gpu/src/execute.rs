@@ -211,7 +211,7 @@ impl Device {
     /// Submits commands to the queue, in parts that their jobs and timestamps fit.
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
-        // So many passes fit the timestamps, two each, and the buffer of jobs.
+        // Each part has as many passes as fit the timestamps, two a pass, and the buffer of jobs.
         for part in commands.chunks(MAX_TIMESTAMPS as usize / 2) {
             self.write_jobs(part);
             // A pass without its own job would use the job of another pass.

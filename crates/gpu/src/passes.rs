@@ -34,7 +34,7 @@ pub struct Pass {
 /// How many invocations a dispatch has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// One for each of so many elements.
+    /// One for each of this many elements.
     Invocations(u64),
     /// This many workgroups of `WORKGROUP` invocations.
     Workgroups(u64),

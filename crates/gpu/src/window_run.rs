@@ -206,7 +206,7 @@ impl WindowRun {
             let commands: Vec<Command> = self.queue.drain(..).collect();
             self.device.submit(&commands, self.stage)?;
             if self.reads {
-                // Between readings the host does not wait, so it knows of no progress.
+                // Between readings the host does not wait, so that no progress can be reported.
                 ask(self.share())?;
             }
 

@@ -284,7 +284,8 @@ impl Now {
         let domain = parameters
             .validate()
             .map_err(|error| wrong(error.to_string()))?;
-        // A maximal set has about so many samples. The run is made while the learner waits, so that it has to be small.
+        // The product is about the number of samples of a maximal set. The run is made while the learner waits, so that
+        // it has to be small.
         if domain.area_radii() * tilescope_core::MAXIMAL_DENSITY > MAX_SAMPLES {
             return Err(wrong(format!(
                 "a run with {changes} has too many samples for a lesson"

@@ -188,7 +188,7 @@ fn normalized([before, after]: [f64; 2]) -> Option<f64> {
     (before < FULL).then(|| (after - before) / (1.0 - before))
 }
 
-/// Returns the gain of one learner, of whom so many questions were asked.
+/// Returns the gain of one learner, of whom the given number of questions were asked.
 fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
     let scores: Vec<[f64; 2]> = pairs.values().copied().collect();
     let [before, after] = mean(&scores);

@@ -202,7 +202,8 @@ impl View<'_> {
 
     /// Returns the item of an index, which a click chooses.
     fn item(&self, id: String, text: String, index: usize, chosen: bool, is_right: bool) -> Item {
-        // An open question tells no item right or wrong, and an item that is neither right nor chosen has no grade.
+        // While a question is open, no item is marked right or wrong, and an item that is neither right nor chosen has
+        // no grade.
         let is_graded = !self.is_open && (chosen || is_right);
         let is_own = chosen;
         Item {

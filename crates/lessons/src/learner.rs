@@ -355,7 +355,7 @@ impl Learner {
             let given = || (answer.to_string(), grade.score);
             attempt.first.get_or_insert_with(given);
 
-            // A form takes one answer, right or wrong, and tells nothing about it.
+            // A form takes one answer, right or wrong, and shows nothing about it.
             if self.lesson.form.is_some() {
                 attempt.is_taken = true;
             } else if grade.is_right() {

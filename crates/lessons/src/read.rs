@@ -399,7 +399,8 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         .validate()
         .map_err(|error| wrong(error.to_string()))?;
 
-    // A maximal set has about so many samples. Runs are recorded with all of their events, on the machines of learners.
+    // The product is about the number of samples of a maximal set. Runs are recorded with all of their events, on the
+    // machines of learners.
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
     if samples > MAX_SAMPLES {
         return Err(wrong(format!(

@@ -67,6 +67,6 @@ pub enum Camera {
     /// It shows the whole domain.
     #[default]
     Fit,
-    /// The sample or place that an expression gives, with so many r around it.
+    /// The sample or place that an expression gives, with this many r around it.
     At(Text, f64),
 }

@@ -118,7 +118,7 @@ impl Vote {
     }
 }
 
-/// Returns the votes for each of so many options, at least one, from the words `A 12 B 30` or `12 30`.
+/// Returns the votes for each of the given number of options, at least one, from the words `A 12 B 30` or `12 30`.
 fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
     let mut counts = vec![0; options];
     // The option of the next count: the one behind that of the last count, or the one that a letter has named.

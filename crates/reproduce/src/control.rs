@@ -60,7 +60,7 @@ pub struct Control<'a> {
 }
 
 impl<'a> Control<'a> {
-    /// Returns the control of work that begins now, after so many units.
+    /// Returns the control of work that begins now, after the given number of units.
     pub fn new(watch: &'a dyn Watch, done: usize, what: String) -> Self {
         Self {
             watch,
@@ -76,7 +76,7 @@ impl<'a> Control<'a> {
         self.began.elapsed().as_secs_f64()
     }
 
-    /// Returns whether the caller wants it to go on.
+    /// Returns whether it may go on, as the caller decides.
     pub fn flow(&self) -> ControlFlow<()> {
         let now = self.began.elapsed().as_millis() as u64;
         let last = self.reported.load(Ordering::Relaxed);
@@ -87,7 +87,7 @@ impl<'a> Control<'a> {
         self.watch.progress(self.done, &self.what)
     }
 
-    /// Fails if the caller does not want it to go on.
+    /// Fails if the caller has stopped it.
     pub fn go_on(&self) -> Result<()> {
         match self.watch.progress(self.done, &self.what) {
             ControlFlow::Continue(()) => Ok(()),

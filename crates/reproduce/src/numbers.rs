@@ -43,7 +43,7 @@ pub fn count(value: u64) -> String {
     grouped(&value.to_string())
 }
 
-/// Returns a number with so many significant digits, thousands apart.
+/// Returns a number with these significant digits, and its thousands apart.
 pub fn number(value: f64, digits: usize) -> String {
     // Zero, infinities and NaN have no magnitude, and are written as they are.
     if value == 0.0 || !value.is_finite() {

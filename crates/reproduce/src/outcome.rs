@@ -187,7 +187,8 @@ pub struct Finished {
     pub experiment: Experiment,
     /// Whether its sets were small.
     pub quick: bool,
-    /// Whether there were so many of them that half the bias is told. Reports of earlier versions do not say so.
+    /// Whether there were so many of them that half of the bias can be measured. Reports of earlier versions do not say
+    /// so.
     #[serde(default)]
     pub many: bool,
     /// Seed of the first set.

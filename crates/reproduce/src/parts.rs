@@ -56,7 +56,7 @@ impl Parts {
         (part.stamp == self.stamp).then_some(part.value)
     }
 
-    /// Keeps a part, which took so many seconds.
+    /// Keeps a part, which took the given number of seconds.
     pub fn save<T: Serialize>(&self, key: &str, seconds: f64, value: &T) -> Result<()> {
         let part = Part {
             stamp: &self.stamp,

@@ -43,7 +43,7 @@ pub struct EngineTime {
     pub report: Report,
 }
 
-/// Tells a method from others in all rounds: the engine, and the bits of the leaf size.
+/// Identifies a method in all rounds: the engine, and the bits of the leaf size.
 type Key<'a> = (&'a Engine, Option<u64>);
 
 impl EngineTime {
@@ -73,7 +73,7 @@ pub(crate) fn other_set(name: &str) -> ReproduceError {
     ReproduceError::Engine(format!("{name} made another set than the engine before it"))
 }
 
-/// Returns the parameters of a timed set of about so many samples.
+/// Returns the parameters of a timed set of about the given number of samples.
 pub(crate) fn sized(samples: u64, seed: u64) -> Result<Parameters> {
     let base = Parameters {
         leaf: ONE_LEAF,
@@ -223,7 +223,7 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
-    // The ratio to one thread tells what more threads bring, and how exact tiling, which runs on one thread, compares.
+    // The ratio to one thread shows how much faster more threads are, and exact tiling, which runs on one thread.
     let is_compared = match key.0 {
         Engine::Parallel { threads } => *threads > 1,
         Engine::Exact => true,

@@ -41,7 +41,7 @@ pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Parameter, D
     Err(D::Error::custom(format!("{key} is chosen, not typed")))
 }
 
-/// Runs of so many samples are worth a word before they start. Chosen, not measured.
+/// Before runs of this many samples start, the form warns of their cost. Chosen, not measured.
 const MANY_SAMPLES: f64 = 2e7;
 /// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
 const BYTES_PER_SAMPLE: f64 = 90.0;
@@ -142,7 +142,7 @@ impl Draft {
         self.count = None;
     }
 
-    /// Changes a number by so many small steps: lengths by 2%, sizes in r and seeds by 1.
+    /// Changes a number by small steps: lengths by 2%, sizes in r and seeds by 1.
     pub fn nudge(&mut self, parameter: Parameter, steps: i32) {
         let text = match &parameter.row().kind {
             ParameterKind::Whole(place) => {
@@ -180,7 +180,7 @@ impl Draft {
         self.count.clone().or_else(expected).unwrap_or_default()
     }
 
-    /// Sets the radius to that of about so many samples, if the text is a number for which there is one.
+    /// Sets the radius to that of about the number of samples in the text, if it is a number for which there is one.
     pub fn set_count(&mut self, text: String) {
         if let Ok(radius) = self.radius_of(&text) {
             self.set_text(Parameter::Radius, radius.to_string());
@@ -194,7 +194,7 @@ impl Draft {
         self.radius_of(self.count.as_ref()?).err()
     }
 
-    /// Returns the radius of about so many samples, with five significant digits.
+    /// Returns the radius of about the given number of samples, with five significant digits.
     fn radius_of(&self, text: &str) -> Result<f64, String> {
         let estimate = radius_estimate(&self.parameters, count_of(text.trim())?);
         let radius = estimate.map_err(|error| sentence(&error.to_string()))?;

@@ -78,8 +78,8 @@ impl GapBorders {
         for place in cover.exposed() {
             let center = DVec2::from(place.map(radii));
             let mut ids = Vec::new();
-            // `cover` knows circles by place, and the index has the ids. The index rounds places, so that it is asked for all samples around
-            // the place, whose exact places are compared.
+            // `cover` has circles by place, and the index has the ids. The index rounds places, so that it is asked for
+            // all samples around the place, whose exact places are compared.
             session.index.visit(center, center, 1.0, |seen| {
                 if session.position(seen.id) == center && moment.covers(session, seen.id) {
                     ids.push(seen.id);
@@ -353,7 +353,7 @@ impl Geometry {
                 offset -= (offset / size).round() * size;
             }
 
-            // The angle from the arc's beginning tells whether the nearest place of the circle lies on the arc.
+            // The angle from the arc's beginning decides whether the nearest place of the circle lies on the arc.
             let [from, to] = arc.angles;
             let turned = (offset.to_angle() - from).rem_euclid(TAU);
             let distance = (offset.length() - 1.0).abs();

@@ -68,7 +68,8 @@ impl Moment {
             Status::Undecided => Standing::Tiled,
             Status::Kept => Standing::Valid,
             Status::Dropped => Standing::Dropped,
-            // The run knows which sample eliminated it, as a sample is eliminated only once. Without one to name, it counts as dropped.
+            // The run has the sample that eliminated it, as a sample is eliminated only once. Without one to name, it
+            // counts as dropped.
             Status::Eliminated => match run.samples.fates[id as usize] {
                 Fate::Eliminated { by } => Standing::Eliminated { by },
                 _ => Standing::Dropped,

@@ -88,7 +88,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
     })
 }
 
-/// Returns whether claims from outside are those of levels of so many samples.
+/// Returns whether claims from outside are those of nested levels with this number of samples.
 fn fit(claims: &[PrefixClaim], count: usize, radius: f64) -> bool {
     // Each level has the radius of the next one times the root of 2, so that the first of MAX_LEVELS has 32 r. With a factor of 2
     // on either side no level is refused for its rounding.

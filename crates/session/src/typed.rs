@@ -28,7 +28,7 @@ fn are_thousands<'a>(mut parts: impl Iterator<Item = &'a str>) -> bool {
 /// Returns a typed number as Rust writes numbers, or `None` for a text that is no number.
 fn plain(text: &str) -> Option<String> {
     let text = text.trim();
-    // Rust knows the hyphen as the only sign of a negative number.
+    // Rust reads only the hyphen as the sign of a negative number.
     let (sign, size) = match text.strip_prefix(['+', '-', '\u{2212}']) {
         Some(size) if text.starts_with('+') => ("", size),
         Some(size) => ("-", size),

@@ -176,7 +176,7 @@ impl Verdict {
     }
 }
 
-/// The task of verifying a session's result, or the first so many samples of its nested levels.
+/// The task of verifying a session's result, or a prefix of its nested levels.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct VerifyTask {
     /// The session whose result is verified.

@@ -18,15 +18,15 @@ use crate::made::{Made, provenance};
 /// The parameters that the reference sampler uses.
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
 
-/// Below about so many samples the reference sampler takes less time than exact tiling with its pattern, measured on two
-/// cores: of 100,000 samples 0.3 against 0.8 s, of 300,000 both 0.9 s, of 600,000 1.8 against 1.2 s.
+/// Below about this many samples the reference sampler takes less time than exact tiling with its pattern, measured on
+/// two cores: of 100,000 samples 0.3 against 0.8 s, of 300,000 both 0.9 s, of 600,000 1.8 against 1.2 s.
 pub const EXACT_PAYS_FROM: f64 = 300_000.0;
 
 /// What certificates of exact tilings say of the pattern that their blocks share.
 const LAW: &str = "exact in every window; averages over the set vary as those of the fewer of its samples and pattern_samples";
 
-/// Returns the pattern of exact tiling for about so many samples. A side and a seed that are among the parameters that
-/// were `given` are as asked.
+/// Returns the pattern of exact tiling for about the given number of samples. A side and a seed that are among the
+/// parameters that were `given` are as asked.
 #[must_use]
 pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> PatternSpec {
     // Side and seed always have values, so that `given` says whether they were given.
@@ -41,7 +41,7 @@ pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> P
     pattern
 }
 
-/// Returns the facts of an exact tiling that has about so many samples.
+/// Returns the facts of an exact tiling that has about the given number of samples.
 #[must_use]
 pub fn facts_of_exact(
     parameters: &Parameters,

@@ -16,9 +16,9 @@ use crate::facts::Stated;
 pub enum BallSize {
     /// Their radius: no two samples are within it of each other.
     Radius(f64),
-    /// That of a set of so many samples, to within a hundredth.
+    /// That of a set of this many samples, to within a hundredth.
     Count(u64),
-    /// That of a set of which the first so many samples, by their arrival, are taken: all but a few.
+    /// That of a set with a few samples more than this number, of which the first to arrive are taken.
     Exactly(u64),
 }
 

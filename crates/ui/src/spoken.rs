@@ -49,7 +49,7 @@ impl Speaker {
         let is_left = now.is_none() && writes(&self.before);
         self.before = now;
 
-        // The page learns that no text field has the focus any more.
+        // The announcement says to the page that no text field has the focus any more.
         if is_left {
             (self.callback)(&Spoken::default());
         }

@@ -115,7 +115,7 @@ impl Playback {
 
     fn tick_secs(&self) -> f32 {
         match self.pace_secs() {
-            // A run without events has about so many stages.
+            // A run without events is played stage by stage, and has about eight stages.
             Some(secs) => secs / 8.0,
             None => self.clock.tick_secs() / self.speed,
         }

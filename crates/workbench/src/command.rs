@@ -48,7 +48,7 @@ pub enum TimeCommand {
     Clock(Clock),
     /// Plays by ticks of the clock, at this speed.
     Speed(f32),
-    /// Plays the whole run in so many seconds.
+    /// Plays the whole run in this many seconds.
     WholeRun(f32),
     /// Goes to the moment after this many events; shows this many samples of nested levels.
     Jump(usize),
@@ -105,7 +105,7 @@ pub enum FormCommand {
         #[serde(deserialize_with = "crate::draft::number")] Parameter,
         String,
     ),
-    /// Changes a parameter by so many small steps.
+    /// Changes a parameter by this many small steps.
     Nudge(
         #[serde(deserialize_with = "crate::draft::number")] Parameter,
         i32,

@@ -520,7 +520,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         }
     }
 
-    /// Returns the length of all gaps between so many tiles.
+    /// Returns the length of all gaps between the given number of tiles.
     fn gaps(&self, tiles: usize) -> f32 {
         self.gap * tiles.saturating_sub(1) as f32
     }

@@ -110,8 +110,8 @@ fn of_open_circles<T: Send>(
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
     let samples = Samples::new(cells, points).map_err(declined)?;
 
-    // The search is told that a corner as far as the radius was found: all circles then have that radius, and no cell is cut out
-    // to find a radius to begin with.
+    // The search begins as if a corner as far as the radius had been found: all circles then have that radius, and no
+    // cell is cut out to find a radius to begin with.
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 

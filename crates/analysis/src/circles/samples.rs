@@ -94,7 +94,7 @@ impl Cells {
         Ok(())
     }
 
-    /// The distance up to which all samples around one are in its cell and so many cells to either side.
+    /// The distance up to which all samples around one are in its cell and the given number of cells to either side.
     pub fn certain_distance(&self, around: [usize; 2]) -> f64 {
         let distance = |axis: usize| {
             if !self.domain.periodic && around[axis] >= self.counts[axis] {

@@ -26,8 +26,8 @@ const HALOS: [usize; 4] = [4, 12, 32, 64];
 /// Most exposed circles; a set with more is far from maximal.
 const MAX_EXPOSED: usize = 1 << 20;
 
-/// Sets of so few samples are searched pair by pair when no two samples are near. No more cells than these are cut out to find
-/// a radius to begin with.
+/// Sets of this few samples are searched pair by pair when no two samples are near. No more cells than these are cut
+/// out to find a radius to begin with.
 const FEW: usize = 4096;
 
 /// Judges a whole set. Returns the findings, or the reason for which this judge declines the set.

@@ -81,7 +81,7 @@ struct Group {
     squares: [Square; LANES],
 }
 
-/// So many groups have all of their lanes in 64 bits.
+/// This many groups have all of their lanes in 64 bits.
 const GROUPS: usize = 64 / LANES;
 
 impl Unmarked {

@@ -60,7 +60,7 @@ const STEPS_OF_SAMPLE: u64 = 18;
 /// The steps of a sample where each is tested by itself, as measured.
 const STEPS_OF_SAMPLE_ALONE: u64 = 50;
 
-/// The steps of one sample where all are tested together, as long as so many of a change.
+/// The steps of one sample where all are tested together: it takes as long as this many steps of a change.
 const STEPS_OF_TEST: u64 = 8;
 
 /// A place that a sample takes.
@@ -254,7 +254,7 @@ impl LiveCover {
         STEPS_OF_CHANGE
     }
 
-    /// Returns about how many counted steps it takes to make all anew, of so many samples.
+    /// Returns about how many counted steps it takes to make all anew from `count` samples.
     #[must_use]
     pub const fn cost_of_rebuild(&self, count: usize) -> u64 {
         STEPS_OF_SAMPLE * count as u64

@@ -32,7 +32,7 @@ pub(super) fn check_plane(Plane { size, radius, .. }: Plane) -> Result<(), Measu
     within("the radius of a plane", radius, MAX_RADIUS)
 }
 
-/// A sample: its place, and the slot of what a measure knows of it.
+/// A sample: its place, and the slot at which a measure keeps what belongs to it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Occupant {
     pub place: [i32; 2],
@@ -212,7 +212,7 @@ impl PlaceGrid {
             } else {
                 before & !bit
             };
-            // The block above sees whether there is any, not which.
+            // The block above has one bit for all of them: it changes only with the first one or the last one.
             if (before == 0) == (*mask == 0) {
                 break;
             }
@@ -236,7 +236,8 @@ impl PlaceGrid {
         [along(0), along(1)]
     }
 
-    /// Whether so many cells to either side, and one more to be sure of the shorter way, are fewer than there are.
+    /// Whether the given number of cells to either side, and one more to be sure of the shorter way, are fewer than
+    /// there are.
     fn is_wide(&self, axis: usize, reach: usize) -> bool {
         self.counts[axis] > 2 * reach + 2
     }
@@ -454,7 +455,7 @@ fn whole_below(value: f64) -> i64 {
     whole.saturating_sub(i64::from(whole as f64 > value))
 }
 
-/// The empty layers of the pyramid over so many cells.
+/// The empty layers of the pyramid over the given number of cells.
 fn layers(cells: [usize; 2]) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut below = cells;

@@ -18,7 +18,7 @@ pub trait Renew: Sized {
     /// Makes the next slice, a small part of a frame, and returns its counted steps; `None` once all are made.
     fn next_slice(&mut self, work: &mut Self::Work, samples: &[LiveSample]) -> Option<u64>;
 
-    /// Returns about the steps of all slices for so many samples.
+    /// Returns about the steps of all slices for the given number of samples.
     fn cost_of_slices(&self, count: usize) -> u64;
 }
 
@@ -44,7 +44,7 @@ impl<M: Renew> Renewal<M> {
         }
     }
 
-    /// Returns about the counted steps of making a measure anew, of so many samples.
+    /// Returns about how many counted steps it takes to make a measure anew from this number of samples.
     pub fn cost(measure: &M, count: usize) -> u64 {
         M::BEGINNING * count as u64 + measure.cost_of_slices(count)
     }

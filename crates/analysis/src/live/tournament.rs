@@ -9,7 +9,7 @@ pub(super) struct Tournament {
 }
 
 impl Tournament {
-    /// Returns the tree of so many slots without a number.
+    /// Returns the tree of the given number of slots without a number.
     pub fn new(slots: usize) -> Self {
         let nodes = vec![0; 2 * slots.next_power_of_two().max(2)];
         Self { nodes }

@@ -19,7 +19,7 @@ use crate::measures::Transform;
 const LANES: usize = 8;
 /// Changes that are added together.
 pub(super) const BATCH: usize = 32;
-/// Blocks of columns that are added to row by row: the waves of so many, 16 KB, stay in the nearest cache.
+/// Blocks of columns that are added to row by row: the waves of this many, 16 KB, stay in the nearest cache.
 const TILE: usize = 8;
 /// Changes that may wait while sums are read: reading adds them in less time than a pass over all sums takes.
 const FEW: usize = 4;

@@ -66,7 +66,7 @@ impl PairBins {
         }
     }
 
-    /// Returns the end of the last bin for a set of so many samples, in units of its `r_max`.
+    /// Returns the end of the last bin for a set of the given number of samples, in units of its `r_max`.
     #[must_use]
     pub fn farthest(&self, samples: usize, region: Region) -> f64 {
         match *self {

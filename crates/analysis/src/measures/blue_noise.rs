@@ -27,7 +27,7 @@ const NEARLY_ONE: f64 = 0.98;
 /// The length of the range in which oscillations count, as `nu`: ten times half of `sqrt(N)`.
 const OSCILLATION_RANGE: f64 = 5.0;
 
-/// Pair correlations that curves follow from reach so far, in units of `r_max`, in so many bins each.
+/// Pair correlations that curves follow from reach so far, in units of `r_max`, in this many bins each.
 const MAX_DISTANCE: f64 = 8.0;
 const BINS_EACH: f64 = 100.0;
 /// The shortest reach that they may have: with less, the curve is smoothed until its features are lost.

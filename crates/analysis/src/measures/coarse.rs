@@ -58,7 +58,8 @@ impl CoarsePower {
             let row = first.and_then(|first| periodogram.power.get(first..first + columns));
             let mut powers = row.map_or_else(|| Cow::Owned(vec![0.0; columns]), Cow::Borrowed);
             if ky == 0 {
-                // The power at zero counts as 0: it tells the number of samples, and would outshine all others.
+                // The power at zero counts as 0: it depends on the number of samples alone, and would outshine all
+                // others.
                 powers.to_mut()[x as usize] = 0.0;
             }
             sums.along(&powers)

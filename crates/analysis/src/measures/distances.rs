@@ -53,7 +53,7 @@ pub struct NearestDistances {
     pub distances: Vec<f64>,
     /// Their mean, deviation and quartiles.
     pub summary: Summary,
-    /// [`largest_min_distance`] of so many samples.
+    /// [`largest_min_distance`] of this many samples.
     pub r_max: f64,
 }
 

@@ -18,7 +18,7 @@ pub enum MeasureError {
         /// How many samples are needed.
         limit: usize,
     },
-    /// The measure takes too long or too much memory for so many samples.
+    /// The measure takes too long or too much memory for this many samples.
     #[error("{count} samples exceed the limit of {limit} for this measure")]
     TooMany {
         /// How many samples are given.

@@ -24,7 +24,7 @@ const CELLS_ALONG: f64 = 5.0;
 pub struct PairCorrelation {
     /// How many samples the set has.
     pub samples: usize,
-    /// The largest possible minimum distance of so many samples, the unit of the axis.
+    /// The largest possible minimum distance of this many samples, the unit of the axis.
     pub r_max: f64,
     /// Width of a bin in units of `r_max`; bin `i` is `i width <= r < (i + 1) width`.
     pub bin_width: f64,

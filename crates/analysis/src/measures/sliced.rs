@@ -12,9 +12,9 @@ use super::spread::{Sample, Spread, SpreadGrid};
 /// What a slice of a transform was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slice {
-    /// So many samples were spread.
+    /// This many samples were spread.
     Samples(usize),
-    /// So many grid points were transformed along an axis.
+    /// This many grid points were transformed along an axis.
     Points(usize),
 }
 
@@ -25,7 +25,7 @@ struct Along {
 }
 
 impl Along {
-    /// Returns transforms of `lines` lines of so many points at once.
+    /// Returns transforms of `lines` lines of the given number of points at once.
     fn new(size: usize, lines: usize) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(size);
         let scratch = Scratch::new(&fft, size * lines);

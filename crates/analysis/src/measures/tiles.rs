@@ -117,7 +117,8 @@ impl<'a> CellTile<'a> {
         }
     }
 
-    /// Returns the view of the tile with a margin of so many grid cells; none if it would reach around the torus.
+    /// Returns the view of the tile with a margin of the given number of grid cells; none if it would reach around the
+    /// torus.
     fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
         // The view begins as the whole domain.

@@ -9,7 +9,7 @@ use crate::monitor::Monitor;
 use super::error::SolidError;
 use super::{RESOLUTION, SolidQuestion};
 
-/// With so many samples near it or fewer, a cube is left to one thread: a few milliseconds.
+/// With this many samples near it or fewer, a cube is left to one thread: a few milliseconds.
 pub(super) const TASK_SAMPLES: usize = 2_048;
 
 /// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes.

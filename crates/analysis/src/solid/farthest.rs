@@ -19,8 +19,8 @@ use super::error::SolidError;
 /// A squared distance counts as larger only if it is so by this share: half of it, 2^-30, in a distance.
 const SHARE: f64 = 1.0 / (1 << 29) as f64;
 
-/// The sketch cuts cubes until so few samples may be nearest to a place of one; then the four nearest to its middle are mostly
-/// those around each place that is farther than all about it.
+/// The sketch cuts cubes until at most this many samples may be nearest to a place of one; then the four nearest to its
+/// middle are mostly those around each place that is farther than all about it.
 const SKETCH_SAMPLES: usize = 12;
 /// The most distances that the sketch of a task computes: lists of crowded samples stay long however small cubes are. Chosen, not
 /// measured: with fewer, the proof has more to do, and the result is the same.

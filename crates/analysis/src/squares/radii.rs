@@ -162,7 +162,8 @@ impl NodeTable {
         table
     }
 
-    /// Returns the range of up to four blocks, the first of which is given, of the level of so many blocks.
+    /// Returns the range of up to four blocks, the first of which is given, of a level with `columns` times `rows`
+    /// blocks.
     fn joined(&self, row: usize, column: usize, [columns, rows]: [usize; 2]) -> [i32; 2] {
         let mut range = [i32::MAX, i32::MIN];
         for row in row..(row + 2).min(rows) {

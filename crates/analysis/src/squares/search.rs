@@ -21,13 +21,13 @@ use super::{PointSpan, SquaresJudge, SquaresReport, UncoveredPlace};
 pub use factor::MAX_FACTOR;
 pub(super) use factor::covering_factor;
 
-/// About so many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
+/// About this many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
 const TILE_SAMPLES: usize = 512;
 
 /// The side of the largest tiles is two to this power, so that squared distances in a tile stay within 64 bits.
 const MAX_TILE_BITS: u32 = 28;
 
-/// So many tiles are allowed for few samples, too. No region has more of the largest tiles: they are 8 x 8 at most.
+/// This many tiles are allowed for few samples, too. No region has more of the largest tiles: they are 8 x 8 at most.
 const MIN_TILES: usize = 81;
 
 /// Returns the report on samples that lie in the domain.

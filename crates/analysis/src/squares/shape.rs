@@ -3,10 +3,10 @@
 use super::error::SquaresError;
 use super::{LatticeRegion, MAX_PITCH_BITS, PointSpan, Shape};
 
-/// A ring is divided into at most so many bands: an edge is listed in each that it crosses.
+/// A ring is divided into at most this many bands: an edge is listed in each that it crosses.
 const MAX_BANDS: i64 = 1 << 10;
 
-/// A ring has at least so many corners.
+/// A ring has at least this many corners.
 const MIN_CORNERS: usize = 3;
 
 /// How much of a square belongs to the domain.
@@ -140,7 +140,7 @@ pub(super) struct EdgeRows {
 }
 
 impl EdgeRows {
-    /// Lists the sides of rings, in a region of so many rows, by bands.
+    /// Lists the sides of rings, in a region of the given number of rows, by bands.
     fn new(height: i64, rings: &[Vec<[i32; 2]>]) -> Self {
         let mut edges = Vec::new();
         for ring in rings {

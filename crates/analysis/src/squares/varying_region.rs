@@ -246,7 +246,7 @@ fn unjudged(error: &SquaresError) -> VerifyError {
     VerifyError::Squares { reason }
 }
 
-/// Refuses judges that know of one radius and of rectangles only.
+/// Refuses judges that can judge only one radius and rectangles.
 fn check_choice(choice: JudgeChoice) -> Result<(), VerifyError> {
     match choice {
         JudgeChoice::Automatic | JudgeChoice::Subdivision => Ok(()),

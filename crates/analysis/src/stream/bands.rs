@@ -354,7 +354,7 @@ impl Bands {
         let mut visits = mem::take(&mut self.postponed);
         visits.extend(new_visits(&task, self.closed..all, search));
         visits.extend(new_visits(&task, 0..search.first_tiles(), search));
-        // A tile that still wants more has a hole too wide for the rows held.
+        // A tile that needs still more rows has a hole too wide for the rows that are held.
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
             return Err(too_wide(search, visit));
         }

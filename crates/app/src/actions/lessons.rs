@@ -47,7 +47,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let last = is_last.then_some("This is the last step.");
     let waits = (learner.is_open()).then_some("The question is open: answer it, or give up.");
 
-    // At the last step an open question is told first, as the learner can answer it.
+    // At the last step an open question is the first reason, as the learner can answer it.
     let next = LessonCommand::Step(Direction::Forwards);
     own(list, "Next step of the lesson", next)
         .on_key(Key::PageDown)

@@ -223,7 +223,7 @@ fn status(
     };
     let text = status_text(context.run, shown, &sets.first);
     let second = context.second.and_then(|run| Some((run, run.shown()?)));
-    // Screen readers are told of the event by the sentence below the canvas already: no text here is announced again.
+    // The sentence below the canvas already announces the event to screen readers: no text here is announced again.
     let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
         lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
         return;

@@ -36,8 +36,8 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
-/// Shows how far work is, and about how long it still takes. `name` tells the work from others, `activity` says what goes on
-/// now, and `fraction` is the share that is done.
+/// Shows how far work is, and about how long it still takes. `name` is different for each work, `activity` says what
+/// goes on now, and `fraction` is the share that is done.
 pub fn progress(
     ui: &mut Ui,
     name: &str,
@@ -71,7 +71,7 @@ pub fn progress(
 const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
 
 /// Returns "about 20 s left" for work that is this far, estimated from its pace since it was first shown; `None` too early
-/// for an estimate. `name` tells one work from another.
+/// for an estimate. `name` is different for each work.
 fn time_left(ui: &Ui, name: &str, fraction: f32) -> Option<String> {
     let id = Id::unique("time left").with(name);
     let now = ui.input(|input| input.time);

@@ -287,7 +287,7 @@ impl CurveFrame<'_> {
             .on_hover_text_at_pointer(RichText::new(text).monospace());
     }
 
-    /// Tells screen readers the values at the start and the end of each stage, in a row for each.
+    /// Gives screen readers the values at the start and the end of each stage, in a row for each.
     fn table(&self, ui: &Ui, session: &Session) {
         let value_at = |cursor: usize| value_of(self.points, self.number, cursor);
         for (index, segment) in self.segments.iter().enumerate() {

@@ -209,7 +209,7 @@ impl Sheet<'_> {
             let format = (self.form.kind.format(&self.form.file())).unwrap_or_default();
             let folder = self.folder();
             let file = self.form.file();
-            // A name without an ending gets that of the format. The text then tells the whole name.
+            // A name without an ending gets that of the format. The text then shows the whole name.
             let is_typed = Path::new(self.form.path.trim()) == file;
             let name = file.file_name().filter(|_| !is_typed);
             let added = name.map_or_else(String::new, |name| {

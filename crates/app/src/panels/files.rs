@@ -143,7 +143,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
 
 fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let path = form.path.trim();
-    // Only the first reason is told. They are in the order in which a user can mend them.
+    // Only the first reason is shown. They are in the order in which a user can mend them.
     let reason = if busy(state).is_some() {
         "A file is being read or written."
     } else if path.is_empty() {

@@ -146,7 +146,7 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
 fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
-    // A sample covers 1 r around it. Its distance is told up to 3.5 r away, so that a gap's width can be read.
+    // A sample covers 1 r around it. Its distance is shown up to 3.5 r away, so that a gap's width can be read.
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);

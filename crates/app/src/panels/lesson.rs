@@ -266,7 +266,7 @@ impl LessonPanel<'_> {
     fn question(&mut self, ui: &mut Ui, question: &Question) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
-        // A trace asks for one event after another: so many of them are predicted.
+        // A trace asks for one event after another. `traced` is how many of them are predicted.
         let (_, traced) = learner.tries();
         if let Some(steps) = question.traced() {
             // Once all steps are traced, the last of them stays.
@@ -316,7 +316,7 @@ impl LessonPanel<'_> {
         self.remember(ui);
     }
 
-    /// Remembers which step is shown, and whether its question is open. Returns whether it has just been closed.
+    /// Stores which step is shown, and whether its question is open. Returns whether it has just been closed.
     fn remember(&self, ui: &Ui) -> bool {
         let learner = &self.open.learner;
         let now = (learner.index(), learner.is_open());

@@ -177,8 +177,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out before, or the panel has another width. The next frame knows its place, and scrolls to it, as
-        // no moment counts as seen.
+        // The line was not laid out before, or the panel has another width. Its place is known in the next frame, which
+        // scrolls to it, as no moment counts as seen.
         let unseen = Now::default();
         remember(ui, id, unseen, placed);
         ui.ctx().request_repaint();
@@ -321,7 +321,7 @@ fn breakpoint(
                 Color32::TRANSPARENT
             };
             painter.circle(at, 5.0, fill, Stroke::new(1.5, palette.conflict));
-            // A question mark tells a breakpoint with a condition from one that always stops.
+            // A breakpoint with a condition has a question mark, since it does not always stop.
             if !breakpoint.condition.is_empty() {
                 let ink = if breakpoint.enabled {
                     palette.panel
@@ -374,7 +374,7 @@ pub fn next_line(run: &RunView) -> Option<String> {
     let debugger = run.debugger.as_ref()?;
     let parameters = run.session.as_ref()?.run().parameters;
     let Some(event) = debugger.event() else {
-        // A lesson cuts the run off where its question begins, so that the next line is not told.
+        // A lesson cuts the run off where its question begins, so that the next line is not given away.
         let cursor = debugger.state().cursor();
         let is_cut_off = run
             .session

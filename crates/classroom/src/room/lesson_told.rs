@@ -46,7 +46,7 @@ impl Lessons {
             LessonSource::File(_) | LessonSource::Text => self.language.as_str(),
         };
 
-        // The text after the question tells the answer, so that it is held back while the question is open.
+        // The text after the question contains the answer, so that it is held back while the question is open.
         let after = (!learner.is_open()).then(|| paragraphs(&step.after));
 
         let labels = lesson_labels(&self.language);

@@ -394,7 +394,7 @@ impl Classroom {
         match direction {
             Direction::Backwards if index > 0 => self.enter_step(index - 1, context),
             Direction::Forwards if open.learner.may_go_on() => self.enter_step(index + 1, context),
-            // A step with a question is left by an answer, and the learner is told so.
+            // A step with a question can be left only by an answer, and a message says so.
             Direction::Forwards if open.learner.is_open() => {
                 open.lacking =
                     Some("Answer the question first; or ask for a hint, or give up.".to_owned());
@@ -531,7 +531,7 @@ impl Classroom {
                 // A right answer goes on, in a trace to the next event.
                 let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
                 let score = feedback.score;
-                // A form tells nothing about its answers, as this would help with the form after the lessons.
+                // A form shows nothing about its answers, as this would help with the form after the lessons.
                 let shown = Some(feedback).filter(|_| !open.learner.is_taken());
                 (open.lacking, open.feedback) = (None, shown);
 

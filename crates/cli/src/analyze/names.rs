@@ -29,7 +29,7 @@ pub fn short(names: &[String]) -> Vec<String> {
     };
     let label = |name: &String| {
         let most = name.split(['/', '\\']).count();
-        // No number of components tells equal names apart; they get numbers later.
+        // Equal names stay equal with any number of components; they get numbers later.
         let is_alone = |count: &usize| {
             let own = tail(name, *count);
             (names.iter()).all(|other| other == name || tail(other, *count) != own)

@@ -152,7 +152,7 @@ struct PackagedLesson {
     questions: Vec<PackagedQuestion>,
 }
 
-/// A question. From all of them the page sees when the lesson is done.
+/// A question. The lesson is done when the page has an answer to all of them.
 #[derive(Debug, Serialize)]
 struct PackagedQuestion {
     gate: String,

@@ -237,7 +237,7 @@ pub enum ParameterError {
         /// The most levels that there may be.
         maximum: u32,
     },
-    /// Exactly so many samples were asked for with one level.
+    /// An exact number of samples was asked for with one level.
     #[error(
         "exactly {} samples need at least 2 levels: the first samples of one level may leave any place uncovered",
         grouped(*.count as u64)
@@ -262,7 +262,7 @@ pub enum ParameterError {
         /// The limit in radii.
         minimum: f64,
     },
-    /// So few samples are too few for so many nested levels.
+    /// A number of samples is too small for a number of nested levels.
     #[error(
         "exactly {} samples are too few for {levels} levels: the {name} would be {} r long, and must be at least {} r: choose fewer levels or more samples",
         grouped(*.count as u64),
@@ -276,7 +276,7 @@ pub enum ParameterError {
         levels: u32,
         /// Which side is too short.
         name: &'static str,
-        /// The side's length in radii of so many samples.
+        /// The side's length in radii of this many samples.
         radii: f64,
         /// The limit in radii.
         minimum: f64,

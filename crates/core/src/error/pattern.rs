@@ -34,7 +34,7 @@ pub enum PatternError {
         /// Their distance in radii.
         radii: f64,
     },
-    /// So few samples cannot cover the domain.
+    /// This few samples cannot cover the domain.
     #[error(
         "the set is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
     )]

@@ -256,8 +256,8 @@ impl NestedPlane {
     /// few more. The
     /// radius of `parameters` is not used.
     ///
-    /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] has the guarantees of these.
-    /// Fails as [`Self::new`], or when there is no such radius.
+    /// There is no maximal set of exactly `count` samples in general. [`Nested::guarantee`] has the guarantees of
+    /// these. Fails as [`Self::new`], or when there is no such radius.
     pub fn exactly(
         parameters: &Parameters,
         levels: u32,
@@ -571,7 +571,7 @@ impl NestedPlane {
     }
 }
 
-/// Returns the domain of nested levels, or why `parameters` do not allow so many levels.
+/// Returns the domain of nested levels, or why `parameters` do not allow that many levels.
 fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
     let domain = parameters.validate()?;
     check_levels(levels)?;

@@ -99,7 +99,7 @@ impl BallGrid {
             let y = farthest(sample[1], half, ends[1]);
             let z = farthest(sample[2], half, ends[2]);
             let limit = R_SQUARED as u64;
-            // Most samples cover none, which the nearest octant tells.
+            // Most samples cover no octant: that is certain if they do not cover the nearest one.
             if x[0].min(x[1]) + y[0].min(y[1]) + z[0].min(z[1]) > limit {
                 return false;
             }

@@ -16,10 +16,10 @@ const FACE_DENSITY: f64 = 0.236;
 /// The variance of the number of samples is about this share of it.
 const COUNT_VARIANCE: f64 = 0.05;
 
-/// A set of a count is within one part in so many of it, or within one sample.
+/// The number of samples that is made differs from the wanted one by at most one part in this many, or by one sample.
 const TOLERANCE: u64 = 100;
 
-/// A set of which exactly so many samples are taken has at most one part in so many more, and [`FEW`].
+/// A set from which an exact number of samples is taken has at most one part in this many more, and [`FEW`].
 const SURPLUS: u64 = 40;
 
 /// More samples than wanted that a small set may have: one sample is more than a part in [`SURPLUS`] of it.
@@ -57,7 +57,7 @@ pub struct SolidSample {
 impl SolidRequest {
     /// Returns about the radius of a set of `count` samples, from the density of large sets and what closed faces add.
     ///
-    /// Fails when a side is none, and when no radius within the limits gives so many samples.
+    /// Fails when a side is none, and when no radius within the limits gives the given number of samples.
     pub fn radius_estimate(&self, count: u64) -> Result<f64, ParameterError> {
         for (name, side) in ["width", "height", "depth"].into_iter().zip(self.size) {
             check_side(name, side)?;

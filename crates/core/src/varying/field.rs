@@ -12,7 +12,7 @@ pub const MAX_FIELD_RADIUS: i32 = 64 * R;
 /// The largest pitch of nodes, and of the pixels of a mask, is two to this power.
 pub const MAX_PITCH_BITS: u32 = 20;
 
-/// Sides of a periodic domain are longer than so many of its largest radii, so that a sample near a place is
+/// Sides of a periodic domain are longer than this many of its largest radii, so that a sample near a place is
 /// found once, and not again as its own image.
 const MIN_PERIODIC_RADII: i32 = 4;
 

@@ -1,4 +1,4 @@
-//! What the process of darts needs to know where the radius varies: which darts exist, which of them have an earlier sample
+//! The process of darts where the radius varies: which darts exist, which of them have an earlier sample
 //! near them, and which cells a sample is near as a whole.
 
 use glam::IVec2;

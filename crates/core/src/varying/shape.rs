@@ -10,7 +10,7 @@ use crate::stages::disks::Cell;
 /// A ring with fewer corners has no inside.
 const MIN_CORNERS: usize = 3;
 
-/// A polygon has at most so many bands. An edge is listed in all bands that it crosses.
+/// A polygon has at most this many bands. An edge is listed in all bands that it crosses.
 const MAX_BANDS: usize = 1 << 10;
 
 /// Why a shape is refused.

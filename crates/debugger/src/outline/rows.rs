@@ -141,7 +141,7 @@ impl Node {
             // The event lies inside an expanded child, whose node changes it.
             Ok(at) if !own => self.open[at].node.set(outline, event, wanted),
 
-            // Collapsing also forgets which nodes within it were expanded.
+            // Collapsing a node also collapses the nodes within it.
             Ok(at) if wanted != Some(true) => {
                 self.open.remove(at);
                 true

@@ -9,7 +9,7 @@ use tilescope_session::units::{position, radii};
 use crate::scene::Scene;
 use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
-/// Below so many screen points to an r, lines to blockers would be a tangle.
+/// Below this many screen points to an r, lines to blockers would be a tangle.
 const MIN_SCALE_OF_LINES: f32 = 14.0;
 
 /// Half the side of the smallest square that shows a cell, in screen points: the last cells hold one lattice point.

@@ -20,7 +20,7 @@ const FIELD_SIDE: f32 = 4.0;
 /// The shades of the field, from the least radius to the greatest.
 const SHADES: f64 = 24.0;
 
-/// Below so many screen points to an r, darts and lines to their samples would be a tangle.
+/// Below this many screen points to an r, darts and lines to their samples would be a tangle.
 const MIN_SCALE_OF_DARTS: f32 = 4.0;
 const MIN_SCALE_OF_LINES: f32 = 14.0;
 

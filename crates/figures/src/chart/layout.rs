@@ -291,8 +291,8 @@ pub fn panel_groups(
     }
 }
 
-/// Returns the largest plot of so many columns and rows within `plot` in which a unit is as long along both axes, so that circles
-/// are round; square cells are of whole pixels where these suffice.
+/// Returns the largest plot of these columns and rows of cells within `plot` in which a unit is as long along both
+/// axes, so that circles are round; square cells are of whole pixels where these suffice.
 fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let span = DVec2::new(x[1] - x[0], y[1] - y[0]);
     let unit = (plot.size() / span).min_element();

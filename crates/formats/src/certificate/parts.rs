@@ -199,7 +199,7 @@ pub struct Thinned {
     pub source: String,
     /// How many points it has.
     pub given: u64,
-    /// In which order its points were taken: a word, and what belongs to it. This crate knows no more of it.
+    /// In which order its points were taken: a word, and what belongs to it. This crate does not interpret it.
     pub priority: String,
 }
 

@@ -78,7 +78,7 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
     }
 }
 
-/// Returns the rows of so many bytes that are kept.
+/// Returns the rows that are kept, of `width` bytes each.
 pub(super) fn rows(data: &[u8], width: usize, kept: &[bool]) -> Vec<u8> {
     let mut out = Vec::new();
     let rows = data.chunks_exact(width).zip(kept);

@@ -102,7 +102,7 @@ impl Element {
     }
 }
 
-/// What reading the data needs to know from a header.
+/// The parts of a header that are needed to read the data.
 #[derive(Debug)]
 pub(super) struct PlyHeader {
     pub encoding: Encoding,
@@ -173,7 +173,8 @@ impl Parser {
             (b"" | b"ply" | b"comment" | b"obj_info", _) => Ok(()),
             (b"format", [name, ..]) => self.encoding(name),
             (b"element", [name, count]) => self.element(name, count),
-            // Whether the list is in the way depends on its element's place, which `finish` knows.
+            // Whether the list is in the way depends on the place of its element. `finish` decides it, once all
+            // elements are read.
             (b"property", [b"list", _, _, _]) => match self.elements.last_mut() {
                 Some(element) => {
                     element.has_list = true;

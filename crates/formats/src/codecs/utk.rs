@@ -24,7 +24,7 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
     Ok(raw)
 }
 
-/// Returns the chosen set of a text, with so many coordinates a point, and how many sets there are.
+/// Returns the chosen set of a text, with the given number of coordinates a point, and how many sets there are.
 pub(super) fn text_of<const N: usize>(
     bytes: &[u8],
     chosen: Option<usize>,
@@ -175,7 +175,7 @@ pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Fo
     Ok(raw)
 }
 
-/// Returns the rows of the chosen set of a binary file, of so many coordinates each.
+/// Returns the rows of the chosen set of a binary file, each with this number of coordinates.
 fn set_of<'a>(
     bytes: &'a [u8],
     head: &UtkHead,

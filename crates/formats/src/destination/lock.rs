@@ -70,7 +70,7 @@ pub(crate) fn is_own(opened: &File, path: &Path) -> std::io::Result<bool> {
         named => named?,
     };
 
-    // A name may lead to another file by now; elsewhere than on Unix only a link is told apart from it.
+    // A name may lead to another file by now; except on Unix, only a link can be distinguished from it.
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;

@@ -106,8 +106,8 @@ pub fn read_solid(
     )
 }
 
-/// Returns the certificate beside `path` if it states a third side: whether it is true, a check tells. Nothing if there is no
-/// certificate, none that can be read, or that of a planar set.
+/// Returns the certificate beside `path` if it states a third side. Whether it is true is left to a check. Nothing if
+/// there is no certificate, none that can be read, or that of a planar set.
 #[must_use]
 pub fn solid_certificate(path: &Path) -> Option<Certificate> {
     let bytes = read_certificate(path).ok().flatten()?;

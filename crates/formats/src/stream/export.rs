@@ -283,7 +283,7 @@ impl StreamExport {
         let layout =
             Layout::of(&start, format, None)?.ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
-        // A text table learns its columns from its header.
+        // The columns of a text table follow from its header.
         if layout.offset == 0 {
             rows.read(&start)?;
         }

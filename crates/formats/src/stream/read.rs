@@ -74,7 +74,7 @@ impl StreamReader {
         let mut file = Input::open(path).map_err(failed)?;
         let length = file.length().map_err(failed)?;
 
-        // The first block has the head, which tells the layout of the rows.
+        // The first block has the head, which describes the layout of the rows.
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);

@@ -69,7 +69,7 @@ struct Order {
     ranks: Vec<f64>,
 }
 
-/// Returns whether indices name each of so many items once.
+/// Returns whether indices name each of the given number of items once.
 fn is_order(order: &[usize], count: usize) -> bool {
     let mut sorted = order.to_vec();
     sorted.sort_unstable();

@@ -77,7 +77,7 @@ pub fn whisker(summary: &Summary) -> [f64; 2] {
     }
 }
 
-/// Returns what [`whisker`] is of so many rounds, for captions.
+/// Returns for captions what the ends of [`whisker`] are with this number of rounds.
 const fn whisker_words(rounds: usize) -> &'static str {
     if rounds < FEW {
         "from least to most"
@@ -86,7 +86,7 @@ const fn whisker_words(rounds: usize) -> &'static str {
     }
 }
 
-/// Adds both ends of [`whisker`] to a row of a table, in units of which a second, or one a second, has so many.
+/// Adds both ends of [`whisker`] to a row of a table, in units of which a second, or one a second, has `scale`.
 pub fn whiskered(summary: &Summary, scale: f64, mut row: Value) -> Value {
     let keys = if summary.count < FEW {
         ["least", "most"]

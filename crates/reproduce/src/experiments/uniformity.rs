@@ -23,7 +23,7 @@ use offsets::UniformityResults;
 
 /// Shortest edge of a block, in radii.
 const LEAF: f64 = 20.0;
-/// Seeds of a unit of work: an interrupted run loses at most so many.
+/// Seeds of a unit of work: an interrupted run loses at most this many.
 const BATCH: usize = 25;
 /// Side of a cell of the grid, in radii, as near to it as whole cells allow: sets of 10,000 samples have 32 along a side.
 pub const CELL: f64 = 3.74;

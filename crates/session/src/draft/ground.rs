@@ -201,7 +201,7 @@ impl Draft {
         // A mask of other pixels would not fit.
         self.remove_shape();
 
-        // With a black of radius 1 there are so many, and their number goes with the square of the radius.
+        // `samples` is their number with a black of radius 1. It goes with the inverse square of the radius.
         let request = self.ground.request(1.0);
         let at_one = request.and_then(Result::ok).and_then(|request| {
             let recipe = request.recipe(&self.parameters);

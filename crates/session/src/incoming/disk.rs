@@ -27,7 +27,7 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
     plain_file(path, limit)?;
     let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
 
-    // One byte more than the limit is read, which tells whether the file is longer.
+    // One byte more than the limit is read, to find out whether the file is longer.
     let mut file = File::open(path).map_err(named)?.take(limit + 1);
     let mut bytes = Vec::new();
 
@@ -60,7 +60,7 @@ impl Incoming {
         let mut incoming = Self::new(NamedBytes::new(name(path), bytes));
 
         let beside = certificate_beside(path);
-        // Where it cannot be told whether there is one, reading it says why.
+        // Where it is not clear whether there is a file, the error of reading it says why.
         if beside.try_exists().unwrap_or(true) {
             let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
             // Through a link the certificate has another name; here it belongs to the file as it is named.

@@ -63,7 +63,7 @@ impl MakeError {
         let iterations = (1..=64).map(Stage::Iterate);
         let mut stages = stages.into_iter().chain(iterations);
 
-        // A monitor knows stages by their names alone. Before the first report, a run makes its pattern.
+        // A monitor has only the names of stages. Before the first report, a run makes its pattern.
         let reported = stages.find(|stage| stage.to_string() == activity);
         let stage = reported.unwrap_or(Stage::Pattern);
 

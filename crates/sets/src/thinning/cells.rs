@@ -216,7 +216,7 @@ impl Layer {
         self.heads[cell].store(head + 1, Ordering::Release);
     }
 
-    /// Returns the band of a row, if there are so many bands from the lowest row to the highest.
+    /// Returns the band of a row, where the rows from the lowest to the highest are divided into `bands` bands.
     pub fn band(&self, row: u32, bands: u32) -> u32 {
         let rows = u64::from(self.grid.cells[1]) + 1;
         (u64::from(row) * u64::from(bands) / rows) as u32

@@ -81,7 +81,7 @@ impl RadiusGrid {
             return Err(VaryingError::Density { density, place });
         }
 
-        // The mean of densities and not of radii: so many samples are asked for there.
+        // Means are taken of densities and not of radii, since a density is the number of samples that is asked for.
         let means = Self::of_pixels(columns, pixels, boundary)?;
         let greatest = means.radii.iter().copied().fold(0.0, f64::max);
         if greatest == 0.0 {

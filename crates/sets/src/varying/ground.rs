@@ -23,7 +23,7 @@ const EXPRESSION_NODES: usize = 1024;
 /// The nodes along the longer side at which an expression is looked at before it is run.
 const GLANCE_NODES: usize = 64;
 
-/// The largest radius is at most so many times the least.
+/// The largest radius is at most this many times the least.
 const MAX_CONTRAST: f64 = 64.0;
 
 /// A radius is made this much smaller when it stands for a lattice unit, so that a side of whole units is not rounded down to
@@ -165,7 +165,7 @@ impl VaryingRecipe {
             RadiusSource::Constant(_)
             | RadiusSource::Expression { .. }
             | RadiusSource::Grid { .. } => {
-                // The nodes of the field are so many times as dense.
+                // A glance takes few nodes: those of the field are `part` times as dense.
                 let [columns, rows] = squares.counts;
                 let part = columns.max(rows).div_ceil(GLANCE_NODES).max(1);
                 let few = Squares {

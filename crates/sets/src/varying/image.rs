@@ -18,7 +18,7 @@ pub use tone::Tone;
 /// The most pixels of an image, 8192 x 8192: the field, the judge's copy and their tables then take about 2 GB.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// About so many grey values are looked at before an image is used.
+/// About this many grey values are looked at before an image is used.
 const FEW: usize = 4096;
 
 /// White, in 16 bits.

@@ -26,7 +26,7 @@ pub const DEFAULT_WHITE: f64 = 1.0 / 64.0;
 /// Where half of black is white, little is left of an image.
 const MAX_WHITE: f64 = 0.5;
 
-/// A field has at least so many nodes along the radius of black. More would take time and change no dot that one sees.
+/// A field has at least this many nodes along the radius of black. More would take time and change no visible dot.
 const NODES_A_RADIUS: f64 = 4.0;
 
 /// How many dots may be made beyond those that are asked for, and left out: this many roots of them. The number of dots of a
@@ -37,8 +37,8 @@ const LEFT_OUT: f64 = 0.6;
 /// How far above the dots that are asked for runs aim, in roots of them: a third of [`LEFT_OUT`].
 const AIM: f64 = 0.2;
 
-/// Where dots run on beyond the frame, they do so by so many of the largest radii at its border: no dot in the frame is
-/// near one that is farther out.
+/// Where dots go on beyond the frame, they do so by this many of the largest radii at its border: no dot in the frame
+/// is near one that is farther out.
 const BEYOND: f64 = 2.0;
 
 /// What a stipple is made from.
@@ -74,8 +74,8 @@ impl StippleRecipe {
     ///
     /// # Errors
     ///
-    /// [`VaryingError`] when the numbers are out of range, the image has no dark place or too few pixels for so many dots, and
-    /// when it is cancelled.
+    /// [`VaryingError`] when the numbers are out of range, the image has no dark place or too few pixels for the given
+    /// number of dots, and when it is cancelled.
     pub fn make(&self, observer: &mut dyn Observer) -> Result<Stipple, VaryingError> {
         if !(0.0..=MAX_WHITE).contains(&self.white) {
             return Err(VaryingError::Tone {

@@ -237,7 +237,7 @@ fn visuals(palette: &Palette) -> Visuals {
         state.bg_stroke = Stroke::new(width, palette.line);
         state.fg_stroke = Stroke::new(1.0, palette.text);
         state.corner_radius = corner;
-        // Unless told not to, egui enlarges a widget under the pointer.
+        // By default, egui enlarges a widget under the pointer.
         state.expansion = 0.0;
     }
 

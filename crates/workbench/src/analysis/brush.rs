@@ -234,7 +234,7 @@ pub fn cause(
             let range = brush.range.map(|distance| distance * set.radius);
             let found = pairs_between(points, region, range, MAX_PAIRS, control)?;
             let pairs = found.pairs.iter().map(|pair| Pair {
-                // The canvas knows samples by their ids in the run, not by their indices in this set.
+                // The canvas identifies samples by their ids in the run, not by their indices in this set.
                 ids: [pair.first, pair.second].map(|index| ids[index as usize]),
                 offset: DVec2::from(pair.offset) / set.radius,
             });

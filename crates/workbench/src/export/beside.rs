@@ -22,7 +22,7 @@ pub const MAX_MEASURED: usize = 30_000_000;
 /// The fewest samples that have a spectrum: the power of a single one is 1 at every frequency, wherever it is.
 const MIN_SAMPLES: usize = 2;
 
-/// Returns why so many pictures of a session are not drawn with their analysis.
+/// Returns why this number of pictures of a session is not drawn with their analysis, if it is too large.
 pub(crate) fn too_much(session: &Session, pictures: usize) -> Option<ExportRefusal> {
     let samples = session.summary.count;
     let is_too_much = pictures.saturating_mul(samples) > MAX_MEASURED;

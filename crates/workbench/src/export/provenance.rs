@@ -45,7 +45,8 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 
     let mut map = stated(&run.parameters);
     if let Some(own) = &session.own {
-        // The folder is left out, as it means nothing on another machine. The digest tells whether a file of this name is the same.
+        // The folder is left out, as it means nothing on another machine. The digest shows whether a file of this name
+        // is the same.
         let path = std::path::Path::new(&own.file.path);
         let name = lossy(path.file_name().unwrap_or_default());
         let pattern = json!({ "file": name, "pattern_digest": own.file.digest });

@@ -78,7 +78,7 @@ pub enum ExportRefusal {
         /// The smallest number of ticks between frames that keeps the limit.
         enough: usize,
     },
-    /// The analysis of so many pictures would take too long.
+    /// The analysis of this many pictures would take too long.
     #[error(
         "The analysis of {} with {} samples measures {} samples; the limit is {}. Fewer pictures, or none with the analysis, would do.",
         counted(*.pictures, "picture", "pictures"), grouped(*.samples),
@@ -105,7 +105,7 @@ pub enum ExportRefusal {
         /// The largest number of pixels on a side.
         side: usize,
     },
-    /// About so many samples are in view.
+    /// About this many samples are in view.
     #[error(
         "About {} samples are in view; pictures draw {} at most. Zoom in.",
         grouped(*.0), grouped(MAX_DRAWN)

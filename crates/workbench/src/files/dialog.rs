@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Why Browse opens nothing.
 const NO_DIALOG: &str = "This system has no file dialog: neither a desktop portal nor zenity. Type the file's path instead.";
-/// The file that tells the session's bus how to start the desktop's dialogs, in a folder of shared data.
+/// The file by which the session's bus starts the desktop's dialogs, in a folder of shared data.
 const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
 
 /// Returns why no file dialog can open, as a sentence; `None` if one can, as far as that is known before.

@@ -45,7 +45,7 @@ impl Runs {
         }
     }
 
-    /// Asks for the combination of a layout, or tells the fault of the layout.
+    /// Asks for the combination of a layout, or shows the fault of the layout.
     pub(super) fn read_layout(&mut self, command: CombineCommand, context: &mut Context) {
         let text = match command {
             CombineCommand::Nine => NINE.to_owned(),
@@ -71,7 +71,7 @@ impl Runs {
         self.first.sampling = Some(task::start(&context.wake, combining));
     }
 
-    /// Stops making a run, and forgets the link that waits for it.
+    /// Stops making a run, and drops the link that waits for it.
     pub(super) fn stop_making(&mut self) {
         (self.first.sampling, self.arriving) = (None, None);
     }

@@ -269,7 +269,7 @@ impl FileState {
         context: &mut Context,
     ) {
         let Some(first) = names.first() else {
-            // All files were refused. The reason for the first one is told.
+            // All files were refused. The reason for the first one is shown.
             if let Some(why) = refused.first() {
                 context.tell_error(tilescope_session::words::ended(why));
             }

@@ -18,7 +18,7 @@ use crate::embedding::Embedding;
 use crate::files::{Delivery, LastSession};
 use crate::layout::Layout;
 
-/// What the window knows at the beginning of a frame.
+/// The facts about the window at the beginning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameStart {
     /// The time in seconds since 1970.

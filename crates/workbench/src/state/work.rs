@@ -31,7 +31,7 @@ const MAX_LIVE: f64 = 50_000.0;
 
 impl State {
     pub(super) fn run(&mut self) {
-        // The button is off then; scripts, links and pages that embed the window are told why nothing runs.
+        // The button is off then. Scripts, links and pages that embed the window get the reason why nothing runs.
         if let Some(why) = self.form.refusal(&self.gpu) {
             return self.messages.tell_error(why);
         }
@@ -271,7 +271,7 @@ impl State {
         }
 
         self.on(which, |run, context| run.show(session, context));
-        // Layers that the user chose for a run may lack the seams, without which a combination cannot be told from a run.
+        // Layers that the user chose for a run may lack the seams, without which a combination looks like a run.
         if let Some(layers) = &mut self.appearance.chosen_layers
             && is_combination
             && !layers.has(Layer::Seams)

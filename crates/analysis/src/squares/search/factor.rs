@@ -16,8 +16,8 @@ use super::super::shape::Share;
 use super::super::{PointSpan, SquaresJudge};
 use super::{List, Near, SampleTiles, TileSearch, TileSquare};
 
-/// The largest factor that is measured. Samples farther from a place than so many of its radii leave a hole: such a set is
-/// no beginning of a set that covers.
+/// The largest factor that is measured. Samples farther from a place than this many of its radii leave a hole: such a
+/// set is no beginning of a set that covers.
 pub const MAX_FACTOR: i64 = 4;
 
 /// The square of a factor. As long as squared distances fit 53 bits it is rounded once, so that the order of two factors that
@@ -147,7 +147,7 @@ impl TileSearch<'_> {
         }
         let list = List {
             first,
-            // The square's own samples are told apart for conflicts only.
+            // Which samples are in the square itself is needed only where conflicts are searched.
             outside: first,
             end: self.lists.len(),
         };

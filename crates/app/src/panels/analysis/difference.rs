@@ -22,7 +22,7 @@ pub const FULL: f64 = 0.5;
 /// The most cells along a side. Each then has 100 frequencies of a set of 10,000 samples, whose mean scatters by a tenth of the
 /// power.
 const MAX_CELLS: usize = 50;
-/// Frequencies along the side of a cell of a small set, if it has so many.
+/// Frequencies along the side of a cell of a small set, if it has this many.
 const MIN_FREQUENCIES: usize = 3;
 
 /// What the powers of two spectra differ by, in cells of equal frequencies.

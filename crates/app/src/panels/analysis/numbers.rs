@@ -164,7 +164,7 @@ fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
 fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
     match number.of(set) {
         Some(value) if number.decimals == 0 => Some(grouped(value as usize)),
-        // The column has room for so many decimals.
+        // The column has room for four decimals.
         Some(value) => Some(format!("{value:.4}")),
         // It is measured, and this set has none; without a verdict nothing is known of it.
         None => {

@@ -333,7 +333,8 @@ impl PlotFrame<'_> {
         }
     }
 
-    /// Marks where a curve leaves the chart at the top, and writes its highest value; `row` tells curves apart.
+    /// Marks where a curve leaves the chart at the top, and writes its highest value; `row` is different for each
+    /// curve.
     fn cut_off(&self, painter: &Painter, curve: &Curve, row: usize) {
         let peaks = peaks_above(&curve.points, self.plot.y.range[1]);
         let top = self.inner.top();

@@ -299,7 +299,7 @@ impl Notes<'_> {
                     return;
                 };
                 ui.separator();
-                // A trace asks for one event after another: so many of them are predicted.
+                // A trace asks for one event after another. `traced` is how many of them are predicted.
                 let (_, traced) = learner.tries();
                 let size = self.size(PARAGRAPH);
                 text::paragraph(ui, question.ask(traced), size, self.palette.text);

@@ -184,7 +184,7 @@ impl Slide<'_> {
         let learner = &open.learner;
 
         ui.add_space(6.0);
-        // A trace asks for one event after another: so many of them are predicted.
+        // A trace asks for one event after another. `traced` is how many of them are predicted.
         let (_, traced) = learner.tries();
         self.paragraph(ui, question.ask(traced))
             .known_as("stage-ask");

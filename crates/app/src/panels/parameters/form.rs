@@ -188,7 +188,7 @@ impl Fields<'_> {
         }
     }
 
-    /// Shows about how many samples a field asks for, and what so many cost.
+    /// Shows about how many samples a field asks for, and what a run of that size costs.
     fn expected(&self, ui: &mut Ui) {
         let draft = &self.context.form.draft;
         if let Some(samples) = draft.expected_samples() {

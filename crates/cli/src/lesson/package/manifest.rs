@@ -137,7 +137,7 @@ fn scorm_12(package: &Description<'_>, files: &[&str]) -> Element {
         item.holding([saying("title", &package.title)]),
     ]);
 
-    // A system that holds several packages tells them apart by this.
+    // A system that holds several packages distinguishes them by this.
     let id = format!("tilescope.{}", package.id);
     let root = [
         ("identifier", &*id),

@@ -152,7 +152,7 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Marks the surroundings of unsure cells as reached: open places there may be filled by unknown samples. With
-    /// `check` the newly reached cells become hot here if they are open; otherwise detection sees to it.
+    /// `check` the newly reached cells become hot here if they are open; otherwise detection does so.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, check: bool) {
         let reach = rules.reach();

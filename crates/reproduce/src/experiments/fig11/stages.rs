@@ -19,7 +19,7 @@ use crate::rates::{ONE_LEAF, PassTimes, other_set, run_timed, timed};
 use crate::sets::{Set, fitting, pattern};
 use crate::study::Study;
 
-/// The algorithm as printed is timed with so many times fewer samples: it takes about twenty times as long for each.
+/// The algorithm as printed is timed with fewer samples, by this factor: it takes about twenty times as long for each.
 const FEWER: u64 = 10;
 
 /// A procedure of a run.

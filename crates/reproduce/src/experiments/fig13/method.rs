@@ -13,7 +13,7 @@ pub const PATTERN: f64 = 100.0;
 /// Copies of one set along each side of the control.
 const COPIES: i32 = 4;
 /// Is added to the seeds of [`Method::Reference`] to give those of [`Method::Again`]: the seeds of a group ten further on, as no
-/// picture has so many groups.
+/// picture has this many groups.
 const APART: u64 = 10_000;
 
 /// A method of making sets.
@@ -51,7 +51,7 @@ impl Method {
             Self::Reference => words("reference", "reference"),
             Self::Again => words("reference, other seeds", "again"),
             Self::Kdrt { leaf, side } => {
-                // The name tells the pattern only if it is not the default one, or if blocks do not fit into it.
+                // The name mentions the pattern only if it is not the default one, or if blocks do not fit into it.
                 let default = self.fits() && side <= PATTERN;
                 let pattern = if default {
                     String::new()

@@ -111,8 +111,8 @@ fn samples_tile(method: Method, set: &Set) -> Panel {
     Panel::Tile(tile(None, &method.name(), String::new(), dots))
 }
 
-/// Returns how many of so many cells, an odd number, fill one of the plots beside each other with cells of half pixels: what
-/// they leave out is the rim.
+/// Returns how many columns of cells, an odd number of the given ones, fill one of `plots` plots beside each other. The
+/// sides of cells are whole half pixels: what they leave out is the rim.
 fn cells(columns: usize, plots: usize) -> usize {
     let width = (WIDTH - 2.0 * MARGIN) / plots as f64 - LEFT - RIGHT;
     let cell = 0.5 * (2.0 * width / columns as f64).ceil();
@@ -120,7 +120,7 @@ fn cells(columns: usize, plots: usize) -> usize {
     fit.min(columns) - usize::from(fit < columns && fit.is_multiple_of(2))
 }
 
-/// Returns the mean periodogram of a method, in one of so many plots beside each other.
+/// Returns the mean periodogram of a method, in one of the given number of plots beside each other.
 fn image(one: &MethodSpectra, plots: usize) -> Panel {
     let grid = &one.picture;
     let shown = cells(grid.columns, plots);

@@ -133,7 +133,7 @@ impl Exports {
         }
     }
 
-    /// Tells how an export ended, and hands over its file.
+    /// Shows how an export ended, and hands over its file.
     fn finish(&mut self, outcome: Result<Outcome, String>, context: &mut Context) {
         self.work = None;
         match outcome {

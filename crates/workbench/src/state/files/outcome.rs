@@ -74,7 +74,7 @@ impl FileState {
         }
     }
 
-    /// Takes the outcome of reading or writing a file, and tells how it ended.
+    /// Takes the outcome of reading or writing a file, and shows how it ended.
     fn filed(
         &mut self,
         outcome: Result<FileOutcome, String>,
@@ -128,7 +128,7 @@ impl FileState {
 
             Done::Opened(opened) => context.ask(Effect::Open(opened)),
             Done::Against { file, no_pattern } => {
-                // A dropped set was first tried as a pattern, and the user learns why it is none.
+                // A dropped set was first tried as a pattern, and the notice says why it is none.
                 if let Some(why) = no_pattern {
                     let name = file.name();
                     let text = format!(

@@ -242,7 +242,7 @@ impl RunView {
         self.viewport.shrink(0.2 * self.viewport.size().min_elem())
     }
 
-    /// Returns the camera that shows so many r around a place.
+    /// Returns the camera that shows the given number of r around a place.
     fn framing(&self, center: DVec2, radii: f64) -> Camera {
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         Camera {

@@ -10,8 +10,8 @@ use super::RunView;
 use crate::state::Verification;
 use crate::state::effects::Context;
 
-/// Prefixes of at most so many samples are verified while the number still moves, since that takes less than a tenth of a
-/// second.
+/// Prefixes of at most this many samples are verified while the number still moves, since that takes less than a tenth
+/// of a second.
 const MAX_AT_ONCE: usize = 50_000;
 /// For how long the number of a larger prefix must rest before it is verified, in seconds: while the number moves, each frame would
 /// start work that the next one stops. Chosen, not measured.
@@ -47,7 +47,7 @@ impl RunView {
         };
     }
 
-    /// Shows the first so many samples; at least one.
+    /// Shows the first `count` samples; at least one.
     pub(super) fn show_prefix(&mut self, count: usize) {
         let all = self
             .session
