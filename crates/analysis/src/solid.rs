@@ -227,6 +227,7 @@ impl SolidQuestion<'_> {
         }))
     }
 
+    /// Returns the report of a judge, from the pairs that it found and the places of its gaps.
     fn report(
         &self,
         judge: Judge,

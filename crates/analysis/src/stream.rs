@@ -230,6 +230,8 @@ impl StreamVerifier {
         Ok(())
     }
 
+    /// Judges the rows that no further sample can reach, once enough of them have come. Fails if the rows that are held
+    /// have too many samples.
     fn judge_complete(&mut self, monitor: &Monitor<'_>) -> Result<(), VerifyError> {
         let (search, highest) = (&self.search, self.intake.highest);
         if let Some(bands) = &mut self.bands {
@@ -338,6 +340,8 @@ impl Intake {
         Ok(())
     }
 
+    /// Checks the next sample and counts it. Fails if it is not in the region, comes too late for its row, or is one
+    /// too many.
     fn take_one(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<(), VerifyError> {
         let index = self.count;
         check_point(index, point, search.region)?;

@@ -203,6 +203,7 @@ struct Bounds {
 }
 
 impl Bounds {
+    /// Returns the bounds of some points, and by how much distances computed from them may be off.
     fn of(points: &[Placed]) -> Self {
         let mut bounds = Self {
             low: [f64::INFINITY; 2],

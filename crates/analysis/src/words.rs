@@ -38,6 +38,7 @@ fn is_obeyed(c: char) -> bool {
     c.is_control() || turns
 }
 
+/// Returns a text in which the characters that must be escaped are written as `\uXXXX`.
 fn escaped(text: &str, must_be: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&must_be) {
         return Cow::Borrowed(text);

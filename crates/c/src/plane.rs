@@ -96,6 +96,7 @@ struct ExactWindows {
 }
 
 impl ExactWindows {
+    /// Makes the history of the pattern, and the plane that reads it.
     fn new(parameters: &Parameters) -> Result<Self, SampleError> {
         let history = Arc::new(PatternHistory::of_spec(
             &parameters.pattern,
@@ -136,6 +137,7 @@ pub struct TilescopePlane {
 }
 
 impl TilescopePlane {
+    /// Makes the plane of some settings. Fails if they are out of range.
     pub(crate) fn new(settings: &TilescopeSettings) -> Result<Self, Failure> {
         let parameters = settings.parameters()?;
         parameters.validate()?;

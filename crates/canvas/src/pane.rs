@@ -143,6 +143,7 @@ impl PanePicture {
         painter.image(texture, rect, UNIT, Color32::WHITE);
     }
 
+    /// Returns the texture of a picture, which is made only if it differs from the one before.
     fn texture(
         &mut self,
         ctx: &Context,

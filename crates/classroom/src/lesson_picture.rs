@@ -317,6 +317,7 @@ impl StepPicture {
 }
 
 impl StepPictureTask {
+    /// Draws the step, or says why it cannot be drawn.
     fn drawn(&self) -> Result<StepPicture, String> {
         let lesson = Lesson::read(&self.name, &self.text).map_err(|error| error.to_string())?;
 

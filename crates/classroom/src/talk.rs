@@ -207,6 +207,7 @@ pub struct Talk {
 }
 
 impl Talk {
+    /// Returns a talk at the first step of its first part, which begins now.
     pub(crate) fn new(parts: Vec<TalkPart>, now: f64) -> Self {
         Self {
             parts,

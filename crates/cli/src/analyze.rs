@@ -83,6 +83,7 @@ Exit codes: 0 all files were analysed, 2 a file was not, or the arguments cannot
 /// The extensions that a report may have.
 const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 
+/// Measures the sets of some files, prints the numbers and writes the report.
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let has_depth = arguments.set.depth.is_some();
@@ -133,6 +134,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 /// Pixels of a point in a PNG picture, so that letters stay sharp on screens of high density.
 const SCALE: f64 = 2.0;
 
+/// Writes the report in the format of the path's extension.
 fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
     let extension = extension(path);
     let scene = |figure: &Figure| figure_scene(figure, &Palette::LIGHT);

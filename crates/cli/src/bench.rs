@@ -10,6 +10,7 @@ use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes
 use crate::engine::check_threads;
 use crate::{bench_gpu, bench_live, bench_solid, interrupt, output, verdict_code};
 
+/// Times the engines and prints their rates.
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     interrupt::listen();
     if arguments.live {
@@ -80,6 +81,7 @@ const HEADING: &str = "\
 method                             samples Msamples/s    ratio  \
 of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
 
+/// Returns the rates as a table, with a line about windows and one about patterns.
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
     for row in &rates.rows {
@@ -118,6 +120,7 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     out
 }
 
+/// Returns the rates for programs.
 fn to_json(rates: &CpuRates) -> Value {
     let row = |row: &EngineRate| {
         let (engine, method) = names(row);

@@ -11,6 +11,7 @@ use tilescope_reproduce::rates::{Engine, EngineRate, GpuRates, GpuRun, PassTimes
 use crate::bench_common::{BenchArguments, parallel_name, with_bar, yes};
 use crate::{output, verdict_code};
 
+/// Times the GPU's engine beside all threads, and prints the rates and the times of the passes.
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     ensure!(
         arguments.threads.is_empty() && !arguments.sequential,
@@ -27,6 +28,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     Ok(verdict_code(rates.rows.iter().all(fine)))
 }
 
+/// Returns the rates as a table, and the table of passes.
 fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
     let mut out =
         "method                             samples Msamples/s    ratio  equal  valid\n".to_owned();
@@ -58,6 +60,7 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
     out + passes_text(&rates.run, rates.copy_rate).as_str()
 }
 
+/// Returns the table of passes of a run: how often each ran, how long, and over how many bytes.
 fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
     let mut out =
         "stage      pass           times         ms  share        MB     GB/s\n".to_owned();
@@ -98,6 +101,7 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
     out + "MB: size of the buffers that a pass over all elements binds, twice for those that it reads and writes\n"
 }
 
+/// Returns the rates and the times of the passes for programs.
 fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     let seconds = |row: &EngineRate| row.times.iter().map(|one| one.seconds).collect::<Vec<_>>();
 

@@ -53,6 +53,7 @@ struct Timed {
     is_valid: bool,
 }
 
+/// Times the making and the verifying of sets in space, and prints the rates.
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     ensure!(
         (1..=1000).contains(&arguments.rounds),
@@ -145,6 +146,7 @@ impl Timed {
         })
     }
 
+    /// Returns the rates as a table.
     fn text(&self) -> String {
         let mut out = "sets in space                     samples Msamples/s\n".to_owned();
         for (work, rate) in self.rates() {
@@ -165,6 +167,7 @@ impl Timed {
         out
     }
 
+    /// Returns the rates for programs.
     fn json(&self) -> Value {
         let row = |(work, rate): (TimedWork, f64)| {
             let seconds = self.seconds.iter().find(|(other, _)| *other == work);

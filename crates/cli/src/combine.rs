@@ -84,6 +84,7 @@ Examples:
   tilescope combine nine.json --out nine.csv
   tilescope combine nine.json --json"#;
 
+/// Combines the sets of a layout, writes the result and prints its report.
 pub fn run(arguments: &CombineArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;

@@ -51,6 +51,7 @@ Examples:
   tilescope convert balls.ply balls.npy
   tilescope convert balls.ply disks.csv --slice z=5";
 
+/// Writes a set in another format, and prints its verdict.
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
     let path = &arguments.output;
@@ -184,6 +185,7 @@ fn of_unknown_origin(region: Region, radius: f64) -> ExportContext {
     }
 }
 
+/// Returns the smallest distance of a set without a radius, which then serves as its radius.
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
     // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
     let spacing = (region.width * region.height / points.len().max(1) as f64).sqrt();

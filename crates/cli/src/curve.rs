@@ -48,6 +48,7 @@ pub struct CurveArguments {
     out: Option<PathBuf>,
 }
 
+/// Returns the text at the end of the help, with the numbers that a curve may have.
 fn examples() -> String {
     let keys = |of_spectrum| -> String {
         let numbers = live_numbers().filter(|number| is_of_spectrum(number) == of_spectrum);
@@ -80,6 +81,7 @@ fn options_of_runs() -> Vec<&'static str> {
         .collect()
 }
 
+/// Computes the numbers of a run over its events, and prints or writes the table.
 pub fn run(arguments: &CurveArguments) -> Result<u8> {
     interrupt::listen();
     if let Some(path) = &arguments.out {

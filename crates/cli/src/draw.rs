@@ -76,6 +76,7 @@ enum Theme {
     Dark,
 }
 
+/// Draws a set into a file.
 pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::listen();
 
@@ -184,6 +185,7 @@ fn picture_options(
     })
 }
 
+/// Returns the scene of a set in the plane: its samples and what was asked for besides.
 fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());

@@ -47,6 +47,7 @@ struct TestedAdapter {
     detail: String,
 }
 
+/// Lists the GPUs of this machine, and tests whether each computes the right points.
 pub fn run(arguments: &GpuArguments) -> Result<u8> {
     interrupt::listen();
     // Every name contains the empty one: without the option all adapters stay.
@@ -139,6 +140,7 @@ impl TestedAdapter {
         object
     }
 
+    /// Returns the adapter with its verdict, in lines.
     fn text(&self) -> String {
         let (verdict, detail) = (self.verdict, &self.detail);
         let report = &self.report;

@@ -55,6 +55,7 @@ pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
     crate::exit_code(default_session(reason))
 }
 
+/// Runs the default session without a window, and says how to open one.
 fn default_session(reason: &HeadlessReason) -> Result<u8> {
     output::emit(&format!("{reason}, so this runs without one.\n\n"))?;
     // A failure is returned only at the end: the advice matters most to those for whom nothing works.
@@ -91,6 +92,7 @@ pub fn run(arguments: &HeadlessArguments) -> Result<u8> {
     session(&arguments.out)
 }
 
+/// Makes the default set, and writes it with its certificate and a picture of each stage into a folder.
 fn session(folder: &Path) -> Result<u8> {
     interrupt::listen();
     let mut watch = Stopwatch::start();

@@ -39,6 +39,7 @@ pub fn listen() {
     });
 }
 
+/// Starts the thread that waits for signals.
 fn start() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()

@@ -349,6 +349,7 @@ fn with_line<T>(read: Result<T, LessonError>, file: &Path) -> Result<T> {
     read.map_err(|fault| anyhow!(at(&named(file), &fault)))
 }
 
+/// Checks lessons, or all that come with the program if none are named, and prints a report of each.
 fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
     // All files are read before the first is checked, which may take minutes.
     let sources: Vec<Source> = if arguments.files.is_empty() {
@@ -542,6 +543,7 @@ fn lesson_texts(lesson: &str, language: &str) -> Result<LessonTexts> {
     })
 }
 
+/// Writes a handout of a lesson.
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let (lesson, out) = (&arguments.lesson, &arguments.out);
     let is_html = out.extension().is_some_and(|extension| extension == "html");
@@ -566,6 +568,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
 /// The longest session, in bytes.
 const MAX_SESSION: u64 = 16 << 20;
 
+/// Makes a lesson of the scenes of a saved session.
 fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
     // Its name is the lesson's, which has to be one before the work begins.
@@ -582,6 +585,7 @@ fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     ))
 }
 
+/// Writes the keys of lessons beside their files.
 fn keys(arguments: &CheckArguments) -> Result<()> {
     ensure!(
         !arguments.files.is_empty(),
@@ -610,6 +614,7 @@ fn check_language(language: &str) -> Result<()> {
     Ok(())
 }
 
+/// Writes the translation of a lesson anew: with the texts of the old one, and marks where texts are missing.
 fn translate(file: &Path, language: &str) -> Result<()> {
     check_language(language)?;
     let name = name_of(file)?;
@@ -635,6 +640,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     ))
 }
 
+/// Merges the results of learners, and writes their entries and gains.
 fn merge(arguments: &ResultsArguments) -> Result<()> {
     let ResultsArguments { files, out, gain } = arguments;
     for target in out.iter().chain(gain) {

@@ -259,6 +259,7 @@ impl SetArguments {
         self.read_hinted(path, set, certificate, varying)
     }
 
+    /// Reads a file with what the arguments say about it. Errors name the option that would help.
     fn read_hinted(
         &self,
         path: &Path,

@@ -98,6 +98,7 @@ fn wanted(name: &str) -> Result<Wanted, String> {
     one.map(|one| Wanted(Some(one)))
 }
 
+/// Carries out experiments and writes their report, or prints what would be carried out.
 pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
@@ -227,6 +228,7 @@ fn verdict_line(finished: &Finished, claim: &Claim) -> String {
 /// Width of the column of verdicts: that of the longest.
 const VERDICT: usize = "not reproduced (quick)".len();
 
+/// Returns the claims with their verdicts, in lines.
 fn text(summary: &Summary) -> String {
     let mut out = String::new();
     for one in &summary.finished {

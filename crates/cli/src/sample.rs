@@ -12,6 +12,7 @@ use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
 use crate::{interrupt, nested, solid, stream, varying, window};
 
+/// Makes a set as the arguments ask for it, writes it and prints its report.
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.engine.threads.set()?;
@@ -46,6 +47,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     Ok(outcome.code())
 }
 
+/// Makes a set of one radius in a rectangle, and returns its report.
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let mut recipe = arguments.run.recipe()?;
     let expected = arguments.run.expected(&recipe.parameters)?;

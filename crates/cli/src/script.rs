@@ -49,6 +49,7 @@ Examples:
 Exit codes: 0 all was done, 1 a command was refused or the set is not valid, 2 a file could not be read or
 written, or this is no script."#;
 
+/// Carries out the commands of a file, and prints why commands were refused.
 pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
     let is_input = arguments.file.as_os_str() == "-";
     let file = if is_input {
@@ -79,6 +80,7 @@ pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
     Ok(verdict.map_or(EXIT_FINE, verdict_code).max(refused_code))
 }
 
+/// Returns the text of a script, from a file or from standard input.
 fn read(file: &Path) -> Result<String> {
     let source: Box<dyn Read> = if file.as_os_str() == "-" {
         Box::new(std::io::stdin())

@@ -128,6 +128,7 @@ impl Tally {
     }
 }
 
+/// Makes and checks random runs until there are enough samples, or too many faults.
 pub fn run(arguments: &SoakArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
@@ -163,6 +164,7 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     Ok(verdict_code(sum.is_fine()))
 }
 
+/// Returns the totals in lines, with a command that repeats each fault.
 fn text(sum: &Tally) -> String {
     let mut out = format!(
         "rounds             {}\n\
@@ -250,6 +252,7 @@ const ORDERS: [Order; 4] = [
     Order::PhaseGroup,
 ];
 
+/// Draws the parameters of a round.
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
     // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
     // r^2.
@@ -370,6 +373,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     }
 }
 
+/// Makes a run with every engine and as windows, compares the sets and verifies one of them.
 fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run =

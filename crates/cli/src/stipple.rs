@@ -121,6 +121,7 @@ Examples:
   tilescope stipple moon.png --dots 30000 --invert --run-on --out moon.svg
   tilescope stipple photo.jpg --dots 50000 --width 200 --out plotter.csv";
 
+/// Makes a set of dots from an image, writes it and prints its report.
 pub fn run(arguments: &StippleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
@@ -169,6 +170,7 @@ impl StippleArguments {
         self.format.is_none() && self.out.as_ref().is_some_and(is_png)
     }
 
+    /// Returns what the arguments ask for.
     fn recipe(&self) -> Result<StippleRecipe> {
         let tone = Tone {
             gamma: self.tone.gamma,

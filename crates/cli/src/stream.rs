@@ -190,6 +190,7 @@ enum Sink {
 }
 
 impl Sink {
+    /// Opens the file of the set, or begins the verdict of a set that is not written.
     fn open(arguments: &SampleArguments, context: &ExportContext) -> Result<Self> {
         let Some(path) = &arguments.out else {
             // Without a file the set is only judged while it passes by.
@@ -258,6 +259,7 @@ impl Sink {
         Ok(())
     }
 
+    /// Finishes the file or the verdict.
     fn finish(self) -> Result<Judged> {
         Ok(match self {
             Self::File { export, .. } => {

@@ -236,6 +236,7 @@ impl ThinArguments {
         })
     }
 
+    /// Returns where the radius comes from.
     fn radius(&self) -> Result<RadiusSource> {
         if let Some(text) = &self.radius_expression {
             return formula(text);
@@ -259,6 +260,7 @@ impl ThinArguments {
         }
     }
 
+    /// Returns the order in which points are taken.
     fn priority(&self) -> Result<ThinningPriority> {
         // Clap takes one word or two, and does not read them.
         let words: Vec<&str> = self.priority.iter().map(String::as_str).collect();
@@ -358,6 +360,7 @@ struct ThinnedFile {
 }
 
 impl ThinnedFile {
+    /// Returns the report for programs.
     fn json(&self) -> Value {
         let (written, thinning) = (self.written.as_ref(), &self.thinning);
         let seconds = self.laps.seconds.iter();
@@ -375,6 +378,7 @@ impl ThinnedFile {
         object
     }
 
+    /// Returns the report in lines.
     fn text(&self) -> String {
         let radius = output::radius_text(&self.thinning.radius);
         let priority = self.thinning.priority();

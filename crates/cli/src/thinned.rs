@@ -81,6 +81,7 @@ struct Verdict {
     has_source: bool,
 }
 
+/// Reads the set and, if it is given, its source, and judges them.
 fn verdict(
     path: &Path,
     set: &SetArguments,
@@ -217,6 +218,7 @@ impl Verdict {
         object
     }
 
+    /// Returns the verdict in lines.
     fn text(&self, stated: &Certificate, thinned: &Thinned) -> String {
         let region = output::region_text(&stated.region);
         let radius = output::radius_text(&stated.radius);

@@ -73,6 +73,7 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
     }
 }
 
+/// Returns what the arguments ask for.
 fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let (run, ground) = (&arguments.run, &arguments.ground);
     let asked = &run.asked;

@@ -64,6 +64,7 @@ Examples:
   tilescope verify photo.svg --density-image photo.jpg
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
+/// Checks a file against its radius, its domain and its certificate, and prints the verdict.
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     output::note_left_out(&arguments.set, &arguments.file);
@@ -180,6 +181,7 @@ fn origin(given: Option<[f64; 2]>, check: &Check) -> Option<[f64; 2]> {
     origin.filter(|&[x, y]| x != 0.0 || y != 0.0)
 }
 
+/// Returns the outcome for programs.
 fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
     let mut object = json!({
         "format": check.detection.format.to_string(),
@@ -200,6 +202,7 @@ fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
     object
 }
 
+/// Returns the outcome in lines.
 fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     let mut report = check.report.clone();
     // Gaps are printed at their places in the file, whose domain begins at its origin; the report's begins at zero. The

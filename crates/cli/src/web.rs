@@ -53,6 +53,7 @@ pub fn run(arguments: &WebArguments) -> Result<u8> {
     runtime.block_on(serve(arguments, site))
 }
 
+/// Serves the page until a signal asks to end.
 async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     let listener = listen(arguments).await?;
     let address = listener.local_addr()?;

@@ -21,6 +21,7 @@ use crate::{interrupt, output, verdict_code};
 /// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
+/// Computes the samples of one window of the domain, judges them and prints the report.
 pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = asked else {
         anyhow::bail!("--window takes four numbers");
@@ -141,6 +142,7 @@ fn check_size(window: &Window) -> Result<()> {
     Ok(())
 }
 
+/// Returns the report of a window in lines.
 fn text(
     [left, bottom, right, top]: [f64; 4],
     domain: &Domain,

@@ -71,6 +71,7 @@ pub fn solid_sample_parallel(
     finished(domain, seed, Schedule::AllThreads, observer)
 }
 
+/// Throws darts until the process is finished, and returns the samples.
 fn finished(
     domain: SolidDomain,
     seed: u64,

@@ -250,6 +250,7 @@ impl Debugger {
         }
     }
 
+    /// Returns the breakpoint that stops the run at the event that is about to happen, if there is one.
     fn stop_here(&self) -> Option<Stop> {
         let line = self.event()?.line();
         let here = self.breakpoints.iter().enumerate();

@@ -100,6 +100,7 @@ pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
     }
 }
 
+/// Returns the difference of two domains, if there is one.
 fn domains(a: &Domain, b: &Domain) -> Option<Divergence> {
     let same = |f: fn(&Domain) -> i32| f(a) == f(b);
     if same(Domain::width) && same(Domain::height) && a.boundary() == b.boundary() {

@@ -244,6 +244,8 @@ impl Evaluator {
         self.evaluate_within(expression, state, u64::MAX, add)
     }
 
+    /// Returns the value of an expression at a state. Numbers of the moment may take about `steps` counted steps; `add`
+    /// adds names to the scope.
     fn evaluate_within(
         &self,
         expression: &Expression,

@@ -202,6 +202,7 @@ impl Listings {
     }
 }
 
+/// Reads a line of a listing; `None` if it has another form.
 fn parse_line(name: &str, row: &str) -> Option<ListingLine> {
     let parts: Vec<&str> = row.split(" | ").map(str::trim).collect();
     let (&[number, indentation, text, explanation], rest) = parts.split_first_chunk()?;

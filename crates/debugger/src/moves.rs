@@ -165,6 +165,7 @@ pub fn matches_target(recording: &Recording, index: usize, event: &Event, target
     }
 }
 
+/// Returns whether an event inserts a sample that another inserted sample makes possible.
 fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
         return false;

@@ -264,6 +264,7 @@ impl Recording {
         (self.expected[last].point == point).then_some(last)
     }
 
+    /// Adds an event to the lists that find events of its kind.
     fn note(&mut self, run_event: RunEvent, index: u32) {
         match run_event {
             RunEvent::Begin(_) | RunEvent::Iteration { .. } => self.begins.push(index),
@@ -371,6 +372,7 @@ impl Recording {
             .map_or(Status::Absent, |life| self.status_of(&life, sample, cursor))
     }
 
+    /// Returns the status of a sample after the events before `cursor`.
     pub(crate) fn status_of(&self, life: &Life, sample: u32, cursor: usize) -> Status {
         let before = |event: u32| (event as usize) < cursor;
 

@@ -190,6 +190,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a split.
     fn split(&self, index: u32, turned: bool) -> String {
         let Some(split) = self.0.run().blocks.splits.get(index as usize) else {
             return format!("node {} of the KD-tree is cut", grouped(index.into()));

@@ -86,6 +86,7 @@ impl Group {
         }
     }
 
+    /// Fails if the view, the clip or a shape of the group cannot be drawn.
     fn validate(&self) -> Result<(), FigureError> {
         let View { scale, origin } = self.view;
         // A view places every shape: a wrong one is named before the shapes, of which all would be wrong.
@@ -456,6 +457,7 @@ impl Shape {
         }
     }
 
+    /// Returns whether all numbers of the shape are finite.
     fn is_finite(&self) -> bool {
         // Exporters compare lengths with limits, and NaN is neither within one nor beyond it.
         let all = |points: &[DVec2]| points.iter().all(|p| p.is_finite());

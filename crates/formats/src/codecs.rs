@@ -362,6 +362,7 @@ fn check_provenance(set: &PointSet) -> Result<(), FormatError> {
     }
 }
 
+/// Fails if the region, the radius or the origin cannot be written.
 pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
     let region = target.region;
     let parameters = [

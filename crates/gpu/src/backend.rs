@@ -253,6 +253,7 @@ impl AnySweep {
     }
 }
 
+/// Begins a sweep on an engine that computes bands.
 async fn begin(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,

@@ -103,6 +103,7 @@ pub fn difference(device: &Run, cpu: &Run) -> Option<RunDifference> {
     first_difference(device, cpu, &cpu.result)
 }
 
+/// Returns the first difference between the lists of two runs.
 fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDifference> {
     if device.blocks != cpu.blocks {
         return Some(RunDifference {
@@ -123,6 +124,7 @@ fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDiffer
         .or_else(|| in_list("result", &device.result, result))
 }
 
+/// Returns the first difference between two lists.
 fn in_list<T: PartialEq + Debug>(
     list: &'static str,
     device: &[T],

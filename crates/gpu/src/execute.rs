@@ -113,6 +113,7 @@ impl Device {
         self.gpu.check()
     }
 
+    /// Returns a device without buffers of a run.
     fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
@@ -135,6 +136,7 @@ impl Device {
         })
     }
 
+    /// Makes a buffer in the place of the one of the same name.
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
         // WebGPU does not allow bindings of length 0.
         let length = length.max(32).next_multiple_of(4);
@@ -440,6 +442,7 @@ impl Device {
 }
 
 impl Times {
+    /// Makes the queries of timestamps and the buffer that takes their results.
     fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("times"),

@@ -68,6 +68,7 @@ impl Kernel {
     }
 }
 
+/// Returns the entry of a layout for a binding.
 fn entry(binding: &Binding, number: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = match binding.access {
         Access::Uniform => wgpu::BufferBindingType::Uniform,

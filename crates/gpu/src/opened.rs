@@ -53,6 +53,7 @@ pub async fn adapters() -> Vec<AdapterReport> {
     found(&instance).await.iter().map(report_of).collect()
 }
 
+/// Returns the adapters of this machine, the fastest kind first.
 async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     // A browser offers one adapter and lists no others.
     #[cfg(target_arch = "wasm32")]

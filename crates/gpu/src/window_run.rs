@@ -279,6 +279,7 @@ impl WindowRun {
         })
     }
 
+    /// Returns the counts of the window.
     fn counts(&self) -> WindowCounts {
         let window = Rect64::from(self.plan.frame.window);
         // Each block starts in one window, so that the counts of all windows add up.
@@ -519,6 +520,7 @@ impl WindowRun {
         Ok(())
     }
 
+    /// Returns the step that follows iteration `k`.
     fn after_iteration(&self, k: u32) -> Step {
         if self.setup.parameters.insertion == Insertion::Uniform {
             return if k == LAST_LEVEL {

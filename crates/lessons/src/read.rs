@@ -203,6 +203,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Checks the paragraph that is read so far, and adds it to the step.
     fn end_paragraph(&mut self, paragraph: &mut String, line: usize) -> Result<(), LessonError> {
         if paragraph.is_empty() {
             return Ok(());

@@ -52,6 +52,7 @@ impl Passes {
         true
     }
 
+    /// Chooses a pass, and visits it unless its buffers are at hand.
     pub(super) fn select(&mut self, pass: usize) {
         let is_on_its_way = self.is_wanted && self.selected == Some(pass);
         if pass >= self.entries.len() || is_on_its_way {

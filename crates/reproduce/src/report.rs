@@ -63,6 +63,7 @@ fn plain(text: &str) -> Span {
     Span::Plain(text.to_owned())
 }
 
+/// Returns the blocks of the report on the experiments whose results are in a folder.
 fn blocks(out: &Path) -> Vec<Block> {
     let mut blocks = vec![Block::Text(vec![plain(INTRODUCTION)])];
     let mut finished: Vec<Finished> = Vec::new();

@@ -56,6 +56,7 @@ pub struct Study<'a> {
 }
 
 impl<'a> Study<'a> {
+    /// Begins the study of an experiment, after `done` units of others.
     pub fn new(
         experiment: Experiment,
         settings: &'a Settings,

@@ -127,6 +127,7 @@ impl LiveCover {
         Ok(cover)
     }
 
+    /// Removes all samples.
     fn clear(&mut self) {
         let shorter = f64::from(self.plane.size[0].min(self.plane.size[1]));
         let is_narrow =

@@ -52,6 +52,7 @@ struct Histogram {
 }
 
 impl Histogram {
+    /// Returns the histogram of no pair.
     fn new(plane: Plane) -> Self {
         // The bins of `PairCorrelation::in_units_of`, for sets that are not too dense: they end just below half of the
         // shorter side, since beyond that a torus shows a pair twice.

@@ -120,6 +120,7 @@ impl PlaceGrid {
         })
     }
 
+    /// Adds a sample to the cell of its place.
     pub fn insert(&mut self, occupant: Occupant) {
         let [column, row] = self.cell_of(occupant.place);
         let index = row * self.counts[0] + column;

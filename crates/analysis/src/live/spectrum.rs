@@ -129,6 +129,7 @@ impl LiveSpectrum {
         self.cost_of_change()
     }
 
+    /// Adds the sample at a place, or takes it away if `sign` is negative.
     fn change(&mut self, place: [i32; 2], sign: i8) {
         let (at, weights) = self.weighed(place);
         self.sums.change(&WaveChange {

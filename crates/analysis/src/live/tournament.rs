@@ -28,6 +28,7 @@ impl Tournament {
         self.nodes[1]
     }
 
+    /// Sets the number of a slot, and renews the nodes above it.
     pub fn set(&mut self, slot: u32, number: u64) {
         if slot as usize >= self.leaves() {
             self.grow(slot as usize + 1);

@@ -103,6 +103,7 @@ impl Order {
     }
 }
 
+/// Returns the order of a sample's Voronoi cell, its area relative to the mean.
 fn order(cell: &VoronoiCell, mean_area: f64) -> CellOrder {
     let mut sum = [0.0; 2];
     for offset in &cell.neighbors {

@@ -121,6 +121,7 @@ impl<'a> PairSearch<'a> {
         }
     }
 
+    /// Returns the sums over the pairs of the samples in some rows of cells.
     fn rows(&self, rows: Range<usize>, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
         let (mut found, mut unreported) = (self.empty(), 0);
         for row in rows {

@@ -84,6 +84,7 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
+    /// Returns the samples on the unit square, with the weights of a taper.
     pub fn new(points: &[[f64; 2]], region: Region, taper: Taper) -> Self {
         let sample = |point: &[f64; 2]| {
             let at = DVec2::from(*point) / DVec2::new(region.width, region.height);

@@ -206,6 +206,7 @@ impl FarthestSearch {
         }
     }
 
+    /// Returns a cube with its bound and the distance of its middle from the nearest of the samples near it.
     fn ranked(&self, cube: Cube, near: &Range<usize>) -> RankedCube {
         let distances = self.lists[near.clone()]
             .iter()

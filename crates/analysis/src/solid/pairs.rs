@@ -221,6 +221,7 @@ impl<'a> Bins<'a> {
         Ok(all)
     }
 
+    /// Returns the pairs of some samples with those in the bins around them, each pair once.
     fn of_chunk(&self, chunk: &[Binned], radius: f64, witnesses: usize) -> PairsFound {
         let mut found = PairsFound::new(witnesses);
         for own in chunk.chunk_by(|a, b| a.key == b.key) {

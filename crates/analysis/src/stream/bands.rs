@@ -54,6 +54,7 @@ pub(super) struct StreamSearch {
 }
 
 impl StreamSearch {
+    /// Returns a search that has no rows yet.
     pub fn new(
         region: Region,
         radius: f64,

@@ -161,6 +161,8 @@ impl Cells {
         found
     }
 
+    /// Returns the same side as seen from the cell beyond; none at the border of the domain. `of_many` has the sides of
+    /// cells with many sides.
     fn find_twin(&self, side: usize, of_many: &HashMap<(usize, Seen), usize>) -> Option<usize> {
         let Side { cell, beyond, .. } = self.sides[side];
         let beyond = beyond?;

@@ -331,6 +331,7 @@ impl GapRegion {
         }
     }
 
+    /// Returns the gap in the units of the user, `scale` of which are computed with for one.
     fn in_user_units(mut self, scale: f64) -> Self {
         let user = |place: &mut DVec2| *place /= scale;
         self.area /= scale * scale;

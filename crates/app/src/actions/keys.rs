@@ -229,6 +229,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 }
 
 impl Ahead {
+    /// Returns the commands that the keys have, which were pressed before the list of actions was shown.
     fn commands(self, state: &State) -> Vec<Command> {
         if self.is_closed {
             return vec![Command::Window(WindowCommand::CloseFinder)];

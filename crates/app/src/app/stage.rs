@@ -89,6 +89,7 @@ impl App {
         self.apply_commands(&ctx);
     }
 
+    /// Shows one of the two windows of a talk.
     fn show_role(&mut self, ui: &mut Ui, role: Role) {
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());

@@ -33,6 +33,7 @@ pub const CONTENT: Content = Content::of_state(Room::Scrolled, |ui, state, comma
 });
 
 impl<'a> CompareContext<'a> {
+    /// Returns what the panel shows of the state.
     fn of(state: &'a State) -> Self {
         let refusal = |preset| {
             state
@@ -127,6 +128,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
     }
 }
 
+/// Shows the buttons that begin a comparison.
 fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareCommand>) {
     heading(ui, "Compare this run with");
     for (preset, refusal) in &context.presets {
@@ -284,6 +286,7 @@ fn now(
     }
 }
 
+/// Shows the switches by which the two runs follow each other.
 fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
     heading(ui, "Together");
     let mut on = comparison.linked_cameras;

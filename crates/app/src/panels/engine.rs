@@ -41,6 +41,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
     }
 }
 
+/// Shows the entry of an engine, which is disabled where there is no such engine.
 fn entry(
     ui: &mut Ui,
     context: &FormContext<'_>,

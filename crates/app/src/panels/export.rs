@@ -105,6 +105,7 @@ impl Sheet<'_> {
         self.write_or_cancel(ui);
     }
 
+    /// Shows the buttons for the kind of export.
     fn kinds(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
@@ -123,6 +124,7 @@ impl Sheet<'_> {
         });
     }
 
+    /// Returns what is written for the chosen kind, in words.
     fn explanation(&self) -> String {
         match self.form.kind {
             ExportKind::Result if self.in_browser => {
@@ -144,6 +146,7 @@ impl Sheet<'_> {
         }
     }
 
+    /// Returns what an animation shows, in words.
     fn animation(&self) -> String {
         let Some(range) = self.source.range(self.form) else {
             return "An animation shows the view from event to event.".to_owned();
@@ -261,6 +264,7 @@ impl Sheet<'_> {
         })
     }
 
+    /// Shows the buttons for the number type of coordinates.
     fn precision(&mut self, ui: &mut Ui) {
         let format = Format::from_path(&self.form.file());
         // A format with one number type shows it, without a choice.
@@ -329,6 +333,7 @@ impl Sheet<'_> {
         });
     }
 
+    /// Shows the buttons for the part of the run that an animation has.
     fn span(&mut self, ui: &mut Ui) {
         let has_loop = self.source.time.playback.range.is_some();
         let part = if has_loop { "the loop" } else { "this stage" };
@@ -347,6 +352,7 @@ impl Sheet<'_> {
         });
     }
 
+    /// Shows how many ticks of which clock lie between two frames.
     fn frames(&mut self, ui: &mut Ui) {
         self.named(ui, "A frame every", |sheet, ui, label| {
             let enabled = true;
@@ -387,6 +393,7 @@ impl Sheet<'_> {
         });
     }
 
+    /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used.
     fn number(&mut self, ui: &mut Ui, entry: NumberField, enabled: bool, label: egui::Id) {
         let (text, is_wrong) = match entry {
             NumberField::Scale => (&self.form.scale, self.form.scale().is_err()),
@@ -466,6 +473,7 @@ impl Sheet<'_> {
         ui.allocate_space(vec2(1.0, 18.0));
     }
 
+    /// Returns the text of the button that begins the export.
     fn button(&self) -> String {
         match (&self.form.taken, self.form.kind) {
             (Some(taken), _) if self.form.asked => {

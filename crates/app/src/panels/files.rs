@@ -141,6 +141,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
     });
 }
 
+/// Returns why the sheet's button does nothing now, or `None` if it does something.
 fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let path = form.path.trim();
     // Only the first reason is shown. They are in the order in which a user can mend them.

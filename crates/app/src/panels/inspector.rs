@@ -143,6 +143,7 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
     row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
 }
 
+/// Shows a place: its coordinates, and the nearest sample that covers its disk.
 fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
@@ -264,6 +265,7 @@ fn inserted_at(ui: &mut Ui, sites: Sites, palette: &Palette, commands: &mut Vec<
     }
 }
 
+/// Shows links to other samples: beside the name if there is room, otherwise below it.
 fn others(ui: &mut Ui, name: &str, ids: &[u32], palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(palette.muted));

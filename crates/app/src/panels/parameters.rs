@@ -78,6 +78,7 @@ pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands
 });
 
 impl<'a> FormContext<'a> {
+    /// Returns what the panel shows of the state.
     fn of(state: &'a State) -> Self {
         Self {
             palette: Palette::of(state.appearance().look),

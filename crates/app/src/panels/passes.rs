@@ -448,6 +448,7 @@ fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     label.on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
 }
 
+/// Shows the numbers of a pass: workgroups, invocations and time.
 fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
     let report = &entry.report;
     let mut parts = Vec::new();

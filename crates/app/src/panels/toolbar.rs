@@ -311,6 +311,7 @@ fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     button.issues("toggle-theme", command, commands);
 }
 
+/// Shows the menus of the menu bar.
 fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let all = std::cell::OnceCell::new();
     for menu in Menu::ALL {

@@ -385,6 +385,7 @@ fn short(judges: &[Judge]) -> String {
     judges.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
+/// Shows whether the set has a property, with the fault if it has not.
 fn property(
     ui: &mut Ui,
     (name, meaning): (&str, &str),

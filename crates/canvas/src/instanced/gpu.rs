@@ -69,6 +69,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
+    /// Creates the resources of a canvas, without samples.
     pub fn new(render: &RenderState) -> Self {
         // All canvases keep their buffers in one map, each under its own key.
         static NEXT_KEY: AtomicU64 = AtomicU64::new(0);
@@ -303,6 +304,7 @@ fn vertex_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer
     })
 }
 
+/// Returns the layout by which shaders find the parameters of a layer.
 fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("samples"),
@@ -320,6 +322,7 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
+/// Returns the binding of the buffer of parameters, from which each draw call chooses its slot.
 fn bind_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,

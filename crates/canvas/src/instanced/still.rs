@@ -34,6 +34,7 @@ pub struct Stills {
 }
 
 impl Stills {
+    /// Creates the pipeline that copies kept pictures, without pictures.
     pub fn new(render: &RenderState) -> Self {
         let device = &render.device;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {

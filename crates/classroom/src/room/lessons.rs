@@ -385,6 +385,7 @@ impl Classroom {
         }
     }
 
+    /// Goes to the step before or after the one that is shown, if the learner may.
     fn step_lesson(&mut self, direction: Direction, context: &mut Context) {
         let Some(open) = &mut self.lessons.open else {
             return;

@@ -122,6 +122,7 @@ impl Classroom {
         }
     }
 
+    /// Begins the lecture that comes with the program.
     fn present_lecture(&mut self, context: &mut Context) {
         // On a page the lessons are loaded when they are first needed; the talk begins once they are there.
         if self.lessons.shelf.is_empty() {
@@ -229,6 +230,7 @@ impl Classroom {
         talk.cover = Some(Cover::Over);
     }
 
+    /// Takes back what was shown last.
     fn previous_in_talk(&mut self, context: &mut Context) {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &self.lessons.open) else {
             return;
@@ -288,6 +290,7 @@ impl Classroom {
         self.begin_step();
     }
 
+    /// Counts the votes that were typed, or shows why they cannot be read.
     fn vote(&mut self, text: &str) {
         let key = self.talk_key();
         let question = self
@@ -628,6 +631,7 @@ impl Talk {
         self.cover = Some(cover).filter(|_| self.cover != Some(cover));
     }
 
+    /// Applies a command that concerns the talk's windows, tools and covers alone.
     fn apply(&mut self, command: &TalkCommand) {
         match *command {
             TalkCommand::Blank => self.toggle_cover(Cover::Blank),

@@ -255,6 +255,7 @@ struct Anisotropy {
     decibels: f64,
 }
 
+/// Returns the axis of anisotropies: as wide as annuli of many frequencies and the levels of chance need.
 fn range_of_many(all: &[Anisotropy], levels: impl Iterator<Item = f64>) -> Axis {
     let label = "anisotropy, dB";
     let wider = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];

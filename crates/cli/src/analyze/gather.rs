@@ -96,6 +96,7 @@ impl Analysis {
         Ok(analysis)
     }
 
+    /// Measures each set by itself. A file that cannot be read is noted, and the others are measured.
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, repetition) in paths.iter().zip(repetitions(paths)) {
             let set = (request.measure(Source::whole(path), None))

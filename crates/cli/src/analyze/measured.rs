@@ -147,6 +147,7 @@ impl<'a> Request<'a> {
         self.measured(source, common).in_file(source.path)
     }
 
+    /// Reads, verifies and measures a set; with the window and the bins in `common` if it is one of an average.
     fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<Measurement> {
         self.refuse_early(source.path)?;
         let VerifiedFile {

@@ -103,6 +103,7 @@ pair correlations they follow from the spread between sets and need several sets
 difference of equal curves with probability 0.95. Periodograms are white where there is no power, and black from \
 three times the power of white noise on. The zero frequency is left out; if it has a cell of its own, a ring marks it.</p>\n";
 
+/// Appends a table in HTML.
 fn page_table(out: &mut String, table: &Table) {
     // Tables of files have no units, and a column of nothing is left out.
     let has_units = table.rows.iter().any(|(_, unit)| !unit.is_empty());

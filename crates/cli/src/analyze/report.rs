@@ -35,6 +35,7 @@ pub fn csv(analysis: &Analysis) -> String {
     out
 }
 
+/// Appends the measures of a set or an average in CSV.
 fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
     for measure in measures {
         // A measure that is not defined has no line.

@@ -33,6 +33,7 @@ pub struct Census {
 }
 
 impl Census {
+    /// Counts the pieces by where they come from.
     fn new(pieces: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
         let kind = |piece: &PlacedPiece| match piece.source {
             PieceSource::File { .. } => 0,

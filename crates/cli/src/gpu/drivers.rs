@@ -126,6 +126,7 @@ impl DriverFile {
 }
 
 impl System<'_> {
+    /// Returns the drivers that Vulkan's loader would find, as it looks for them.
     fn drivers(&self) -> Drivers {
         let set = |name: &'static str| Some((name, (self.variable)(name)?));
         // The loader does not read the older name where the newer one is set.
@@ -180,6 +181,7 @@ impl System<'_> {
         paths.filter(|path| extension(path) == "json").collect()
     }
 
+    /// Returns the driver of a file, with the fault if the file cannot be used.
     fn driver(&self, path: PathBuf) -> DriverFile {
         let library = self.library_of(&path);
         // As the loader does it: a name with a slash is relative to the file, any other is searched for like a library.

@@ -112,6 +112,7 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
     Ok(to_svg(&figure_scene(&figure, &Palette::LIGHT)?)?)
 }
 
+/// Appends a table of gains, whose column of numbers is headed `count`.
 fn table(out: &mut String, count: &str, rows: &[Gain]) {
     let _ = writeln!(
         out,

@@ -41,6 +41,7 @@ fn checked(file: &Path, set: &SetArguments, judge: &JudgeArguments) -> Result<Ch
     }))
 }
 
+/// Returns the outcome for programs.
 fn to_json(check: &SolidCheck) -> Value {
     // The same fields as of planar sets, so that programs read both alike.
     let (report, stated) = (&check.verdict.report, check.certificate.as_ref());
@@ -141,6 +142,7 @@ fn uncertified(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidC
     Ok((read.points, of_unknown_origin(read.region, radius)))
 }
 
+/// Returns the smallest distance of a set without a radius, which then serves as its radius.
 fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
     // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
     let spacing = (region.volume() / points.len().max(1) as f64).cbrt();

@@ -85,6 +85,7 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
     }
 }
 
+/// Returns what the arguments ask for.
 fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
     let asked = &arguments.run.asked;
     let size = arguments.space.size([asked.width, asked.height]);
@@ -174,6 +175,7 @@ struct SolidOutcome {
 }
 
 impl SolidOutcome {
+    /// Returns the outcome for programs.
     fn json(&self) -> Value {
         let made = &self.made;
         let mut object = json!({
@@ -195,6 +197,7 @@ impl SolidOutcome {
         object
     }
 
+    /// Returns the outcome in lines.
     fn text(&self) -> String {
         let made = &self.made;
         let region = verdict::box_text(&made.region());

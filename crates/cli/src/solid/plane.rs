@@ -83,6 +83,7 @@ pub fn read(file: &Path, set: &SetArguments, slice: Slice) -> Result<PlaneDisks>
     disks(&read.points, read.region, read.radius, slice)
 }
 
+/// Returns the disks in which a plane meets the balls. Fails if the plane is beyond the box.
 fn disks(
     points: &[[f64; 3]],
     region: SolidRegion,

@@ -122,6 +122,7 @@ fn unreadable(error: &io::Error) -> Response {
     (status, retry, "The file cannot be read now.\n").into_response()
 }
 
+/// Answers a request with the file of its path.
 async fn file(site: &ServedFolder, request: Request) -> Response {
     let path = request.uri().path().to_owned();
     let Some(file) = within::file(&site.folder, &path) else {

@@ -30,6 +30,7 @@ pub struct AsPrinted {
 }
 
 impl AsPrinted {
+    /// Begins with the tiled samples of a run.
     pub fn new(domain: Domain, search: Search, samples: &Samples) -> Self {
         let mut grid = SampleGrid::with_capacity(domain, samples.len());
         for (id, &fate) in (0..).zip(&samples.fates) {
@@ -234,6 +235,7 @@ impl AsPrinted {
         self.insert_on_border(samples, &others, pivot, iteration, recorder);
     }
 
+    /// Inserts at the places where the circle around a sample meets the border, or the circle of another sample on it.
     fn insert_on_border<T: Recorder>(
         &mut self,
         samples: &mut Samples,

@@ -291,6 +291,7 @@ impl Sequential {
         Ok(found)
     }
 
+    /// Ends the run: lists the samples of the result.
     fn gather<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,
@@ -324,6 +325,7 @@ pub(crate) fn survivors(
     Ok(grid)
 }
 
+/// Returns the candidates that the detectors find among the survivors, each once.
 fn detect<T: Recorder>(
     run: &Run,
     survivors: &SampleGrid,

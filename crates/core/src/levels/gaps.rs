@@ -171,6 +171,7 @@ impl LevelRegion {
         Ok(pixels)
     }
 
+    /// Gathers the samples near a cell, and divides the cell into pixels to find the open ones.
     fn open_cell(&self, cell: &Rect, around: &mut Gathered) {
         let radius = self.grid.radius();
         let side = radius.side();

@@ -335,6 +335,7 @@ impl LevelRegion {
 }
 
 impl Claimant {
+    /// Returns the sample of a block at `p`, which is in its margin if it is not in the block.
     fn new(block: &NestedBlock, index: u32, p: Point, frame: &LevelFrame) -> Self {
         let [left, bottom] = block.rect.min.to_array();
         let (column, row) = (i64::from(p.x) - left, i64::from(p.y) - bottom);

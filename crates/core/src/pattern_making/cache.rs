@@ -40,6 +40,7 @@ impl Pattern {
     }
 }
 
+/// Returns the pattern of a description, from those that are kept if it is among them.
 fn of_spec(
     kept: &Mutex<Kept>,
     spec: &PatternSpec,

@@ -36,6 +36,7 @@ pub(super) struct BallFrame {
 }
 
 impl BallFrame {
+    /// Returns the cells over a box.
     pub fn new(domain: &SolidDomain) -> Self {
         let last = domain.last();
         // From the cell below the origin to the one that holds places R beyond the last one.

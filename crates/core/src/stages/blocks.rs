@@ -186,6 +186,7 @@ const fn extent(rect: &Rect, axis: Axis) -> i32 {
     }
 }
 
+/// Returns the two parts of a rectangle that is cut at a place on an axis.
 const fn halves(rect: &Rect, axis: Axis, plane: i32) -> (Rect, Rect) {
     match axis {
         Axis::X => (

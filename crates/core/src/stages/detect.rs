@@ -229,6 +229,7 @@ impl<'a> Detection<'a> {
         self.find_on_border(&border, own, at, out, recorder);
     }
 
+    /// Records the search around a detector.
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
         // The search of the definition, a disk, whatever parts of it are read.
         let radius = self.reach.search;
@@ -277,6 +278,7 @@ impl<'a> Detection<'a> {
         });
     }
 
+    /// Examines the circumcentres of the detector with any two of the samples near it.
     fn find_circumcentres<T: Recorder>(
         &self,
         own: Site,
@@ -301,6 +303,7 @@ impl<'a> Detection<'a> {
         }
     }
 
+    /// Examines the places of the border that the detector makes alone or with another sample.
     fn find_on_border<T: Recorder>(
         &self,
         border: &Border,

@@ -69,6 +69,7 @@ struct Phases {
 }
 
 impl Phases {
+    /// Returns the cells of a domain, and the random sequence of their groups.
     fn new(domain: &Domain, key: Key) -> Self {
         // An even number, so that groups also alternate across a periodic border.
         let count = [domain.width(), domain.height()].map(|side| ((side / (2 * R)) & !1).max(2));

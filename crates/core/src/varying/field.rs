@@ -206,6 +206,8 @@ impl RadiusField {
         Ok(field)
     }
 
+    /// Makes the levels above the cells, each with the ranges of two by two parts of the level below, up to a single
+    /// block.
     fn build_levels(&mut self) {
         let mut below = self.cells;
         while below != [1, 1] {

@@ -53,6 +53,7 @@ pub(super) const fn octave_of(radius: i32) -> u8 {
 }
 
 impl Octaves {
+    /// Returns a grid without samples for each octave of the field's radii.
     pub fn new(field: &RadiusField) -> Self {
         let (domain, range) = (field.domain(), field.whole());
         let octave = |bits: u8| {

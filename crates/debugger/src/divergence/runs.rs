@@ -90,6 +90,7 @@ impl Pair<'_> {
         differs.then(|| differ(Stage::Pattern, None, text(self.a), text(self.b)))
     }
 
+    /// Returns the first difference of the blocks.
     fn blocks(&self) -> Option<Divergence> {
         let (a, b) = (&self.a.blocks, &self.b.blocks);
         let splits = a.splits.iter().zip(&b.splits);
@@ -112,6 +113,7 @@ impl Pair<'_> {
         (m != n).then(|| differ(Stage::Blocks, None, text(m), text(n)))
     }
 
+    /// Returns the first difference of the stages after the blocks.
     fn stages(&self) -> Option<Divergence> {
         let (a, b) = (tiled(self.a), tiled(self.b));
         let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
@@ -130,6 +132,7 @@ impl Pair<'_> {
         found.or_else(|| (0..last).find_map(|k| self.iteration(k)))
     }
 
+    /// Returns the first block that gets another clip.
     fn tiles(&self) -> Option<Divergence> {
         let mut pairs = self
             .a
@@ -193,6 +196,7 @@ impl Pair<'_> {
         })
     }
 
+    /// Returns the first difference of an iteration, counted from 0.
     fn iteration(&self, k: usize) -> Option<Divergence> {
         let number = k as u32 + 1;
         let stage = match self.a.parameters.variant {

@@ -25,6 +25,8 @@ struct Document<C> {
     certificate: Option<C>,
 }
 
+/// Reads the points of a document and, unless it is left out, its certificate. With `any_z` further coordinates of
+/// points are cut off before.
 pub(super) fn read(
     bytes: &[u8],
     certificate: CertificateUse,

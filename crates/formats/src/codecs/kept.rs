@@ -93,6 +93,7 @@ const POINTS: &str = "points";
 const CERTIFICATE: &str = "certificate";
 const COORDINATES: &str = "coordinates";
 
+/// Returns a JSON document with the kept points only, and without its certificate.
 fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
     let mut flags = kept.iter().copied();

@@ -203,6 +203,7 @@ fn value_of<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
     Some(quoted.next()?.trim_start().strip_prefix(':')?.trim_start())
 }
 
+/// Reads the type of the numbers.
 fn descr(value: &str) -> Result<(Precision, Endian), FormatError> {
     let inner = value
         .strip_prefix(['\'', '"'])

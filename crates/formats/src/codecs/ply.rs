@@ -111,6 +111,7 @@ impl PlyColumns {
     }
 }
 
+/// Reads the points of the vertices.
 pub(super) fn read(bytes: &[u8], format: Format, any_z: bool) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
     let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1, any_z)?;

@@ -165,6 +165,7 @@ impl Parser {
         }
     }
 
+    /// Reads a line of the header.
     fn take(&mut self, row: &[u8]) -> Result<(), FormatError> {
         let mut fields = words(row);
         let keyword = fields.next().unwrap_or_default();
@@ -209,6 +210,7 @@ impl Parser {
         Ok(())
     }
 
+    /// Adds a scalar property to the element that was read last.
     fn property(&mut self, scalar: &[u8], name: &[u8]) -> Result<(), FormatError> {
         let Some(scalar) = Scalar::from_name(scalar) else {
             return Err(self.fault(format!("\"{}\" is not a type", quote(scalar))));

@@ -114,6 +114,7 @@ impl Layout {
         })
     }
 
+    /// Returns the layout of rows that begin at `offset`.
     fn new(
         format: Format,
         kind: RowKind,

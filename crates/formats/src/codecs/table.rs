@@ -90,6 +90,7 @@ pub(super) fn heights(bytes: &[u8], format: Format) -> Result<Vec<f64>, FormatEr
     column_by(bytes, format, None, pick)
 }
 
+/// Returns the numbers of one column. `pick` finds the column once the head of the table is read.
 fn column_by(
     bytes: &[u8],
     format: Format,
@@ -381,6 +382,7 @@ impl TextTable {
 }
 
 impl TableRows {
+    /// Returns the point of a row. A quoted row is complete only with the lines that its quotation marks hold together.
     fn point(
         &mut self,
         row: &[u8],

@@ -226,6 +226,7 @@ pub(super) fn write_solid_binary(
     Ok(out)
 }
 
+/// Returns the precision of a type's code.
 fn precision_of(code: u8) -> Result<Precision, FormatError> {
     match code {
         TYPE_FLOAT => Ok(Precision::Single),

@@ -91,6 +91,7 @@ struct SolidFile {
 }
 
 impl SolidFile {
+    /// Reads a file, and what its certificate and the overrides say about it.
     fn read(
         data: &[u8],
         name: &str,
@@ -171,6 +172,7 @@ struct SolidJudged {
 }
 
 impl SolidJudged {
+    /// Returns what the set is judged by. Fails if neither the overrides nor the certificate state it.
     fn new(
         format: Format,
         stated: Option<&Certificate>,

@@ -32,6 +32,7 @@ impl SolidContext {
         in_space(self.planar.region, self.depth)
     }
 
+    /// Judges the positions as a file in this format holds them.
     fn judge(
         &self,
         points: &[[f64; 3]],

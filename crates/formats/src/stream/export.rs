@@ -439,6 +439,7 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
     Ok((place, lock))
 }
 
+/// Returns how a set is written band by band. Fails if that is not possible, before any work is done.
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
     // Found out at the end, this would cost the whole export.

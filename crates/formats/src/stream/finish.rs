@@ -102,6 +102,7 @@ impl StreamExport {
         Ok(Some((certificate, report)))
     }
 
+    /// Reads the written file once more, and returns its digest if it is asked for.
     fn read_back(
         &mut self,
         is_digested: bool,

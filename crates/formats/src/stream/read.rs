@@ -176,6 +176,7 @@ impl StreamReader {
         }
     }
 
+    /// Ends the reading. Fails if there are no points, or another number of them than the file states.
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
 

@@ -72,6 +72,7 @@ fn fault(path: &Path, reason: impl Into<String>) -> ExportError {
 }
 
 impl Checkpoint {
+    /// Reads the checkpoint of a file.
     pub fn read(path: &Path) -> Result<Self, ExportError> {
         let path = resume_path(path);
         if !path.exists() {

@@ -95,6 +95,7 @@ impl Drop for Writer {
 }
 
 impl Appending {
+    /// Starts the thread that appends blocks to the file.
     fn start(file: &Arc<File>, digest: &blake3::Hasher) -> io::Result<Self> {
         let (blocks, incoming) = sync_channel::<Vec<u8>>(WAITING);
         let (emptied, spare) = channel();

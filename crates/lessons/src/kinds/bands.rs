@@ -106,6 +106,7 @@ const fn sign(change: Change) -> char {
 }
 
 impl Bands {
+    /// Returns the row of a band, with a word for each change.
     fn row(&self, view: &View<'_>, band: usize) -> Row {
         let [low, high] = self.ranges[band];
         let name = format!("{low:.2} \u{2013} {high:.2} / r");

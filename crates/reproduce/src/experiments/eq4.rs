@@ -32,6 +32,7 @@ fn amounts(settings: &Settings) -> (usize, f64) {
 /// A unit for each leaf.
 pub const UNITS: usize = LEAVES.len();
 
+/// Measures the sets of each leaf size, and compares them with the formula.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (sets, samples) = amounts(study.settings);
     let mut found = Vec::new();
@@ -117,6 +118,7 @@ fn exponent(found: &[LeafShares], value: fn(&LeafShares) -> f64) -> f64 {
     slope(found.iter().map(|one| [one.leaf.ln(), value(one).ln()]))
 }
 
+/// Returns the claims about the shares; none if no leaf of the paper's bound was measured.
 fn claims(found: &[LeafShares]) -> Vec<Claim> {
     // The smallest leaf of the paper's bound is the one that the claims name.
     let Some(first) = found.iter().find(|one| one.leaf >= FROM) else {
@@ -156,6 +158,7 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
     claim("eq4/area", verdict, &values)
 }
 
+/// Judges whether the share of the margin is below the paper's bound.
 fn below(found: &[LeafShares]) -> Claim {
     // The paper's bound is for these leaves alone.
     let large = || found.iter().filter(|one| one.leaf >= FROM);
@@ -175,6 +178,7 @@ fn below(found: &[LeafShares]) -> Claim {
     claim("eq4/below", Verdict::of(margin < PAPER), &values)
 }
 
+/// Judges whether the shares go as the inverse of the leaf.
 fn inverse(found: &[LeafShares]) -> Claim {
     let [margin, inserted] =
         [LeafShares::margin_share, LeafShares::inserted_share].map(|share| exponent(found, share));

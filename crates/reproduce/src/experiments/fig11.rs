@@ -27,6 +27,7 @@ pub fn units(settings: &Settings) -> usize {
     plan(settings).rounds as usize
 }
 
+/// Times the stages of the engines, and judges which of them takes longest.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = plan(study.settings);
     let rounds: Vec<StageRound> = stages::run(plan, study)?;
@@ -59,6 +60,7 @@ fn claims(rows: &[LeafTimes]) -> Vec<Claim> {
     ]
 }
 
+/// Judges whether elimination with the first insertion is the longest part.
 fn longest(id: &str, rows: &[LeafTimes], printed: bool) -> Claim {
     let rows = || rows.iter().filter(|row| row.printed == printed);
     let words = |row: &LeafTimes| {

@@ -74,6 +74,7 @@ pub fn units(settings: &Settings) -> usize {
     sides(settings).len()
 }
 
+/// Combines nine sets at each size, measures the results and draws one.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let seed = study.settings.seed;
     let mut found: Vec<LayoutResult> = Vec::new();
@@ -165,6 +166,7 @@ fn claims(found: &[LayoutResult]) -> Vec<Claim> {
     vec![maximal(found, last), losses(found, last), cost(last)]
 }
 
+/// Judges whether the combined sets have neither conflicts nor gaps.
 fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
     let faults = found
         .iter()
@@ -229,6 +231,7 @@ const PART: f64 = 36.0;
 /// Pieces in a sequence in which no two neighbours, across borders either, have one tint of six.
 const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 
+/// Returns the picture of the whole, and that of a part from near.
 fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
     let combined = &glued.combined;
     // The lowest corner of the middle set is one at which four of the nine meet.

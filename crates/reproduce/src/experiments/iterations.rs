@@ -83,6 +83,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
+/// Makes and verifies a set, and returns its counts.
 fn measure(
     case: InsertionCase,
     seed: u64,
@@ -111,6 +112,7 @@ fn claims(found: &[IterationCounts], printed: &[Summary]) -> Vec<Claim> {
         .collect()
 }
 
+/// Judges whether the paper's number of iterations suffices for all sets.
 fn suffices(how: &str, sets: &[Summary]) -> Claim {
     let counts = || sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
@@ -132,6 +134,7 @@ fn suffices(how: &str, sets: &[Summary]) -> Claim {
     claim(&format!("iterations/suffices-{how}"), verdict, &values)
 }
 
+/// Judges whether insertions after the paper's number of iterations are rare.
 fn rare(how: &str, sets: &[Summary]) -> Claim {
     let after = |from: usize| -> usize {
         let late = |set: &Summary| set.inserted.iter().skip(from).sum::<usize>();

@@ -102,6 +102,7 @@ fn make(parameters: &Parameters, search: Search, control: &Control<'_>) -> Resul
     Ok((set, summary.inserted.iter().sum()))
 }
 
+/// Makes a set with each reach of the search, and returns the gaps of both.
 fn measure(
     case: SearchCase,
     samples: f64,

@@ -308,6 +308,7 @@ impl PlotFrame<'_> {
         }
     }
 
+    /// Draws a curve with its band.
     fn curve(&self, painter: &Painter, curve: &Curve) {
         let points: Vec<Pos2> = curve.points.iter().map(|&point| self.at(point)).collect();
         // The band lies below its line.

@@ -413,6 +413,7 @@ impl Notes<'_> {
         }
     }
 
+    /// Shows the picture of the next step, or why there is none.
     fn picture(&self, ui: &mut Ui, picture: &StepPicture) {
         if let Some(fault) = &picture.fault {
             let text = RichText::new(ui.words(format!("It cannot be shown: {fault}.")))

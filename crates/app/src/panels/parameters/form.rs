@@ -380,6 +380,7 @@ impl Fields<'_> {
         }
     }
 
+    /// Shows the text field of a parameter. Up and down change its number by small steps.
     fn edit(&mut self, ui: &mut Ui, field: Parameter, name: &str, width: f32) {
         let mut text = self.context.form.draft.text(field).to_owned();
         let is_wrong = self.refusal(FormPart::Field(field)).is_some();
@@ -400,6 +401,7 @@ impl Fields<'_> {
         self.run_on_enter(ui, &response);
     }
 
+    /// Shows a text field with its name and its meaning, in the colour of faults if it is wrong.
     fn text_field(
         &self,
         ui: &mut Ui,

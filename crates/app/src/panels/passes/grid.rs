@@ -79,6 +79,7 @@ struct ColumnEnds {
 }
 
 impl ColumnEnds {
+    /// Returns where the columns of a table end.
     fn of(ui: &Ui, table: &BufferTable, shown: &ShownBuffer) -> Self {
         let font = TextStyle::Monospace.resolve(ui.style());
         let zero = ui
@@ -105,6 +106,7 @@ const fn palette_free() -> egui::Color32 {
     egui::Color32::TRANSPARENT
 }
 
+/// Draws the names of the columns, moved to the left by `offset` as the rows are.
 fn header(
     ui: &Ui,
     rect: Rect,

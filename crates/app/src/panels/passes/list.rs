@@ -75,6 +75,7 @@ fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     response
 }
 
+/// Takes the keys that choose a pass, while the list has the focus.
 fn keys(ui: &Ui, id: Id, commands: &mut Vec<PassCommand>) {
     let filter = EventFilter {
         vertical_arrows: true,

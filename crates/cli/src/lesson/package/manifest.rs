@@ -85,6 +85,7 @@ impl Element {
         }
     }
 
+    /// Writes the element with its attributes, text and children.
     fn write(&self, writer: &mut Writer<Vec<u8>>) -> Result<()> {
         // Quotes and signs of markup in values and texts are escaped by the writer.
         let attributes = self.attributes.iter();

@@ -124,6 +124,7 @@ impl PieceEntry {
         }
     }
 
+    /// Returns the source of a piece that is made from its seed, by the entry's method.
     fn of_seed(
         &self,
         seed: u64,

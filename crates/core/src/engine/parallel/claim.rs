@@ -110,6 +110,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.blocks = blocks;
     }
 
+    /// Decides about a block's own samples that are not in its interior, in their order.
     #[inline(always)]
     fn claim_own<S: Simd>(
         &mut self,

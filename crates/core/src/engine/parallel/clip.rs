@@ -333,6 +333,7 @@ impl Clipper {
         Ok(())
     }
 
+    /// Appends the images of a block in the frame.
     fn push_images(
         &self,
         block: &Block,

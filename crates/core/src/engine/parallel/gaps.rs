@@ -177,6 +177,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.spread = known;
     }
 
+    /// Returns whether a cell that had an open pixel at the first detection still has one.
     #[inline(always)]
     fn is_still_open<S: Simd>(
         &self,

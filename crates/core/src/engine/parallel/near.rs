@@ -226,6 +226,8 @@ impl Near {
         )
     }
 
+    /// Returns whether a square may have a place that no sample covers: it is cut in four until single samples cover
+    /// the parts, or one of the smallest is not covered.
     #[inline(always)]
     fn square_may_be_open<S: Simd>(&self, simd: S, square: Square) -> bool {
         let mut waiting = [square; MAX_WAITING];

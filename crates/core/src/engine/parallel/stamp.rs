@@ -41,6 +41,7 @@ impl Stamps {
         self.tables[from][y * BINS + x]
     }
 
+    /// Computes the tables.
     fn new() -> Self {
         let tables = std::array::from_fn(|from| {
             let (column, row) = (from as i32 % 3 - 1, from as i32 / 3 - 1);

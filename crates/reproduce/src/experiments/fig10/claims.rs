@@ -19,6 +19,7 @@ const ALIKE: f64 = 0.05;
 /// samples goes with the inverse root of their number: they would have to be half as many again.
 const CLEARLY: f64 = 1.224_744_871_391_589;
 
+/// Returns the claims about zone plates and the scene; none if a sampler was not measured.
 pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
     let find = |sampler: Sampler| all.iter().find(|one| one.sampler == sampler);
     let (Some(random), Some(reference), Some(kdrt)) = (
@@ -122,6 +123,8 @@ fn plate_better(
     claim("fig10/plate-better", verdict, &values)
 }
 
+/// Judges whether horizons by KDRT are as good as those by the reference sampler, and better than those by random
+/// samples.
 fn horizon_alike(
     random: &SamplerResults,
     reference: &SamplerResults,

@@ -19,6 +19,7 @@ pub fn tables(all: &[SamplerResults]) -> Vec<Table> {
     ]
 }
 
+/// Returns the errors of zone plates by sampler.
 fn plates(all: &[SamplerResults]) -> Table {
     let rendered = all.iter().filter(|one| !one.plates.is_empty());
     table("fig10/zone-plates", rendered, |one| {
@@ -91,6 +92,7 @@ fn plate_sets(all: &[SamplerResults]) -> Table {
     })
 }
 
+/// Returns the errors of zone plates by class of frequencies.
 fn plate_classes(all: &[SamplerResults]) -> Table {
     let rows = each_plate(all).flat_map(|(name, plate)| {
         let classes = plate.classes.iter();

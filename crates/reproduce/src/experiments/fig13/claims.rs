@@ -41,6 +41,7 @@ const PEAK: Measure = Measure {
     unit: " times",
 };
 
+/// Returns the claims about rates and spectra.
 pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
     let kdrt = |holds: bool| -> Vec<Against> {
         let is_kdrt = |one: &&Against| matches!(one.method, Method::Kdrt { .. });
@@ -100,6 +101,7 @@ fn by_name(rows: &[&EngineRate]) -> String {
     names.iter().map(ratios_of).collect::<Vec<_>>().join("; ")
 }
 
+/// Judges whether mean powers of KDRT are those of the reference sampler.
 fn similar(each: &[Against]) -> Claim {
     // Where chance differences are large, the remainder after subtracting them is uncertain.
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;

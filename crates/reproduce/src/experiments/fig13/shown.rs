@@ -220,6 +220,7 @@ fn noise(one: &MethodSpectra) -> Series {
     }
 }
 
+/// Returns the chart of rates, with a group of bars for each method and leaf.
 pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
     let heading = |row: &EngineRate| {
         let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
@@ -259,6 +260,7 @@ fn threads(threads: Option<usize>) -> String {
     }
 }
 
+/// Returns the table of the sets' quality by radius and method.
 pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
     table("fig13/quality", found, |one| {
         let same = |held: &&Against| {
@@ -283,6 +285,7 @@ pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
     })
 }
 
+/// Returns the table of rates.
 pub fn rate_table(rows: &[EngineRate]) -> Table {
     table("fig13/rates", rows, |row| {
         whiskered(

@@ -135,6 +135,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
     })
 }
 
+/// Returns the curves of a mean spectrum.
 fn curves(spectrum: &Spectrum) -> Curves {
     let (profile, sets) = (&spectrum.profile, spectrum.profile.sets);
     // Annuli of few frequencies, whose anisotropy is noise, have none.

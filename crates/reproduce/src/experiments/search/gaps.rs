@@ -89,6 +89,7 @@ pub struct GapCounts {
 }
 
 impl GapCounts {
+    /// Counts the gaps of a set, and measures their shapes.
     pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self> {
         let options = VerifyOptions {
             witnesses: MAX_CENTERS,

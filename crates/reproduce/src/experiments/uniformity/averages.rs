@@ -120,6 +120,7 @@ impl AgainstReference {
         [&self.powers, &self.pairs].map(|curve| curve.outside().unwrap_or(f64::NAN))
     }
 
+    /// Compares the means of one way with those of the reference sampler.
     fn of(one: &MeanCurves, reference: &MeanCurves) -> Result<Self> {
         let level = Spectrum::LEVEL;
         let [mean, base] = [one.count[0], reference.count[0]];

@@ -58,6 +58,7 @@ fn if_clean(clean: bool, verdict: Verdict) -> Verdict {
     }
 }
 
+/// Returns the claims about uniformity.
 pub fn claims(found: &UniformityResults) -> Vec<Claim> {
     let [reference, moved, circumcentre, uniform, random, exact] = &found.all;
     vec![

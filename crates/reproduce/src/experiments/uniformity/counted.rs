@@ -140,6 +140,7 @@ struct Counter {
 }
 
 impl Counter {
+    /// Counts samples by their place in the domain and by their distance from borders.
     fn count(&self, points: &[Point]) -> Result<SetCounts> {
         let classes = PositionClasses {
             region: region(&self.domain),

@@ -143,6 +143,7 @@ impl<const TAGS: bool> Region<TAGS> {
         known
     }
 
+    /// Returns whether a site is a detector of this detection.
     fn is_detector(&self, gaps: &GapBuffers, searched: SearchedPixel, site: I64Vec2) -> Known {
         let (column, row) = self.frame.column_row(searched.cell);
         let x = (column << CELL_BITS) + site.x as i32;
